@@ -224,72 +224,32 @@ std::size_t offset_of(const std::string& text, const toml::source_position& plac
     return at;
 }
 
-/// Makes the number that ends there, which TOML cannot hold, one that it can: infinite, say. The text keeps its length.
-/// @return false where it is no number
-bool mend_number(std::string& text, std::size_t at) {
-    std::size_t begin = at;
-    while (begin > 0 && in_number(text[begin - 1])) --begin;
-    const std::string word = text.substr(begin, at - begin), plain = word.empty() ? word : plain_number(word);
-    const bool too_many_digits = word.find_first_not_of("+-_0123456789") == std::string::npos;
-    if (plain == word || plain.size() > word.size() || !(too_many_digits || plain.find("inf") != std::string::npos)) return false;
-    text.replace(begin, word.size(), plain + std::string(word.size() - plain.size(), ' '));
-    return true;
-}
-
 bool begins(const std::string& text, std::initializer_list<const char*> beginnings) {
     return std::any_of(beginnings.begin(), beginnings.end(), [&](const char* b) { return text.rfind(b, 0) == 0; });
 }
 
-/// The line above that has the same key in the same table, or the same header.
-std::string told_before(const std::string& text, std::size_t at) {
-    std::vector<std::string> lines;
-    std::istringstream in(text.substr(0, std::min(text.find('\n', at), text.size())));
-    for (std::string line; std::getline(in, line);) {
-        const std::string bare = line.substr(std::min(line.find_first_not_of(" \t"), line.size()));
-        lines.push_back(bare.substr(0, bare.find_first_of(bare[0] == '[' ? "]" : " \t=")));
-    }
-    for (std::size_t k = lines.empty() || lines.back().empty() ? 0 : lines.size() - 1; k-- > 0;)
-        if (lines[k] == lines.back()) return fmt::format("line {} has it already", k + 1);
-        else if (lines.back()[0] != '[' && lines[k][0] == '[') break;
-    return "";
-}
-
-/// What people mean who write that, from the text about the place where it stops being TOML.
+/// The way out of a mistake that is made often, from the text at the place where it stops being TOML.
 std::string syntax_hint(const std::string& text, std::size_t at, const std::string& what) {
     const auto says = [&](const char* part) { return what.find(part) != std::string::npos; };
-    const std::string rest = text.substr(at, text.find('\n', at) - at);
+    const std::string rest = text.substr(at, text.find_first_of("\r\n", at) - at);
     if (says("utf-8") || text.find('\0') != std::string::npos) return "save the file as UTF-8";
-    if (says("redefine")) return told_before(text, at);
-    if (says("string") && (rest.empty() || rest == "\r")) return "a closing quote is missing";
-    if (says("expected '='") && rest[0] == ':') return "between a key and its value stands =";
-    if (begins(rest, {"\u2018", "\u2019", "\u201c", "\u201d", "\u201e", "\u00ab", "\u00bb"})) return "take straight quotes, \"";
-    // The value that is not read: behind the last sign before the place.
+    if (says("string") && rest.empty()) return "add the closing quote";
+    if (says("expected '='") && rest[0] == ':') return "write = between a key and its value";
+    if (begins(rest, {"\u2018", "\u2019", "\u201c", "\u201d", "\u201e", "\u00ab", "\u00bb"})) return "use straight quotes, \"";
+    // The value that cannot be read begins after the last of these signs.
     std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;
     for (std::size_t i = begin; i < at;)
         if (text[i] == '"' || text[i] == '\'') i = end_of_quoted(text, i);
         else if (std::strchr("=[,{", text[i++]) != nullptr) begin = i;
-    if (begin == 0 || std::strchr("=[,{", text[begin - 1]) == nullptr || says("table header")) return "";
+    if (begin == 0 || std::strchr("=[,{", text[begin - 1]) == nullptr || says("table header") || says("redefine")) return "";
     const bool after_key = text[begin - 1] == '=';
     begin = std::min(text.find_first_not_of(" \t", begin), text.size());
-    if (after_key && begin >= at && (rest.empty() || rest[0] == '#' || rest == "\r")) return "a value is missing";
-    if (rest[0] == ',' && at > begin && std::isdigit(static_cast<unsigned char>(text[at - 1])) != 0) return "decimals stand behind a point";
-    std::size_t end = begin;
-    while (end < text.size() && in_number(text[end])) ++end;
-    const std::string word = text.substr(begin, end - begin);
-    if (word == "True" || word == "False") return word == "True" ? "write true" : "write false";
-    if (std::isalpha(static_cast<unsigned char>(text[begin])) != 0) return "texts and expressions stand in quotes";
-    if (word.empty() || std::strchr("+-.0123456789", word[0]) == nullptr) return "";
-    if (const std::string plain = plain_number(word); plain != word && at <= end) return "write " + plain;
-    char* stop = nullptr;
-    std::strtod(text.c_str() + begin, &stop);
-    while (*stop == ' ' || *stop == '\t') ++stop;
-    const std::string behind(stop, std::strcspn(stop, "\n,]}#"));
-    if (begins(behind, {"//", "/*"})) return "comments begin with #";
-    if (behind.find('=') != std::string::npos) return "each key has a line of its own";
-    if (begins(behind, {"*", "/", "+", "-", "^"})) return "texts and expressions stand in quotes";
-    const bool unit =
-        !behind.empty() && (std::isalpha(static_cast<unsigned char>(behind[0])) != 0 || (behind[0] & 0x80) != 0 || behind[0] == '%');
-    return unit ? "a number stands alone, without its unit" : "";
+    if (after_key && begin >= at && (rest.empty() || rest[0] == '#')) return "add a value";
+    if (std::isalpha(static_cast<unsigned char>(text[begin])) != 0)
+        return "put strings and expressions in quotes; booleans are true and false";
+    return std::strchr("+-.0123456789", text[begin]) == nullptr
+               ? ""
+               : "write numbers as in 0.5 or 1e-3, without a unit; put expressions in quotes";
 }
 
 void set_place(Value& v, const Place& place) {
@@ -304,15 +264,12 @@ void set_place(Value& v, const Place& place) {
 
 Value parse_toml(const std::string& text, const std::string& file) {
     check_nesting(text, file);
-    std::string mended = text;
-    for (int tries = 0;; ++tries) try {
-            return converted(toml::parse(mended, file), file);
-        } catch (const toml::parse_error& e) {
-            // A number too large to be held is told with its key: the key's own check does so.
-            const std::size_t at = offset_of(mended, e.source().begin);
-            if (tries < 100 && mend_number(mended, at)) continue;
-            throw InputError(place_of(e.source(), file), "not TOML: " + message_of(e), syntax_hint(mended, at, message_of(e)));
-        }
+    try {
+        return converted(toml::parse(text, file), file);
+    } catch (const toml::parse_error& e) {
+        const std::string what = message_of(e);
+        throw InputError(place_of(e.source(), file), "not TOML: " + what, syntax_hint(text, offset_of(text, e.source().begin), what));
+    }
 }
 
 Value parse_toml_file(const std::string& file) {
@@ -361,7 +318,7 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
         if (std::strchr("[{\"'", change.value[0]) != nullptr) {
             const bool list = change.value.front() == '[' && change.value.back() == ']';
             problems.push_back(
-                {place, "the value is not TOML: " + message_of(e), list ? "texts and expressions in a list stand in quotes" : "", ""});
+                {place, "the value is not TOML: " + message_of(e), list ? "put strings and expressions in a list in quotes" : "", ""});
             return;
         }
         value = Value(change.value);

@@ -33,10 +33,10 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacing = 0", "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = 1e-320", "bad.toml:4:11: fluid.spacing = 1e-320 is out of range; allowed: at least 1e-09"},
     {"spacing = 0.01", "spacing = nan", "bad.toml:4:11: fluid.spacing = nan is not a finite number; allowed: at least 1e-09"},
-    {"spacing = 0.01", "spacing = 1e999 # µ", "bad.toml:4:11: fluid.spacing = inf is not a finite number; allowed: at least 1e-09"},
-    {"spacing = 0.01", "spacing = 0.01\nforce = [\"µ\", -1e999, 1e999]",
+    {"spacing = 0.01", "spacing = inf # µ", "bad.toml:4:11: fluid.spacing = inf is not a finite number; allowed: at least 1e-09"},
+    {"spacing = 0.01", "spacing = 0.01\nforce = [\"µ\", -inf, inf]",
      "bad.toml:5:15: fluid.force[1] = -inf is not a finite number\n"
-     "bad.toml:5:23: fluid.force[2] = inf is not a finite number"},
+     "bad.toml:5:21: fluid.force[2] = inf is not a finite number"},
     {"spacing = 0.01", "spacing = [0.01]", "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = 9", "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = \"wide\"",
@@ -144,7 +144,9 @@ const std::vector<Case> cases = {
      "shifting"},
     {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
     {"", "[pressure]\nmax_iterations = 100000000000000000000",
-     "bad.toml:10:18: pressure.max_iterations = 1e+20 is out of range; allowed: at least 1, at most 2147483647"},
+     "bad.toml:10:39: not TOML: in this decimal integer: '100000000000000000000' is not representable in 64 bits; write numbers as in 0.5 "
+     "or "
+     "1e-3, without a unit; put expressions in quotes"},
     {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
     {"", "[micropolar]\nmicro_inertia = 1",
      "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"seed\", \"bender\" or \"eringen\", not to \"none\"; remove "
@@ -203,16 +205,16 @@ const std::vector<Case> cases = {
     {"", "[quality.fine]\nfluid.spacing = \"x\"\nblock.4.shape = \"box\"",
      "bad.toml:10:17: fluid.spacing must be a number [m], not the text \"x\"\n"
      "bad.toml:11:17: there is no block[4]; block has the entries 0 to 0"},
-    {"", "[fluid]\ndensity = 1",
-     "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'; line 3 has it already"},
+    {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
     {"", "[models]\npressure = ppe",
-     "bad.toml:10:12: not TOML: in this value: could not determine value type; texts and expressions stand in quotes"},
+     "bad.toml:10:12: not TOML: in this value: could not determine value type; put strings and expressions in quotes; booleans "
+     "are true and false"},
     {"", "[models\npressure = \"ppe\"", "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
     {"[time]", "name = \"" + std::string(201, 'a') + "\"\n[time]",
      "bad.toml:1:8: name = \"" + std::string(201, 'a') + "\" cannot name a folder; allowed: letters, digits, _ - ., at most 200 of them"},
     {"", "name = \"a",
-     "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited; a closing "
-     "quote is missing"},
+     "bad.toml:9:10: not TOML: in this string: unescaped control characters other than TAB (U+0009) are explicitly prohibited; add the "
+     "closing quote"},
 };
 
 std::string messages_of(const std::string& text, const ReadRequest& request = {}) {
@@ -238,30 +240,26 @@ TEST_CASE("every mistake in a scene file gets its place, what is wrong, a hint a
 }
 
 TEST_CASE("what stops being TOML gets the way out, at its place", "[scene]") {
+    const std::string number = "write numbers as in 0.5 or 1e-3, without a unit; put expressions in quotes",
+                      quotes = "put strings and expressions in quotes; booleans are true and false";
     const std::vector<std::pair<std::string, std::string>> wrong = {
-        {"end = 1,5", "2:8 decimals stand behind a point"},
-        {"end = 2s", "2:8 a number stands alone, without its unit"},
-        {"end = 8 \u00b5s # long", "2:9 a number stands alone, without its unit"},
-        {"end = 80.0 Pa s", "2:12 a number stands alone, without its unit"},
-        {"end = [8mm, 1]", "2:9 a number stands alone, without its unit"},
-        {"end = 1/120", "2:8 texts and expressions stand in quotes"},
-        {"end = 0.5*2", "2:10 texts and expressions stand in quotes"},
-        {"end = sin(1, 2)", "2:7 texts and expressions stand in quotes"},
-        {"end = tube", "2:8 texts and expressions stand in quotes"},
-        {"end = True", "2:7 write true"},
-        {"end = .5", "2:7 write 0.5"},
-        {"end = 5. # s", "2:9 write 5.0"},
-        {"end = [1.e3, 1]", "2:10 write 1000.0"},
-        {"end = \u201ca\u201d", "2:7 take straight quotes, \""},
-        {"end = 'a", "2:9 a closing quote is missing"},
-        {"end = 1\nfps = 2\n end=3", "4:6 line 2 has it already"},
-        {"end = 1\n[ a ]\n[ b ]\n[ a ]", "5:1 line 3 has it already"},
-        {"end =", "2:6 a value is missing"},
-        {"end: 1", "2:4 between a key and its value stands ="},
-        {"end = 1 fps = 2", "2:9 each key has a line of its own"},
-        {"end = 1 // s", "2:9 comments begin with #"},
+        {"end = 1,5", "2:8 " + number},
+        {"end = 2s", "2:8 " + number},
+        {"end = 8 \u00b5s # long", "2:9 " + number},
+        {"end = [8mm, 1]", "2:9 " + number},
+        {"end = 1/120", "2:8 " + number},
+        {"end = .5", "2:7 " + number},
+        {"end = [1.e3, 1]", "2:10 " + number},
+        {"end = 1 fps = 2", "2:9 " + number},
+        {"end = sin(1, 2)", "2:7 " + quotes},
+        {"end = tube", "2:8 " + quotes},
+        {"end = True", "2:7 " + quotes},
+        {"end = \u201ca\u201d", "2:7 use straight quotes, \""},
+        {"end = 'a", "2:9 add the closing quote"},
+        {"end = 1\nfps = 2\n end=3", "4:6 "},
+        {"end =", "2:6 add a value"},
+        {"end: 1", "2:4 write = between a key and its value"},
         {"end = 1 # \xe9", "2:10 save the file as UTF-8"},
-        {"end = [1 2]", "2:10 "},
         {"end = ~", "2:7 "},
     };
     for (const auto& [by, told] : wrong) {
@@ -346,9 +344,9 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
           "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
           "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
-          "--set block[0].max=[0, 2 x]: the value is not TOML: in this array: expected comma or closing ']', saw 'x'; texts and "
-          "expressions in a list "
-          "stand in quotes\n"
+          "--set block[0].max=[0, 2 x]: the value is not TOML: in this array: expected comma or closing ']', saw 'x'; put "
+          "strings and expressions in a list "
+          "in quotes\n"
           "--set block[0].max.x=1: block[0].max is a list, which has no x; name an entry, as in block[0].max[0]; block[0].max has the "
           "entries 0 to 2\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
