@@ -116,29 +116,27 @@ TEST_CASE(
     const test::ScratchFolder cache;
     const Environment home("XDG_CACHE_HOME", cache.path().string());
     const SceneFile file = shipped("honey_coil", {"camera.kind=auto", "look.style=particles"});
-    const Plan plan = make_plan(file.scene);
-    keep_calibration(file, plan, costs());
+    keep_calibration(file, costs());
     namespace fs = std::filesystem;
     const fs::path kept = calibration_file();
     CHECK(std::distance(fs::directory_iterator(kept.parent_path()), fs::directory_iterator()) == 1);
     // What stands there already is not written again.
     const fs::file_time_type past(std::chrono::hours(1));
     fs::last_write_time(kept, past);
-    keep_calibration(file, plan, costs());
-    keep_calibration(file, plan, *find_calibration(file, plan));
+    keep_calibration(file, costs());
+    keep_calibration(file, *find_calibration(file));
     CHECK(fs::last_write_time(kept) == past);
     SceneFile chosen = file;
     chosen.look.range = {0, 2};
     chosen.camera.min = Vec3f(-1, 0, -1), chosen.camera.max = Vec3f(1, 1, 1);
     chosen.scene.output.exports = {"raw"}, chosen.scene.output.video = false;
-    CHECK(find_calibration(chosen, plan).has_value());
+    CHECK(find_calibration(chosen).has_value());
     // A box of the scene's own is another picture, and so is another size.
+    CHECK_FALSE(find_calibration(
+                    shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "camera.min=[-1, 0, -1]", "camera.max=[1, 1, 1]"}))
+                    .has_value());
     CHECK_FALSE(
-        find_calibration(
-            shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "camera.min=[-1, 0, -1]", "camera.max=[1, 1, 1]"}), plan)
-            .has_value());
-    CHECK_FALSE(
-        find_calibration(shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "output.size=[320, 180]"}), plan).has_value());
+        find_calibration(shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "output.size=[320, 180]"})).has_value());
 }
 
 TEST_CASE("pictures cost what they do at their moment of the film, the time left goes by that and by the pace of now", "[cost]") {

@@ -16,7 +16,6 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "engine/io/snapshot.h"
-#include "engine/scene/names.h"
 #include "render/gl/renderer.h"
 #include "render/image/exr.h"
 #include "render/look/camera.h"
@@ -29,36 +28,15 @@ namespace whorl {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
-/// Everything that a particle-step may cost differently for.
-std::string key_of(const SceneFile& file, const Plan& plan) {
-    std::string key = fmt::format("{} | {} | {} threads", build_id(), processor_name(), threads());
-    for (const Choice& c : plan.choices)
-        if (c.key != "pressure.sound_speed") key += fmt::format(" | {}={}", c.key, c.value);
-    const Scene& s = file.scene;
-    // Solvers take longer the more viscous the fluid: by powers of ten of nu dt/d^2.
-    const double number = plan.largest_viscosity / s.fluid.density * s.time.max_step / (plan.spacing * plan.spacing);
-    key += fmt::format(" | viscous number 1e{:.0f}", number > 0 ? std::round(std::log10(number)) : -99);
-    if (!s.emitters.empty() && s.blocks.empty())
-        key += fmt::format(" | {:.1g} particles poured {:.2g} across at {:.2g} m/s, {} Pa s", poured_particles(plan),
-                           half_thickness(s.emitters.front(), plan.spacing), s.emitters.front().speed(0), s.viscosity_of_source(1).text());
-    key += fmt::format(" | {} solids {} emitters {} blocks", s.solids.empty() ? "no" : "with", s.emitters.empty() ? "no" : "with",
-                       s.blocks.empty() ? "no" : "with");
-    key += fmt::format(" | tolerance {:g} {:g}, preconditioner {} {}", s.pressure.tolerance, s.viscosity.tolerance,
-                       name_of(s.pressure.preconditioner), name_of(s.viscosity.preconditioner));
-    if (plan.facts.pressure.form) key += fmt::format(" | {}", name_of(*plan.facts.pressure.form));
-    if (plan.facts.pressure.source) key += fmt::format(" | {}", name_of(*plan.facts.pressure.source));
-    return key;
-}
-
-/// What pictures cost does not hang on the colours' range, nor on what is made of them. Nor on the box that an automatic camera was given
+/// The costs do not depend on the colours' range, nor on what is made of the images, nor on the box that an automatic camera was given
 /// for the film: only one of the scene's own counts.
-std::string key_of_pictures(SceneFile file) {
+std::string key_of(SceneFile file) {
     file.look.range = {0, 0}, file.look.streak_time = 0;
     file.scene.output.exports.clear(), file.scene.output.video = true;
     if (file.scene.places.count("camera.min") == 0) file.camera.min.reset(), file.camera.max.reset();
-    return fmt::format("pictures | {} | {} | {} threads | {:x}", build_id(), processor_name(), threads(),
+    return fmt::format("{} | {} | {} threads | {:x}", build_id(), processor_name(), threads(),
                        std::hash<std::string>()(resolved_toml(file)));
 }
 
@@ -238,50 +216,12 @@ Calibration measure(const SceneFile& file, const Plan& plan) {
     return c;
 }
 
-Json to_json(const StepCosts& costs) {
-    Json json = Json::object();
-    for (const auto& [name, cost] : costs) json[name] = {cost.particle, cost.waits};
-    return json;
-}
-
-StepCosts costs_from_json(const Json& json) {
-    StepCosts costs;
-    for (const auto& [name, cost] : json.items()) costs[name] = {cost.at(0), cost.at(1)};
-    return costs;
-}
-
-Json to_json(const Calibration& c) {
-    return {
-        {"particles", c.particles}, {"iterations", c.iterations}, {"stages", to_json(c.stages)}, {"bytes_a_particle", c.bytes_a_particle}};
-}
-
-Json pictures_to_json(const Calibration& c) {
-    Json list = Json::array();
-    for (const Calibration::Picture& p : c.pictures) list.push_back({p.part, p.surface, p.draw});
-    return {{"write", c.write},
-            {"pictures", list},
-            {"stages", to_json(c.film_stages)},
-            {"iterations", c.film_iterations},
-            {"pace", c.film_pace}};
-}
-
-/// @throws nlohmann's exceptions where the cache holds something else
-Calibration from_json(const Json& steps) {
-    Calibration c;
-    c.particles = steps.at("particles"), c.iterations = steps.at("iterations"), c.bytes_a_particle = steps.at("bytes_a_particle");
-    c.stages = costs_from_json(steps.at("stages"));
-    c.kept = true;
-    return c;
-}
-
-void pictures_from_json(const Json& pictures, Calibration& c) {
-    c.write = pictures.at("write"), c.film_iterations = pictures.at("iterations");
-    c.film_stages = costs_from_json(pictures.at("stages"));
-    for (const Json& steps : pictures.at("pace")) c.film_pace.push_back(steps);
-    for (const Json& p : pictures.at("pictures")) c.pictures.push_back({p.at(0), p.at(1), p.at(2)});
-}
-
 }  // namespace
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StepCost, particle, waits)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Calibration::Picture, part, surface, draw)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Calibration, particles, iterations, stages, bytes_a_particle, film_stages, film_iterations, film_pace,
+                                   pictures, write)
 
 fs::path calibration_file() {
     if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "whorl" / "costs.json";
@@ -289,31 +229,24 @@ fs::path calibration_file() {
     return {};
 }
 
-std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& plan) try {
-    const Json all = read_cache();
-    if (!all.is_object()) return std::nullopt;
-    const auto steps = all.find(key_of(file, plan)), pictures = all.find(key_of_pictures(file));
-    if (steps == all.end() || pictures == all.end()) return std::nullopt;
-    Calibration c = from_json(*steps);
-    pictures_from_json(*pictures, c);
+std::optional<Calibration> find_calibration(const SceneFile& file) try {
+    Calibration c = read_cache().at(key_of(file));
+    c.kept = true;
     return c;
 } catch (const Json::exception&) { return std::nullopt; }
 
 Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation& simulation) {
-    if (auto known = find_calibration(file, plan)) return *known;
-    Calibration c;
-    try {
-        c = from_json(read_cache().at(key_of(file, plan)));
-    } catch (const Json::exception&) { c = measure(file, plan); }
+    if (auto known = find_calibration(file)) return *known;
+    Calibration c = measure(file, plan);
     measure_film(file, simulation, estimate(file, plan, simulation, c).film_simulate, c);
-    keep_calibration(file, plan, c);
+    keep_calibration(file, c);
     return c;
 }
 
-void keep_calibration(const SceneFile& file, const Plan& plan, const Calibration& c) try {
+void keep_calibration(const SceneFile& file, const Calibration& c) try {
     const Json before = read_cache();
     Json all = before.is_object() && before.size() <= 400 ? before : Json::object();
-    all[key_of(file, plan)] = to_json(c), all[key_of_pictures(file)] = pictures_to_json(c);
+    all[key_of(file)] = c;
     if (all == before) return;
     fs::create_directories(calibration_file().parent_path());
     // Under a name of its own: another run may write at the same time.

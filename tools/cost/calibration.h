@@ -1,6 +1,5 @@
 #pragma once
-/// What one particle-step costs on this machine, measured once for each set of models, and what the pictures of a scene cost, measured once
-/// for each scene; then kept in the user's cache folder.
+/// The cost of a particle-step and of images on this machine, measured once for each scene and kept in the user's cache folder.
 #include <map>
 #include <optional>
 #include <string>
@@ -78,14 +77,14 @@ struct Calibration {
     bool kept = false;              ///< read from the cache rather than measured now
 };
 
-/// What was measured earlier for this program, machine, number of threads, set of models and scene; nothing where that was never done.
-std::optional<Calibration> find_calibration(const SceneFile& file, const Plan& plan);
-/// The same, measured now where it is not known (some seconds) and kept for the next time.
+/// The costs measured earlier for this program, machine, number of threads and scene; nothing if there are none.
+std::optional<Calibration> find_calibration(const SceneFile& file);
+/// The same, measured now if they are unknown (some seconds) and kept for the next time.
 /// @param simulation of the scene, at its start
 Calibration calibrate(const SceneFile& file, const Plan& plan, const Simulation& simulation);
 
-/// Keeps them for a scene (a cache that cannot be written is no error).
-void keep_calibration(const SceneFile& file, const Plan& plan, const Calibration& calibration);
+/// Keeps them for a scene (a cache that cannot be written is not an error).
+void keep_calibration(const SceneFile& file, const Calibration& calibration);
 
 /// The file that measurements are kept in: $XDG_CACHE_HOME/whorl/costs.json, else ~/.cache/whorl/costs.json; empty where there is no home.
 std::filesystem::path calibration_file();

@@ -1,7 +1,6 @@
 #pragma once
 /// The camera box and the colour range of a whole film, found before it: from the scene alone, or from a coarse run.
 #include <Eigen/Geometry>
-#include <array>
 
 #include "engine/io/frame.h"
 #include "engine/sim/simulation.h"
@@ -34,35 +33,21 @@ void look_at(CameraOptions& camera, const Extent& extent);
 /// Whether the look shows a field and leaves the range of its colours open.
 bool wants_range(const LookOptions& look);
 
-/// The look's own range where it has one. Else an estimate from the scene, the same for every frame of the film and rounded to a number
-/// that is easy to read: of speed the largest that the start, the emitters, the solids or a free fall through the domain give; of pressure
-/// that of the domain's height full of fluid and of a stop from the largest speed; of density 3 % about rest; of spin and vorticity what
-/// the start and the solids' turning give, else the largest speed over eight spacings. Symmetric about zero on a diverging map.
-/// @param start the frame at the beginning of the run
-std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation, const Frame& start);
-/// The same for a simulation that has not begun.
-std::array<float, 2> film_range(const LookOptions& look, const Simulation& simulation);
-
-/// That of density, which goes by the scene alone.
-std::array<float, 2> density_range(const Scene& scene);
-
 /// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. @param value above 0
 double round_number_above(double value);
-
-/// Whether the look has streaks or arrows and leaves their time open.
-bool wants_streak_time(const LookOptions& look);
 
 /// The way that streaks and arrows of a slice show [s], the same for every frame of the film: as the look says, else as long as a frame
 /// lasts, or what the fastest fluid takes for a few hundredths of the domain.
 float film_streak_time(const LookOptions& look, const Simulation& simulation);
 
-/// The scene with what it leaves open for a whole film to have: the range of its colour map, and the box that an automatic camera shows, as
-/// the scene alone lets them be estimated (film_range(), foreseen_extent()). @param start the run at its beginning
+/// The scene with what it leaves open for a whole film, as estimated from the scene alone: the range of its colour map and the box of an
+/// automatic camera. @param start the run at its beginning
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
-/// The same from the flow itself: the scene is run to its end at twice its spacing (an eighth of the time in the plane, a sixteenth in
-/// space). The range then holds 99 % of the particles at each of 24 moments, the box what is seen at them (add_seen()). Where that cannot
-/// be run and where there are no pictures, both are estimates. So is the range of density.
+/// The same from the flow itself: the scene is run to
+/// its end at twice its spacing (an eighth of the time in the plane, a sixteenth in space). The range then holds 99 % of the particles at
+/// each of 24 moments, the box what is seen at them (add_seen()). If that cannot be run, and without images, both are estimates from the
+/// scene alone. So is the range of density.
 /// @param start the run at its beginning @param quiet say nothing on the terminal
 SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet);
 

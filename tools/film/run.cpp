@@ -71,7 +71,6 @@ private:
     void resume();
     void greet(const Plan& plan);
     std::optional<Estimate> foreseen(SceneFile file, const Plan& plan) const;
-    std::optional<Estimate> foreseen_before() const;
     std::vector<double> foreseen_frames(const Plan& plan) const;
 
     bool stop_wanted() override { return interrupt_.interrupted(); }
@@ -90,7 +89,6 @@ private:
     void print_result(const std::string& status, const std::string& message, double wall) const;
     void write_report(const std::string& status, const std::string& message);
     void save_newest();
-    void predict_late();
     int frames_written() const { return std::max(first_ - 1, film_->frames_written()); }
 
     const RunRequest& request_;
@@ -151,27 +149,17 @@ void Run::greet(const Plan& plan) {
 
 /// What the scene will take, where that was measured.
 std::optional<Estimate> Run::foreseen(SceneFile file, const Plan& plan) const {
-    const auto costs = find_calibration(file, plan);
+    const auto costs = find_calibration(file);
     if (!costs) return std::nullopt;
     // When the film is resumed its scene is this one.
-    if (!request_.from) keep_calibration(read_resolved(scene_text_, "scene.resolved.toml"), plan, *costs);
+    if (!request_.from) keep_calibration(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
     if (request_.no_draw) file.scene.output.frames = false;
     return estimate(file, plan, simulation_, *costs);
 }
 
-/// The same of the scene as it was when the run stopped.
-std::optional<Estimate> Run::foreseen_before() const try {
-    const SceneFile before = read_resolved(request_.from->scene, "scene.resolved.toml");
-    return foreseen(before, make_plan(before.scene));
-} catch (const InputError&) {  // a foresight is no reason to refuse the run
-    return std::nullopt;
-}
-
-/// Seconds that frames will take, at least as many as the run has; none where they were not measured. Of a run that is made longer, frames
-/// behind its old end take as long as the last one before.
+/// Seconds that each frame will take; empty if costs were not measured.
 std::vector<double> Run::foreseen_frames(const Plan& plan) const {
-    auto e = foreseen(request_.file, plan);
-    if (!e && request_.from) e = foreseen_before();
+    const auto e = foreseen(request_.file, plan);
     std::vector<double> frames = e ? e->frames_seconds : std::vector<double>();
     if (!frames.empty()) frames.resize(std::max(frames.size(), static_cast<std::size_t>(last_)), frames.back());
     return frames;
@@ -283,21 +271,6 @@ void Run::save_newest() {
     if (const auto state = film_->newest_state()) write_checkpoint(folder_.path(), *state);
 }
 
-/// What the run was expected to take, where costs had not been measured when it began: then it began at once, and a run that took long
-/// enough can spare the seconds that measuring takes.
-void Run::predict_late() try {
-    constexpr double spares_seconds = 120;
-    if (predicted_ > 0 || request_.from || request_.frames || times_.wall() < spares_seconds) return;
-    predicted_ = estimate(request_.file).film;
-    // The rest of the report stands: the run took neither the time nor the memory of this.
-    const std::filesystem::path file = folder_.path() / "run.json";
-    auto report = nlohmann::ordered_json::parse(std::ifstream(file));
-    report["predicted_wall_seconds"] = predicted_;
-    write_text(file, json_text(report, 2) + "\n");
-} catch (const std::exception& error) {  // the film is there, which is what counts
-    log_->warn("no prediction: {}", error.what());
-}
-
 void Run::say_done(double wall) {
     if (const RunTotals& totals = simulation_.totals(); totals.unconverged_solves > 0)
         progress_->note(fmt::format("{} solves of {} steps ended before their tolerance (run.json: first_troubles)",
@@ -326,7 +299,6 @@ int Run::conclude(const std::string& status, const std::string& message) {
     tables_->draw_plots();
     write_report(status, message);
     const double wall = times_.wall();
-    if (status == "done") predict_late();
     log_->info("{} after {} frames, {} steps, {:.1f} s{}{}", status, frames_written(), simulation_.totals().steps, wall,
                message.empty() ? "" : ": ", message);
     if (status == "done") say_done(wall);

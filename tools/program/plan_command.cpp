@@ -2,12 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
-#include <optional>
-#include <thread>
 
 #include "engine/core/parallel.h"
 #include "engine/probes/comparison.h"
@@ -37,35 +32,17 @@ FilmCost film_cost(const std::vector<Estimate>& runs) {
     return sum;
 }
 
-/// A line on standard error where the work that follows takes longer than some seconds.
-class SaidLater {
-public:
-    explicit SaidLater(const char* line)
-        : thread_([this, line](const std::stop_token& stop) {
-              std::unique_lock lock(mutex_);
-              if (!ended_.wait_for(lock, stop, std::chrono::seconds(3), [] { return false; }) && !stop.stop_requested())
-                  fmt::print(stderr, "{}\n", line);
-          }) {}
-
-private:
-    std::mutex mutex_;
-    std::condition_variable_any ended_;
-    std::jthread thread_;
-};
-
 int plan(const Options& options) {
     set_threads(options.threads);
     const SceneFile file = read_scene_file(options);
     Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
     check_probes(simulation);
-    std::optional<SaidLater> said;
-    if (!options.json && (!find_calibration(file, plan) || !file.scene.panels.empty()))
-        said.emplace("measuring what a step and a picture cost: some moments of the film with larger particles ...");
+    if (!options.json && (!find_calibration(file) || !file.scene.panels.empty()))
+        fmt::print(stderr, "measuring the cost of steps and pictures: some moments of the film with larger particles ...\n");
     const Calibration calibration = calibrate(file, plan, simulation);
     const Estimate cost = estimate(file, plan, simulation, calibration);
     const std::vector<Estimate> runs = estimates_of_runs(file, cost);
-    said.reset();
     if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of what is run
     const auto less = [](const Estimate& a, const Estimate& b) { return a.memory < b.memory; };
     const Estimate& largest = *std::max_element(runs.begin(), runs.end(), less);
