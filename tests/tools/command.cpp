@@ -84,7 +84,7 @@ TEST_CASE("an option that takes a number tells what it must be, a scene that is 
              {"video a --fps -1", "whorl video: --fps must be a number above 0, not \"-1\"; see"},
              {"live a --token 'a&b'", "--token: is a part of the page's address; allowed: letters, digits and - . _ ~\n"},
              {"render 'my scene'", "my scene: no such scene file; did you mean \"my scene.toml\"?; allowed: a path"},
-             {"render 'my_scene.toml'", "my_scene.toml: no such scene file; did you mean \"my scene.toml\"?; allowed: a path"},
+             {"render 'my_scene.toml'", "my_scene.toml: no such scene file; allowed: a path"},
              {"render scenes/lava.toml", "scenes/lava.toml: no such scene file; did you mean \"lava\"?; allowed: a path"},
              {"render hony_coil", "hony_coil: no such scene file; did you mean \"honey_coil\"?; allowed: a path"},
              {"render coil_frequency", "coil_frequency: is a study, not a scene; whorl tradeoff coil_frequency\n"},

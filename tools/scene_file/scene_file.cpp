@@ -1,6 +1,7 @@
 #include "tools/scene_file/scene_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -51,12 +52,6 @@ std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     return found;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 /// The options that are keys of the scene, as changes to it.
 std::vector<Change> changes_of(const Options& options) {
     std::vector<Change> changes;
@@ -83,7 +78,7 @@ std::vector<Change> changes_of(const Options& options) {
     if (!options.exports.empty()) {
         Value::List list;
         for (const std::string& name : options.exports) list.emplace_back(name);
-        add("output.export", Value(list).toml(), "--export " + joined(options.exports));
+        add("output.export", Value(list).toml(), fmt::format("--export {}", fmt::join(options.exports, ", ")));
     }
     return changes;
 }
@@ -192,19 +187,6 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     return with_first_changes(file, beat);
 }
 
-/// Of the files beside a path that is none; "" where none has a name like it.
-std::string file_beside(const std::string& name) {
-    std::error_code ignored;
-    if (fs::is_regular_file(name + ".toml", ignored)) return name + ".toml";
-    const fs::path path(name), folder = path.parent_path();
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, ignored))
-        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-    std::sort(names.begin(), names.end());
-    const std::string near = nearest_name(path.stem().string(), names);
-    return near.empty() ? "" : (folder / (near + ".toml")).string();
-}
-
 fs::path find_file(const std::string& name, bool study) {
     std::error_code ignored;
     if (fs::is_regular_file(name, ignored)) return name;
@@ -222,11 +204,11 @@ fs::path find_file(const std::string& name, bool study) {
         if (bare && other == stem)
             throw InputError({name, 0, 0}, study ? "is a scene, not a study" : "is a study, not a scene",
                              "whorl " + (study ? "render" : path.parent_path().filename().string()) + " " + stem);
-    std::string near = file_beside(name);
+    std::string near = fs::is_regular_file(name + ".toml", ignored) ? name + ".toml" : "";
     const std::string last = fs::path(name).stem().string();
     if (near.empty()) near = std::find(names.begin(), names.end(), last) != names.end() ? last : nearest_name(last, names);
     throw InputError({name, 0, 0}, fmt::format("no such {} file", kind), near.empty() ? "" : "did you mean \"" + near + "\"?",
-                     names.empty() ? "" : "allowed: a path, or one of " + joined(study ? names : film_names()));
+                     names.empty() ? "" : fmt::format("allowed: a path, or one of {}", fmt::join(study ? names : film_names(), ", ")));
 }
 
 }  // namespace
