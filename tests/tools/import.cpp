@@ -173,7 +173,7 @@ TEST_CASE("an imported scene in the plane has two numbers a place, and one that 
     CHECK(outcome.out.find("the scene never ends (no stopAt): time.end is 5 s") != std::string::npos);
     CHECK(outcome.out.find("taken as a container") != std::string::npos);
     CHECK(outcome.out.find("before it runs") == std::string::npos);
-    CHECK(outcome.out.find("warning: domain.gravity = 9810 m/s^2") != std::string::npos);
+    CHECK(outcome.out.find("warning: domain.gravity = 9810 is 1e+03 times") != std::string::npos);
     const Scene scene = read_scene_file(out).scene;
     CHECK(scene.domain.dimensions == 2);
     CHECK(scene.time.fixed_step == 0.002);

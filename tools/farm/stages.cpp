@@ -17,6 +17,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/whole_file.h"
 #include "render/video/process.h"
+#include "tools/film/progress.h"
 #include "tools/process/process.h"
 
 namespace whorl {
@@ -104,37 +105,26 @@ std::string last_lines(const fs::path& file) {
     return all.size() <= 500 ? all : "..." + all.substr(all.size() - 500);
 }
 
-/// Tasks that did not end well; those that were left out have their reason among them.
-std::vector<FarmFailure> failures_of(const std::vector<FarmStage>& stages, const fs::path& folder) {
-    std::vector<FarmFailure> failures;
-    for (const FarmStage& stage : stages)
-        for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
-            const auto code = code_of(folder, stage, k);
-            if (code == 0 || code == left_out) continue;
-            const fs::path log = file_of(folder, stage, k, "log");
-            failures.push_back(
-                {stage.tasks[k].film, fmt::format("{}, {}: {}; everything that it said is in {}", stage.name, stage.tasks[k].name,
-                                                  code ? fmt::format("ended with {}: {}", *code, last_lines(log))
-                                                       : "was ended from outside (out of time or memory?)",
-                                                  log.string())});
-        }
-    return failures;
-}
-
-/// Where a film that has failed already needs what failed, it does not go on.
-FarmEnd interrupted_here(const std::vector<FarmStage>& stages, const fs::path& folder) {
-    FarmEnd end{true, {}, {}};
-    std::set<fs::path> failed;
+/// The tasks that failed. Those that were left out have their reason among them.
+/// @param interrupted what has not ended was interrupted; a film of which something failed does not continue
+FarmEnd end_of(const std::vector<FarmStage>& stages, const fs::path& folder, bool interrupted) {
+    FarmEnd end{interrupted, {}, {}};
     for (const FarmStage& stage : stages)
         for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
             const FarmTask& task = stage.tasks[k];
-            const int code = code_of(folder, stage, k).value_or(exit_interrupted);
-            if (code != exit_done && code != exit_interrupted) failed.insert(task.film);
-            else if (code != exit_done && (task.takes_diverged || !failed.contains(task.film)))
-                end.stopped.try_emplace(task.film, stage.name);
+            const auto code = code_of(folder, stage, k);
+            if (code == exit_done || code == left_out) continue;
+            if (interrupted && code.value_or(exit_interrupted) == exit_interrupted) {
+                const auto is_its = [&](const FarmFailure& failure) { return failure.film == task.film; };
+                if (task.takes_diverged || std::none_of(end.failures.begin(), end.failures.end(), is_its))
+                    end.stopped.try_emplace(task.film, stage.name);
+                continue;
+            }
+            const fs::path log = file_of(folder, stage, k, "log");
+            const std::string how =
+                code ? fmt::format("ended with {}: {}", *code, last_lines(log)) : "was ended from outside (out of time or memory?)";
+            end.failures.push_back({task.film, fmt::format("{}, {}: {}; the full log: {}", stage.name, task.name, how, log.string())});
         }
-    for (FarmFailure& failure : failures_of(stages, folder))
-        if (failed.contains(failure.film)) end.failures.push_back(std::move(failure));
     return end;
 }
 
@@ -142,10 +132,7 @@ FarmEnd interrupted_here(const std::vector<FarmStage>& stages, const fs::path& f
 class FarmProgress {
 public:
     FarmProgress(const std::vector<FarmStage>& stages, const fs::path& folder, bool quiet)
-        : stages_(stages), folder_(folder), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
-    ~FarmProgress() {
-        if (open_) std::fputs("\n", stderr);
-    }
+        : stages_(stages), folder_(folder), line_(quiet) {}
     void show() {
         std::string line;
         for (const FarmStage& stage : stages_) {
@@ -153,40 +140,22 @@ public:
             for (std::size_t k = 0; k < stage.tasks.size(); ++k) ended += code_of(folder_, stage, k).value_or(left_out) != left_out;
             line += fmt::format("{}{} {} of {}", line.empty() ? "" : ", ", stage.name, ended, stage.tasks.size());
         }
-        if (quiet_ || line == shown_) return;
-        shown_ = line, open_ = terminal_;
-        std::fputs(((terminal_ ? "\r\033[K" : "") + line + (terminal_ ? "" : "\n")).c_str(), stderr);
-        std::fflush(stderr);
+        if (line != shown_) line_.show(shown_ = line);
     }
 
 private:
     const std::vector<FarmStage>& stages_;
     const fs::path& folder_;
-    bool quiet_, terminal_, open_ = false;
+    StatusLine line_;
     std::string shown_;
 };
-
-/// A child that the interrupt of the terminal does not reach: it is ended as this program says.
-pid_t start(const std::vector<std::string>& words) {
-    std::vector<char*> argv;
-    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-    argv.push_back(nullptr);
-    const pid_t pid = fork();
-    if (pid < 0) throw EnvironmentError("a task could not be started");
-    if (pid == 0) {
-        setpgid(0, 0);
-        execvp(argv[0], argv.data());
-        _exit(127);
-    }
-    return pid;
-}
 
 /// @return false: interrupted
 bool run_here(const FarmStage& stage, const fs::path& folder, std::size_t jobs, const InterruptGuard& interrupt, FarmProgress& progress) {
     std::vector<pid_t> running;
     for (std::size_t next = 0; next < stage.tasks.size() || !running.empty();) {
         while (next < stage.tasks.size() && running.size() < jobs && !interrupt.interrupted())
-            running.push_back(start({"bash", (folder / (stage.name + ".sh")).string(), std::to_string(next++), "farm"}));
+            running.push_back(start_program({"bash", (folder / (stage.name + ".sh")).string(), std::to_string(next++), "farm"}));
         std::erase_if(running, [](pid_t pid) { return waitpid(pid, nullptr, WNOHANG) == pid; });
         progress.show();
         if (interrupt.interrupted()) {
@@ -308,14 +277,14 @@ FarmEnd run_stages(const std::vector<FarmStage>& stages, const fs::path& folder,
     progress.show();
     if (options.on == "slurm") {
         if (!run_on_slurm(stages, here, options, interrupt, progress)) return {true, {}, {}};
-        return {false, {}, failures_of(stages, here)};
+        return end_of(stages, here, false);
     }
     for (const FarmStage& stage : stages) {
         if (!run_here(stage, here, static_cast<std::size_t>(std::max(1, options.jobs)), interrupt, progress))
-            return interrupted_here(stages, here);
+            return end_of(stages, here, true);
         progress.show();
     }
-    return {false, {}, failures_of(stages, here)};
+    return end_of(stages, here, false);
 }
 
 }  // namespace whorl

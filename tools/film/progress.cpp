@@ -32,41 +32,40 @@ void tell_note(const std::string& text, bool json) {
     else std::fprintf(stderr, "%s\n", text.c_str());
 }
 
-PartProgress::PartProgress(std::string what, bool quiet)
-    : what_(std::move(what)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), began_(wall_seconds()), shown_(began_) {}
+StatusLine::StatusLine(bool quiet, double shown) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), shown_(shown) {}
 
-PartProgress::~PartProgress() {
-    if (line_open_) std::fputs("\r\033[K", stderr);
+bool StatusLine::due() const { return !quiet_ && wall_seconds() - shown_ >= (terminal_ ? 0.1 : 5); }
+
+void StatusLine::show(const std::string& text) {
+    if (quiet_) return;
+    shown_ = wall_seconds(), open_ = terminal_;
+    std::fputs(((terminal_ ? "\r\033[K" : "") + text + (terminal_ ? "" : "\n")).c_str(), stderr);
+    std::fflush(stderr);
 }
 
+void StatusLine::clear() {
+    if (open_) std::fputs("\r\033[K", stderr);
+    open_ = false;
+}
+
+PartProgress::PartProgress(std::string what, bool quiet) : what_(std::move(what)), line_(quiet, wall_seconds()), began_(wall_seconds()) {}
+
 void PartProgress::done(double part) {
-    const double now = wall_seconds();
-    if (quiet_ || now - shown_ < (terminal_ ? 0.1 : 5) || !(part > 0)) return;
-    shown_ = now;
-    const std::string line = fmt::format("{}: {:.0f} %  {} left", what_, 100 * part, duration((now - began_) * (1 - part) / part));
-    if (terminal_) std::fprintf(stderr, "\r\033[K%s", line.c_str()), std::fflush(stderr);
-    else std::fprintf(stderr, "%s\n", line.c_str());
-    line_open_ = terminal_;
+    const double spent = wall_seconds() - began_;
+    if (part > 0 && line_.due()) line_.show(fmt::format("{}: {:.0f} %  {} left", what_, 100 * part, duration(spent * (1 - part) / part)));
 }
 
 Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)
-    : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), terminal_(isatty(STDERR_FILENO) == 1),
-      began_(wall_seconds()), frame_done_at_(began_) {}
-
-Progress::~Progress() { clear(); }
-
-void Progress::clear() {
-    if (line_open_) std::fputs("\r\033[K", stderr);
-    line_open_ = false;
-}
+    : first_(first_frame), last_(last_frame), quiet_(quiet || json), json_(json), line_(quiet_), began_(wall_seconds()),
+      frame_done_at_(began_) {}
 
 void Progress::say(const std::string& text) {
-    clear();
+    line_.clear();
     if (!quiet_) std::fprintf(stderr, "%s\n", text.c_str());
 }
 
 void Progress::note(const std::string& text) {
-    clear();
+    line_.clear();
     tell_note(text, json_);
 }
 
@@ -110,20 +109,12 @@ void Progress::frame_done(const Simulation& simulation, int frame, double iterat
 }
 
 void Progress::show(const Simulation& simulation, int frame, bool must) {
-    const double now = wall_seconds();
-    if (quiet_ || (!must && now - shown_ < (terminal_ ? 0.1 : 5))) return;
-    shown_ = now;
+    if (!must && !line_.due()) return;
     std::string line =
         fmt::format("frame {}/{}  t {:.3g} s  {} particles", frame, last_, simulation.time(), grouped(simulation.world().fluid.size()));
     if (iterations_ > 0) line += fmt::format("  {:.0f} it", iterations_);
     if (frame_seconds_ > 0) line += fmt::format("  {:.0f} ms/frame  {} left", 1000 * frame_seconds_, duration(seconds_left(frame)));
-    if (terminal_) {
-        std::fprintf(stderr, "\r\033[K%s", line.c_str());
-        std::fflush(stderr);
-        line_open_ = true;
-    } else {
-        std::fprintf(stderr, "%s\n", line.c_str());
-    }
+    line_.show(line);
 }
 
 }  // namespace whorl

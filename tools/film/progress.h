@@ -7,12 +7,26 @@
 
 namespace whorl {
 
-/// On a terminal one line that is written over, else a plain line every five seconds, both on standard error; with --json a line of JSON a
-/// frame on standard output instead.
+/// A line on standard error: on a terminal it is written over, else it is printed every five seconds.
+class StatusLine {
+public:
+    /// @param shown when the line before it was shown [wall_seconds()]
+    explicit StatusLine(bool quiet, double shown = 0);
+    ~StatusLine() { clear(); }
+    /// Whether it may be shown again.
+    bool due() const;
+    void show(const std::string& text);
+    void clear();
+
+private:
+    bool quiet_, terminal_, open_ = false;
+    double shown_;
+};
+
+/// Progress of a run in a status line; with --json a line of JSON a frame on standard output instead.
 class Progress {
 public:
     Progress(int first_frame, int last_frame, bool quiet, bool json);
-    ~Progress();
 
     /// How the frames' shares of the time are expected to be [s], from the first on: the time left goes by them and by the pace of now.
     void foresee(std::vector<double> frames_seconds) { foreseen_ = std::move(frames_seconds); }
@@ -31,11 +45,11 @@ public:
 private:
     double foreseen_at(int frame) const;
     void show(const Simulation& simulation, int frame, bool now);
-    void clear();
 
     int first_, last_;
-    bool quiet_, json_, terminal_, line_open_ = false;
-    double began_, shown_ = 0;
+    bool quiet_, json_;
+    StatusLine line_;
+    double began_;
     double frame_seconds_ = 0;  ///< wall, newest frames counting most
     std::vector<double> foreseen_;
     double foreseen_seconds_ = 0;  ///< of the same frames with the same weights
@@ -47,14 +61,13 @@ private:
 class PartProgress {
 public:
     PartProgress(std::string what, bool quiet);
-    ~PartProgress();
     /// As often as one likes. @param part that is done, 0 to 1
     void done(double part);
 
 private:
     std::string what_;
-    bool quiet_, terminal_, line_open_ = false;
-    double began_, shown_;
+    StatusLine line_;
+    double began_;
 };
 
 /// What nobody must miss: on standard error, or as an event on standard output.

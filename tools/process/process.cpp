@@ -1,7 +1,9 @@
 #include "tools/process/process.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -66,6 +68,23 @@ InterruptGuard::~InterruptGuard() { handle(SIG_DFL); }
 bool InterruptGuard::interrupted() const { return received; }
 
 namespace fs = std::filesystem;
+
+pid_t start_program(const std::vector<std::string>& words, const std::filesystem::path& output) {
+    std::vector<char*> argv;
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    const int file = output.empty() ? -1 : open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    const pid_t pid = fork();
+    if (pid < 0) throw EnvironmentError("cannot start " + words[0]);
+    if (pid == 0) {
+        setpgid(0, 0);
+        if (!output.empty()) prctl(PR_SET_PDEATHSIG, SIGKILL), dup2(file, STDOUT_FILENO), dup2(file, STDERR_FILENO);
+        execvp(argv[0], argv.data());
+        _exit(127);
+    }
+    if (file >= 0) close(file);
+    return pid;
+}
 
 fs::path program_called(const std::string& word, const std::string& folders) {
     const auto runs = [](const fs::path& file) {

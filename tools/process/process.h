@@ -1,8 +1,11 @@
 #pragma once
 /// The program as a process: how it ends, interrupts, its own file, jobs of Slurm.
+#include <sys/types.h>
+
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace whorl {
 
@@ -28,6 +31,11 @@ public:
 
 /// As the kernel says (/proc/self/exe); where there is no /proc, as the program was called. @throws EnvironmentError where neither tells
 std::filesystem::path program_path();
+
+/// Starts a program in a process group of its own, which the terminal's interrupt does not reach.
+/// @param output file for what it writes, and it is killed when this program ends; empty: it writes where this program writes
+/// @throws EnvironmentError
+pid_t start_program(const std::vector<std::string>& words, const std::filesystem::path& output = {});
 
 /// The file that a shell runs for this word. @param word a path with a slash in it, or a name that is looked for @param folders where to
 /// look, with colons between them, as in PATH @return "" where there is none

@@ -6,12 +6,14 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
+#include "engine/core/whole_file.h"
 #include "engine/scene/document.h"
 #include "render/video/encoder.h"
 #include "tools/farm/film_stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/film/run.h"
+#include "tools/film/run_folder.h"
 #include "tools/process/process.h"
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"
@@ -28,18 +30,12 @@ struct FarmCommand {
     int pieces = 0;
 };
 
-/// Whether the name is a study's. A scene of that name goes first.
+/// Whether the name is a study's. A scene of that name comes first.
 bool is_study(const std::string& name) {
-    const auto found = [&](fs::path (*find)(const std::string&)) {
-        try {
-            return find(name);
-        } catch (const InputError&) { return fs::path(); }
-    };
-    const fs::path scene = found(find_scene);
-    if (scene.empty()) return !found(find_study).empty();
-    try {
-        return parse_toml_file(scene.string()).find("knob") != nullptr;
-    } catch (const InputError&) { return false; }  // told where it is read as a scene
+    for (fs::path (*const find)(const std::string&) : {find_scene, find_study}) try {
+            return parse_toml_file(find(name).string()).find("knob") != nullptr;
+        } catch (const InputError&) {}  // told where it is read
+    return false;
 }
 
 /// A study's runs are jobs of their own, as its own commands have them: of tradeoff where it says what accuracy is, else of stability.
@@ -84,27 +80,29 @@ int farm(FarmCommand command) {
     if (command.farm.on == "local" && std::any_of(films.begin(), films.end(), wants_video)) check_encoder(without_video(false));
     share_cores(command.farm, films.size() == 1 ? 2 : films.size());
     set_threads(command.farm.threads);  // what the tasks have: the limits of time go by it
-    std::vector<FarmWork> work;
+    std::vector<FarmStage> stages;
+    std::vector<FarmFiles> files;
     for (FarmFilm& film : films) {  // an impossible scene ends here, before anything is written
         film.threads = command.farm.threads;
         // Its tasks run quietly.
         const std::string whose = films.size() > 1 ? film.file.scene.name + ": " : "";
         if (!command.farm.quiet)
             for (const std::string& warning : warnings_of(film.file)) fmt::print(stderr, "warning: {}{}\n", whose, warning);
-        work.push_back(work_of(film));
+        files.push_back(add_film(film, stages));
     }
-    std::vector<std::vector<FarmStage>> all;
-    std::vector<RunFolder> held;
+    std::vector<RunFolder> held;  // no other farm begins in these folders meanwhile; the tasks hold the runs themselves
     for (std::size_t k = 0; k < films.size(); ++k) {
-        FarmFolder folder = begin(films[k], work[k]);
-        if (!folder.note.empty()) tell_note(folder.note, false);
-        all.push_back(std::move(work[k].stages)), held.push_back(std::move(folder.held));
+        const fs::path path = fs::absolute(films[k].folder);
+        const std::string note = RunFolder::fresh(path).note();
+        if (!note.empty()) tell_note(note, false);
+        held.push_back(RunFolder::any(path / "farm"));
+        for (const auto& [file, text] : files[k]) write_text(file, text);
     }
     const InterruptGuard interrupt;
-    const FarmEnd end = run_stages(together(all), films.front().folder / "farm", command.farm, interrupt);
+    const FarmEnd end = run_stages(stages, films.front().folder / "farm", command.farm, interrupt);
     for (const FarmFilm& film : films)
         if (const auto at = end.stopped.find(fs::absolute(film.folder)); at != end.stopped.end())
-            fmt::print(stderr, "whorl: {} was interrupted; go on with: {}\n", film.file.scene.name, going_on(film, at->second));
+            fmt::print(stderr, "whorl: {} was interrupted; go on with: {}\n", film.file.scene.name, remaining_commands(film, at->second));
     for (const FarmFilm& film : films)
         if (!end.interrupted && std::none_of(end.failures.begin(), end.failures.end(),
                                              [&](const FarmFailure& failure) { return failure.film == fs::absolute(film.folder); }))

@@ -10,6 +10,7 @@
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"
+#include "tools/scene_file/scene_changes.h"
 #include "tools/study/judge.h"
 #include "tools/study/plot.h"
 
@@ -243,7 +244,7 @@ private:
             if (key == "scene" || key == "quality") continue;  // in the command
             if (key == "program") overlay += "# with the program " + value + "\n";
             else if (key == "threads") options += " --threads " + value;
-            else overlay += fmt::format("{} = {}\n", quoted(key), toml_value(value));
+            else overlay += fmt::format("{} = {}\n", quoted(key), read_change(parse_change(setting)).value.toml());
         }
         const fs::path file = sweep_.folder / "recommended.toml";
         write_text(file, overlay);
@@ -252,17 +253,8 @@ private:
                                file.string(), point.scene, file.string(), options));
     }
 
-    /// A key as an overlay takes it: those of list entries in quotes.
+    /// A key of an overlay: with quotes if it names a list entry.
     static std::string quoted(const std::string& key) { return key.find('[') == std::string::npos ? key : "\"" + key + "\""; }
-
-    /// A value as TOML writes it: bare words are texts.
-    static std::string toml_value(const std::string& value) {
-        char* end = nullptr;
-        std::strtod(value.c_str(), &end);
-        if ((*end == 0 && !value.empty()) || value == "true" || value == "false" || value.front() == '[' || value.front() == '"')
-            return value;
-        return "\"" + value + "\"";
-    }
 
     const Sweep& sweep_;
     const Study& study_;

@@ -1,10 +1,8 @@
 #include "tools/study/point.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -41,22 +39,8 @@ struct ChildUse {
 
 /// Runs a program with its output in a file, until it ends, its time is over, or the user interrupts.
 ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& output, double limit, const InterruptGuard& interrupt) {
-    std::vector<char*> argv;
-    for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-    argv.push_back(nullptr);
     const double began = wall_seconds();
-    const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    const pid_t pid = fork();
-    if (pid < 0) throw EnvironmentError("a point could not be started");
-    if (pid == 0) {
-        setpgid(0, 0);  // the terminal's interrupt is for the study, which ends its points itself
-        prctl(PR_SET_PDEATHSIG, SIGKILL);
-        dup2(file, STDOUT_FILENO);
-        dup2(file, STDERR_FILENO);
-        execvp(argv[0], argv.data());
-        _exit(127);
-    }
-    close(file);
+    const pid_t pid = start_program(arguments, output);
     rusage usage{};
     int status = 0;
     bool late = false;
