@@ -16,6 +16,7 @@
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/crowding.h"
 #include "engine/models/pressure/damping.h"
+#include "engine/models/pressure/expected_force.h"
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/pressure/wcsph.h"
@@ -275,8 +276,12 @@ private:
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
             work_is(&EnergyWork::smoothing);
         }
+        const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && !bodies_;
+        if (expects) stage("expected pressure", "pressure", ExpectForce{});
         if (facts_.viscosity.implicit) implicit_viscosity();
+        if (expects) stage("forget pressure", "pressure", ForgetForce{});
         if (plan_.pressure == PressureModel::ppe) incompressibility();
+        if (expects) stage("pressure force", "pressure", TakeForce{});
         if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_});
         moves();
         if (!scene_.solids.empty()) at_solids();

@@ -1,8 +1,8 @@
 #pragma once
 /// Incompressible pressure as a constraint: no density exceeds the rest density (docs/physics.md 3).
 ///
-/// Stages of a step, in order: Density (where the viscosity needs one), Gravity, (forces), Kick, (viscosity), DampUnresolved,
-/// ConstraintPressure, Move, KeepOutside.
+/// Stages of a step, in order: Density (if the viscosity needs one), Gravity, (forces), Kick, (viscosity; an implicit one between
+/// ExpectForce and ForgetForce), DampUnresolved, ConstraintPressure, (TakeForce), Move, KeepOutside.
 #include "engine/math/solve.h"
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/preconditioner.h"

@@ -54,12 +54,18 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
 
 namespace {
 
-/// With which a solid particle counts at i. A free body that moves and turns with the fluid changes no density.
-/// @param pose of the solid, with its velocity
-Vec3 velocity_of(const Surroundings& around, const Pose& pose, Index s, const Vec3& r) {
-    const bool free = around.solids.all[around.layer.solid[s]].body.has_value();
-    return free ? pose.velocity_at(around.layer.position[s] + r) : around.layer.velocity[s];
-}
+/// Motion of a solid within a step: it turns about its centre, so that its points do not follow straight lines.
+struct SolidMotion {
+    Vec3 centre, velocity;  ///< m, m/s
+    Mat3 back, turn;        ///< from the axes at the end to those at the start; back - 1
+    SolidMotion(const Solid& solid, const Pose& pose, Real dt)
+        : centre(pose.angular_velocity.isZero(0) ? pose.translation : Vec3(solid.centre().cast<Real>())),
+          velocity(pose.velocity_at(centre)),
+          back(turn_by(-static_cast<double>(dt) * pose.angular_velocity.cast<double>()).toRotationMatrix().cast<Real>()),
+          turn(back - Mat3::Identity()) {}
+    /// Displacement in the solid's axes of a particle at x with velocity v.
+    Vec3 relative(const Vec3& x, const Vec3& v, Real dt) const { return dt * (back * (v - velocity)) + turn * (x - centre); }
+};
 
 }  // namespace
 
@@ -91,8 +97,9 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Share& share) {
+                    // The solid's velocity at x_i: fluid that moves and turns with a solid keeps its density.
                     const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
-                    wall_change += share.gradient.dot(u[i] - velocity_of(around, pose, s, r));
+                    wall_change += share.gradient.dot(u[i] - pose.velocity_at(around.layer.position[s] + r));
                 });
             const Real f = row.fill;
             fill[i] = f;
@@ -111,6 +118,8 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
                        const std::vector<Pose>& poses, Span<Real> change) const {
     const StepContext& step = around.step;
     const Real dt = step.dt, mass = step.mass;
+    std::vector<SolidMotion> motions;
+    for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(around.solids.all[k], poses[k], dt);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(size(), [&](Index i) {
             // Of the fluid's own sum, which was rho_i/f_i.
@@ -137,11 +146,11 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             if (around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
             Real w = 0, w_moved = 0, w_linear = 0;
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Vec3 dr = dt * (v[i] - velocity_of(around, poses[static_cast<std::size_t>(around.layer.solid[s])], s, r)),
-                           to = r + dr;
+                const Index k = around.layer.solid[s];
+                const Vec3 at = around.layer.position[s] + r, to = r + motions[k].relative(at, v[i], dt);
                 const WallImage::Share share = wall.share(W, r, distance, around.layer, s);
                 w += share.value;
-                w_linear += share.gradient.dot(dr);
+                w_linear += share.gradient.dot(dt * (v[i] - poses[k].velocity_at(at)));
                 w_moved += wall.share(W, to, to.norm(), around.layer, s).value;
             });
             const SolidGate::Gated gated = wall.gate.gated(w);

@@ -178,8 +178,8 @@ struct DensityRate {
     /// @param rho written @param rate D u with prescribed and solid velocities included
     void build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                Span<Real> rate);
-    /// rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], what D leaves out of a straight move, with the neighbours as they are. @param rho
-    /// at x @param poses of the solids: free bodies move with the velocities in them
+    /// rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], what D leaves out of a straight move, with the neighbours as they are; solids turn
+    /// as they do within a step. @param rho at x @param poses of the solids: free bodies move with the velocities in them
     void bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v, const std::vector<Pose>& poses,
               Span<Real> change) const;
     /// g_ij of the pair k in row i.

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "engine/io/diagnostics.h"
 #include "engine/models/pressure/constraint.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
@@ -519,6 +520,49 @@ max = [0.1, 0.4, 0.1]
         CHECK(off / steps < 0.05);
         CHECK(simulation.totals().unconverged_solves == 0);
     }
+}
+
+TEST_CASE("a bucket of honey that spins keeps the paraboloid and its energy", "[pressure][boundary]") {
+    // Rigid rotation: z(r) = z_0 + omega^2 r^2/(2 g). From 1.5 s on the energy stays within .5 %; before, the layer at the wall climbed
+    // (2.4 % in that time). The edge stands within half a spacing, as far as particles half a spacing below a surface show it.
+    constexpr double R = 0.048, depth = 0.036, omega = 14, spacing = 6e-3;
+    Simulation simulation = simulation_of(fmt::format(R"toml([time]
+end = 3
+[domain]
+min = [-0.06, -0.01, -0.06]
+max = [0.06, 0.12, 0.06]
+[fluid]
+spacing = {}
+viscosity = 4
+[models]
+pressure = "ppe"
+viscosity = "full"
+[[block]]
+shape = "cylinder"
+from = [0, 0, 0]
+to = [0, {}, 0]
+radius = {}
+[[solid]]
+shape = "cylinder"
+from = [0, 0, 0]
+to = [0, 0.11, 0]
+radius = {}
+inside = true
+rotation = [0, {}, 0]
+)toml",
+                                                      spacing, depth, R, R, omega));
+    const auto energy = [&] {
+        const Measures now = measure(simulation.world(), Vec3d(0, -g, 0), 1);
+        return now.kinetic_energy + now.potential_energy;
+    };
+    run_until(simulation, 1.5);
+    const double before = energy();
+    run_until(simulation, 3);
+    CHECK(energy() == Approx(before).epsilon(0.005));
+    double highest = 0;
+    for (const Vec3& x : simulation.world().fluid.column<field::position>()) highest = std::max(highest, static_cast<double>(x.y()));
+    const double edge = depth + omega * omega * R * R / (4 * g);
+    CHECK(highest + spacing / 2 == Approx(edge).margin(spacing / 2));
 }
 
 }  // namespace at_rest_test
