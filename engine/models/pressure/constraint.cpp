@@ -164,12 +164,14 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-/// Whether the fluid has a free surface, judged by the last step's pressures: a tenth of the particles on a cube's side have none. Without
-/// one, no displacement makes room for e > 0, and pressures would grow without bound. It looks at all fluid together: an open pool hides a
-/// full vessel beside it.
-bool ConstraintPressure::has_free_surface(Span<const Real> q) const {
+/// Whether the fluid has a free surface, judged by the last step's pressures: a tenth of the particles on a cube's side have none, or no
+/// more than the weight of a layer: in fluid at rest all particles press, those of the surface, too. Without a surface no displacement
+/// makes room for e > 0, and pressures would grow without bound. It looks at all fluid together: an open pool hides a full vessel beside
+/// it.
+bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext& step) const {
     const auto n = static_cast<Index>(q.size());
-    const double free = parallel_sum(n, [&](Index i) { return q[i] <= 0; });
+    const Real layer = step.dt * step.gravity.norm() * step.spacing / step.rest_density;
+    const double free = parallel_sum(n, [&](Index i) { return q[i] <= layer; });
     return free >= std::max(1.0, 0.1 * std::pow(static_cast<double>(n), 2.0 / 3));
 }
 
@@ -289,7 +291,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     matrix.push(q);
-    if (filled || has_free_surface(q)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
+    if (filled || has_free_surface(q, step)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
     bodies_.push(q, around.solids);

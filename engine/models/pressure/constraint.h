@@ -101,7 +101,7 @@ private:
     /// Adds e/dt to b_. @param force D^T q
     void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
-    bool has_free_surface(Span<const Real> q) const;
+    bool has_free_surface(Span<const Real> q, const StepContext& step) const;
     /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i.
     void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
