@@ -84,11 +84,12 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     });
 }
 
-/// Short waves between the outermost particles, which no pressure resolves, die at .4 of their frequency.
+/// Damps short waves between the outermost particles, which no pressure resolves, at four times their frequency. At .4 of it gaps that a
+/// stretching surface opens grow, and a steep slosh diverges.
 void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
-    const Real share = Real(0.4) * step.dt * s.shortest_waves(step) * step.volume;
+    const Real share = 4 * step.dt * s.shortest_waves(step) * step.volume;
     if (!s.options.free_surface || !(share > 0)) return;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
     with_kernel(step.kernel, step.support, [&](const auto& W) {

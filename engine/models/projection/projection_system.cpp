@@ -19,19 +19,21 @@ namespace {
 /// Of a full lattice: what the sums of a particle are held against.
 struct LatticeSums {
     Real trace = 0, slopes = 0;  ///< sum V |W'| r, sum 2 V |W'|/r [1/m^2]
+    Real one_sided = 0;          ///< |sum V W'/r r| of the outermost layer [1/m]
 };
 
 template <class Kernel>
 LatticeSums lattice_sums(const Kernel& W, const StepContext& step) {
-    double trace = 0, slopes = 0;
+    double trace = 0, slopes = 0, one_sided = 0;
     each_lattice_point(step.dimensions(), static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int c) {
         if (a == 0 && b == 0 && c == 0) return;
         const Real r = step.spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c));
         trace -= static_cast<double>(W.derivative(r) * r);
         slopes -= 2 * static_cast<double>(W.slope(r));
+        if (b > 0) one_sided -= static_cast<double>(W.slope(r) * static_cast<Real>(b) * step.spacing);
     });
     const double V = step.volume;
-    return {static_cast<Real>(V * trace), static_cast<Real>(V * slopes)};
+    return {static_cast<Real>(V * trace), static_cast<Real>(V * slopes), static_cast<Real>(V * one_sided)};
 }
 
 /// Fluid's share of the sums of particle i.
@@ -114,24 +116,33 @@ void set_viscous_sums(const Surroundings& around, ProjectionSystem& s) {
     });
 }
 
-/// @param fullness share of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids, full: of a lattice
+/// @param fullness share of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids @param full of a lattice
 void find_surface(const Surroundings& around, Read<field::role> role, const std::vector<Real>& fullness, const std::vector<Real>& slopes,
-                  Real full, ProjectionSystem& s) {
+                  const LatticeSums& full, ProjectionSystem& s) {
     const Real d = around.step.spacing;
     const Index n = around.pairs.size();
-    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9.
-    constexpr Real certainly = Real(0.725), possibly = Real(0.85), inside = Real(0.95);
+    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9; where a surface has contracted, the outermost has
+    // more.
+    constexpr Real certainly = Real(0.725), loosely = Real(0.85), densely = Real(1.2), inside = Real(0.95);
+    constexpr Real cone = std::numbers::sqrt2_v<Real> / 2;
     parallel_for(n, [&](Index i) {
-        if (role[i] != 0 || fullness[i] > possibly) return;
+        if (role[i] != 0 || fullness[i] > densely) return;
+        if (fullness[i] > loosely && !(s.inward[i].norm() > full.one_sided / 2)) return;
+        Vec3 out = -s.inward[i].normalized();
+        s.walls_of(i, [&](const WallTouch& touch) {  // along the walls: what lies between a particle and a wall is no surface
+            const Vec3& normal = around.layer.normal[touch.s];
+            out -= std::min(Real(0), out.dot(normal)) * normal;
+        });
+        if (out.norm() < Real(0.5)) return;
+        out.normalize();
+        const auto ahead = [&](const Vec3& r, Real distance) { return distance < Real(2.2) * d && -r.dot(out) > cone * distance; };
         bool free = true;
         if (fullness[i] >= certainly) {
-            const Vec3 out = -s.inward[i].normalized();
-            const Real near = Real(2.2) * d, cone = std::numbers::sqrt2_v<Real> / 2;
-            const auto covers = [&](Index, const Vec3& r, Real distance) {
-                if (distance < near && -r.dot(out) > cone * distance) free = false;
-            };
-            around.pairs.of(i, covers);
-            if (s.any_walls) around.solid_pairs.of(i, covers);
+            around.pairs.of(i, [&](Index, const Vec3& r, Real distance) { free = free && !ahead(r, distance); });
+            if (s.any_walls)
+                around.solid_pairs.of(i, [&](Index q, const Vec3& r, Real distance) {
+                    free = free && !(ahead(r, distance) && around.layer.normal[q].dot(out) < -cone);
+                });
         }
         s.surface[i] = free;
     });
@@ -139,7 +150,7 @@ void find_surface(const Surroundings& around, Read<field::role> role, const std:
         bool near = s.surface[i] || fullness[i] < inside;
         if (!near) around.pairs.of(i, [&](Index j, const Vec3&, Real) { near = near || s.surface[j]; });
         s.near_surface[i] = near;
-        if (near) s.air[i] = std::max(Real(0), full - slopes[i]);
+        if (near) s.air[i] = std::max(Real(0), full.slopes - slopes[i]);
     });
 }
 
@@ -196,7 +207,7 @@ void ProjectionGeometry::operator()(const Surroundings& around, Read<field::role
             rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
             fullness[i] = static_cast<Real>(own.moment.trace()) / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
         });
-        if (s.options.free_surface) find_surface(around, role, fullness, slopes, full.slopes, s);
+        if (s.options.free_surface) find_surface(around, role, fullness, slopes, full, s);
     });
     set_viscous_sums(around, s);
 }

@@ -195,6 +195,55 @@ slip = "free"
     CHECK(kept < 1.03);
 }
 
+TEST_CASE("steep sloshes hold with the projection, crests of half the depth among them", "[validation][sim][waves]") {
+    // The seiche above, 40 particles by 16 in a tank of 1 m, with 0.8 and 1.1 m/s at its passage: crests of 0.18 and 0.25 m over 0.4 m. Its
+    // energy above that of still water may not grow by more than a fifth (measured: 12 %, when particles settle), and some must be left
+    // after two periods. From 0.5 to 1.1 m/s, with each sampling, twelve of twelve held for 4 s.
+    for (const auto& [U, sampling] : {std::pair{0.8, "lattice"}, std::pair{1.1, "jittered"}}) {
+        INFO(U << " m/s, " << sampling);
+        Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
+end = 4
+[domain]
+dimensions = 2
+min = [0, -0.1]
+max = [1, 1]
+[fluid]
+spacing = 0.025
+[models]
+pressure = "ppe"
+[pressure]
+form = "projection"
+[[block]]
+shape = "box"
+min = [0, 0]
+max = [1, 0.4]
+sampling = "{1}"
+velocity = ["{0}*sin(pi*x)*cosh(pi*y)", "-{0}*cos(pi*x)*sinh(pi*y)"]
+[[solid]]
+shape = "box"
+min = [0, 0]
+max = [1, 1]
+inside = true
+slip = "free"
+)toml",
+                                                                U / std::sinh(std::numbers::pi * 0.4), sampling));
+        const auto energy = [&] {
+            const auto x = simulation.world().fluid.column<field::position>();
+            const auto u = simulation.world().fluid.column<field::velocity>();
+            double sum = 0;
+            for (std::size_t i = 0; i < x.size(); ++i)
+                sum += static_cast<double>(u[i].squaredNorm()) / 2 + g * (static_cast<double>(x[i].y()) - 0.2);
+            return sum * 0.025 * 0.025;
+        };
+        const double first = energy();
+        while (simulation.time() < 2.4) {
+            REQUIRE_FALSE(simulation.step(4).diverged);
+            REQUIRE(energy() < 1.2 * first);
+        }
+        CHECK(energy() > 0.3 * first);
+    }
+}
+
 TEST_CASE("waves from a piston, 1.7 spacings high, have the height of theory within 8 % and keep it over a wavelength",
           "[validation][sim][waves][long]") {
     // Depth 0.25 m, period 1.1 s, stroke 0.04 m: H = 0.0414 m and 1.48 m from crest to crest in linear theory. With half the spacing
