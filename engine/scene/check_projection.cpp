@@ -82,22 +82,35 @@ bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& 
            std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& b) { return b->distance(behind) < 0; });
 }
 
-/// Share of a free body that stands in the blocks' fluid at the start. Looked at on a lattice of places in the box about it.
-double part_under_fluid(const Scene& scene, const SceneShapes& shapes, std::size_t solid) {
+/// Where a free body is at the start. Looked at on a lattice of points in the box about it.
+struct Berth {
+    double under = 0;                   ///< share of it in the blocks' fluid
+    bool below = false, above = false;  ///< whether there is another solid to hold it
+};
+
+Berth berth_of(const Scene& scene, const SceneShapes& shapes, std::size_t solid, double spacing) {
     constexpr int points = 21;  // an axis
     const bool plane = scene.domain.dimensions == 2;
     const Extent& e = shapes.solid_extent[solid];
-    const Vec3d at = scene.solids[solid].position(0);
+    const Vec3d at = scene.solids[solid].position(0), size = e.max - e.min, down = scene.domain.gravity(0).normalized();
+    const Vec3 to_surface = ((size.cwiseProduct(down).norm() / points + spacing / 2) * down).cast<Real>();
     int all = 0, under = 0;
+    Berth berth;
     for (int i = 0; i < points * points * (plane ? 1 : points); ++i) {
         const Vec3d part = (Vec3d(i % points, i / points % points, i / (points * points)) + Vec3d::Constant(0.5)) / points;
-        Vec3 x = (at + e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
+        Vec3 x = (at + e.min + part.cwiseProduct(size)).cast<Real>();
         if (plane) x[2] = 0;
         if (shapes.solids.all[solid].distance(x) > 0) continue;
         ++all;
         under += std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) < 0; });
+        for (std::size_t k = 0; k < shapes.solids.all.size(); ++k) {
+            if (k == solid) continue;
+            berth.below |= shapes.solids.all[k].distance(x + to_surface) < 0;
+            berth.above |= shapes.solids.all[k].distance(x - to_surface) < 0;
+        }
     }
-    return all > 0 ? static_cast<double>(under) / all : 0;
+    berth.under = all > 0 ? static_cast<double>(under) / all : 0;
+    return berth;
 }
 
 /// Rate w at which a block turns, where it turns faster than it is strained, else 0 [1/s]: w^2 = -<tr grad u grad u>/2, the source of a
@@ -185,11 +198,13 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         return report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         if (scene.solids[k].density == 0) continue;
-        const double under = part_under_fluid(scene, shapes, k), weight = scene.solids[k].density / scene.fluid.density;
-        if (std::abs(under - weight) > 0.1)
+        const double weight = scene.solids[k].density / scene.fluid.density;
+        const Berth berth = berth_of(scene, shapes, k, plan.spacing);
+        const bool held = weight > berth.under ? berth.below : berth.above;
+        if (!held && std::abs(berth.under - std::min(weight, 1.0)) > 0.1)
             return report(
                 fmt::format("{} will fall or rise through the surface: {:.0f} % of it is under the fluid, and it would float with {:.0f} %",
-                            entry_name("solid", k), 100 * under, 100 * weight));
+                            entry_name("solid", k), 100 * berth.under, 100 * weight));
     }
 }
 

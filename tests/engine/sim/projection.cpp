@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "engine/core/parallel.h"
+#include "engine/io/diagnostics.h"
 #include "tests/support/runs.h"
 
 using namespace whorl;
@@ -313,6 +314,19 @@ TEST_CASE("a free body that does not start where it floats is refused under the 
         simulation_of(text);
         FAIL("no error");
     } catch (const InputError& e) { CHECK_THAT(e.what(), Catch::Contains("100 % of it is under the fluid, and it would float with 50 %")); }
+}
+
+TEST_CASE("a stone that lies on the floor stays there under the projection, and the water stays still", "[sim][projection][bodies]") {
+    std::string text = floating;
+    const auto from = text.find("[[solid]]\nshape = \"sphere\"");
+    text.replace(from, text.size() - from, "[[solid]]\nshape = \"box\"\nmin = [0.14, 0]\nmax = [0.26, 0.08]\ndensity = 2000\n");
+    Simulation simulation = simulation_of(text);
+    run_until(simulation, 1);
+    const RigidBody& stone = *simulation.world().solids.all.back().body;
+    CHECK((stone.centre - Vec3d(0.2, 0.04, 0)).norm() < 1e-5);
+    const Measures now = measure(simulation.world(), Vec3d(0, -9.81, 0), 1);
+    CHECK(now.kinetic_energy < 1e-5 * now.potential_energy);
+    CHECK(simulation.totals().lost_particles == 0);
 }
 
 TEST_CASE("a full box with more particles than it has room for is refused under the projection, with how many", "[sim][projection]") {
