@@ -75,18 +75,19 @@ struct Emitter::State {
     Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back so far
     Solid end;
     Domain domain;
-    double faster = 1;        ///< area of the opening over what solids leave of it
-    bool full = false;        ///< from the first on
-    std::vector<Vec3> shell;  ///< not yet placed
+    double faster = 1;         ///< area of the opening over what solids leave of it
+    bool full = false;         ///< from the first on
+    std::vector<Vec3> places;  ///< of the particles that fill it first, not yet in the store
+    double ahead = 0;          ///< m, of the pipe that they fill: the column begins behind them
 
-    /// Nearest place of the shell to where particles come in, behind it and beside it [spacings].
-    static constexpr Real behind = Real(0.9), beside = Real(0.3);
+    Real apart() const { return Real(0.45) * spacing; }  ///< nearest that free fluid comes to the pipe
     /// Whether a place in the opening's frame is in the part of the pipe that moves.
-    bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < beside / 2 * spacing && q.z() > -depth - behind / 2 * spacing; }
+    bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < Real(0.3) * spacing && q.z() > -depth - spacing / 20; }
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
     std::vector<Vec3> block;      ///< in the opening's frame: across in x and y, z in [0, length) is pushed out in this order
+    std::vector<Vec3> first;      ///< its first copy, which fits behind what filled the pipe before
     std::vector<long> next_copy;  ///< of each particle of the block: how many of its copies have entered
     double pushed = 0;            ///< m, integral of the mean speed
 
@@ -159,6 +160,21 @@ struct Emitter::State {
         for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
     }
 
+    /// Lets the first particles of the column find places behind `before`, in the opening's frame with z against the flow.
+    void join(std::vector<Vec3> before) {
+        const auto begin = static_cast<Real>(ahead);
+        std::vector<Vec3> near;
+        const auto moves = [&](const Vec3& q) { return q.z() < 2 * spacing; };
+        for (const Vec3& q : block)
+            for (Real copy = 0; copy < 6 * spacing; copy += static_cast<Real>(length))
+                (copy == 0 && moves(q) ? near : before).push_back(q + Vec3(0, 0, begin + copy));
+        relax(
+            near, [&](const Vec3& q) { return std::max(pipe_distance(shape, q), -q.z()); }, spacing, {}, 100, before);
+        first = block;
+        for (std::size_t k = 0, n = 0; k < block.size(); ++k)
+            if (moves(block[k])) first[k] = near[n++] - Vec3(0, 0, begin);
+    }
+
     /// Free fluid comes so near that it will feel what the pipe holds.
     bool meets_fluid(const ParticleStore& fluid) const {
         const auto x = fluid.column<field::position>();
@@ -170,17 +186,17 @@ struct Emitter::State {
     /// Particles whose turn it is while the column goes on by `push`. A particle at height z of copy c enters when the column has been
     /// pushed past it by more than the buffer's depth: along the flow at  s = factor * pushed - (c length + z), measured from the opening.
     std::vector<Vec3> entering(double pushed_before, double push, std::vector<long>& next) const {
-        std::vector<Vec3> places;
+        std::vector<Vec3> all;
         for (std::size_t k = 0; k < block.size(); ++k) {
-            const Vec3& q = block[k];
-            const double factor = profile(q.x(), q.y());
             for (;; ++next[k]) {
-                const double z = static_cast<double>(next[k]) * length + q.z();
+                const Vec3& q = next[k] == 0 ? first[k] : block[k];
+                const double factor = profile(q.x(), q.y());
+                const double z = ahead + static_cast<double>(next[k]) * length + q.z();
                 if (z > factor * (pushed_before + push) + depth) break;
-                places.push_back(world(Vec3(q.x(), q.y(), static_cast<Real>(factor * pushed_before - z))));
+                all.push_back(world(Vec3(q.x(), q.y(), static_cast<Real>(factor * pushed_before - z))));
             }
         }
-        return places;
+        return all;
     }
 
     Vec3 world(const Vec3& q) const { return shape.centre + q.x() * width_axis + q.y() * thickness_axis + q.z() * shape.direction; }
@@ -212,6 +228,7 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
 
     if (shape.parabolic) s.make_streamlines(seed);
     else s.make_column(seed);
+    s.first = s.block;
     s.next_copy.assign(s.block.size(), 0);
 }
 
@@ -225,9 +242,9 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
 
     const Index before = fluid.size();
     std::vector<Vec3> entering = s.entering(s.pushed, push, s.next_copy);
-    const std::size_t in_shell = static_cast<std::size_t>(before) + entering.size();
-    entering.insert(entering.end(), s.shell.begin(), s.shell.end());
-    s.shell.clear();
+    const std::size_t first_placed = static_cast<std::size_t>(before) + entering.size();
+    entering.insert(entering.end(), s.places.begin(), s.places.end());
+    s.places.clear();
     fluid.resize(before + static_cast<Index>(entering.size()));
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
@@ -242,7 +259,7 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
         if (role[i] != s.role) continue;
         const Vec3 q = s.local(x[i]);
         // What comes in now starts behind the column's end, and reaches it in this step.
-        const bool moves = s.in_column(q) || (i >= static_cast<std::size_t>(before) && i < in_shell);
+        const bool moves = s.in_column(q) || (i >= static_cast<std::size_t>(before) && i < first_placed);
         u[i] = static_cast<Real>(moves ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
     }
     s.pushed += push;
@@ -263,16 +280,15 @@ void Emitter::keep_out(ParticleStore& fluid) const {
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
     const auto role = fluid.column<field::role>();
-    const Real apart = Real(0.45) * s.spacing;
     const Vec3 middle = s.shape.centre - s.depth / 2 * s.shape.direction;
     const Real reach = 2 * s.depth + static_cast<Real>(s.half_width() + s.half_thickness());
     parallel_for(fluid.size(), [&](Index i) {
         if (role[i] != 0 || s.domain.minimum_image(x[i] - middle).squaredNorm() > reach * reach) return;
         const Solid& near = s.end.distance(x[i]) < s.guarded.distance(x[i]) ? s.end : s.guarded;
         const Real distance = near.distance(x[i]);
-        if (!(distance < apart)) return;
+        if (!(distance < s.apart())) return;
         const Vec3 n = near.normal(x[i]);
-        x[i] += (apart - distance) * n;
+        x[i] += (s.apart() - distance) * n;
         if (const Real inward = u[i].dot(n); inward < 0) u[i] -= inward * n;
     });
 }
@@ -282,24 +298,24 @@ std::vector<Vec3> Emitter::filling() const {
     return state_->entering(0, 0, none);
 }
 
-std::vector<Vec3> Emitter::shell() const {
-    const State& s = *state_;
-    Domain around = s.domain;
-    for (bool& periodic : around.periodic) periodic = false;
-    std::vector<Vec3> places = sample_shape(*s.end.shape, Sampling::lattice, s.spacing, around, 0);
-    for (Vec3& x : places) x = s.end.pose.rotation * x + s.end.pose.translation;
-    std::erase_if(places, [&](const Vec3& x) {
-        const Vec3 q = s.local(x);
-        return pipe_distance(s.shape, q) < State::beside * s.spacing && q.z() > -s.depth - State::behind * s.spacing;
-    });
-    return places;
+void Emitter::be_full(std::vector<Vec3> places) {
+    State& s = *state_;
+    std::vector<Vec3> before;
+    for (const Vec3& x : places)
+        if (const Vec3 q = s.local(x); s.in_column(q)) before.emplace_back(q.x(), q.y(), -q.z());
+    for (const Vec3& q : before) s.ahead = std::max(s.ahead, static_cast<double>(q.z() + s.spacing / 2));
+    if (!s.shape.parabolic) s.join(std::move(before));
+    s.full = true, s.places = std::move(places);
 }
-
-void Emitter::be_full(std::vector<Vec3> shell) { state_->full = true, state_->shell = std::move(shell); }
 
 bool Emitter::is_full() const { return state_->full; }
 
 void Emitter::close(double t) { state_->stop = std::min(state_->stop, t); }
+
+bool Emitter::takes(const Vec3& x) const {
+    const State& s = *state_;
+    return s.body.distance(x) < 0 || std::min(s.end.distance(x), s.guarded.distance(x)) < s.apart();
+}
 
 Real Emitter::distance(const Vec3& x) const { return std::min(state_->body.distance(x), state_->end.distance(x)); }
 
@@ -330,7 +346,7 @@ bool Emitter::load(std::istream& in) {
     for (std::size_t k = 0; k < s.block.size(); ++k) {
         const double entered = static_cast<double>(s.next_copy[k]) * s.length,
                      flowed = s.profile(s.block[k].x(), s.block[k].y()) * s.pushed;
-        if (s.next_copy[k] < 0 || entered + s.length < (1 - 1e-6) * flowed) return false;
+        if (s.next_copy[k] < 0 || s.ahead + entered + s.length < (1 - 1e-6) * flowed) return false;
     }
     return true;
 }

@@ -69,17 +69,17 @@ public:
     /// Call after release(): free particles that have come into the pipe are put back on its wall and lose the part of their velocity that
     /// points into it.
     void keep_out(ParticleStore& fluid) const;
-    /// The pipe lies in fluid: it is full from the first on. @param shell of it
-    void be_full(std::vector<Vec3> shell);
+    /// The pipe lies in fluid: it is full from the first on. @param places of its particles, and of those that rest around its end
+    void be_full(std::vector<Vec3> places);
     bool is_full() const;
     /// Nothing is pushed from time t [s] on.
     void close(double t);
+    /// Whether fluid at x cannot be free: it is in the pipe, or would be put back on its wall.
+    bool takes(const Vec3& x) const;
     /// From x to the pipe [m], negative inside.
     Real distance(const Vec3& x) const;
     /// Where the particles are that fill the pipe before anything has been pushed.
     std::vector<Vec3> filling() const;
-    /// Places of particles at rest that fill nozzle_end() around the pipe.
-    std::vector<Vec3> shell() const;
 
     /// Volume that has passed the opening so far over the volume of a particle, as the speed's integral says (not as counted).
     double expected_particles() const;

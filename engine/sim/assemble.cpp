@@ -307,6 +307,7 @@ private:
     void sound_pressure() {
         stage("Tait's equation", "pressure", TaitPressure{sound()});
         if (scene_.pressure.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{sound()});
+        if (!scene_.emitters.empty()) stage("pressure in nozzles", "pressure", NozzlePressure{});
     }
 
     void sound_forces() {

@@ -270,56 +270,29 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     return points;
 }
 
-/// Takes as many particles of the blocks away as the pipe behind an opening has room for among them, those deepest in it first, and lets
-/// the others near by find places around the pipe, which is full from the first on.
-void make_room(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
+/// Particles of the blocks that lie in the pipe behind an opening become its own: the fluid around the pipe does not feel that it is there.
+void fill_pipe(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
                std::vector<std::vector<Vec3>>& points) {
     const Real d = world.step.spacing;
-    struct Near {
-        Real distance;
-        std::size_t block, point;
-    };
-    std::vector<Near> near;
-    for (std::size_t b = 0; b < points.size(); ++b)
-        for (std::size_t k = 0; k < points[b].size(); ++k)
-            if (const Real distance = emitter.distance(points[b][k]); distance < 5 * d) near.push_back({distance, b, k});
-    std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
-    if (near.empty() || near.front().distance > Real(0.45) * d) return;
-
-    const auto in_fluid = [&](const Vec3& x) {
+    std::vector<Vec3> taken;
+    for (auto& of_block : points)
+        std::erase_if(of_block, [&](const Vec3& x) {
+            const bool inside = emitter.takes(x);
+            if (inside) taken.push_back(x);
+            return inside;
+        });
+    if (taken.empty()) return;
+    const auto outside = [&](const Vec3& x) {
         Real least = std::numeric_limits<Real>::max();
         for (const auto& shape : shapes) least = std::min(least, shape->distance(x));
         return std::max(least, -distance_from_solids(world, x));
     };
-    const std::vector<Vec3> pipe = emitter.filling();
-    std::vector<Vec3> shell = emitter.shell();
-    std::erase_if(shell, [&](const Vec3& x) { return !(in_fluid(x) < -Real(0.3) * d); });
-    // As much as the pipe takes of the fluid's volume, by parts of the cells that particles stand for.
-    constexpr int parts = 4;
-    const int dimensions = world.step.dimensions(), of_cell = dimensions == 2 ? parts * parts : parts * parts * parts;
-    std::size_t taken = 0;
-    for (const Near& of : near)
-        for (int k = 0; k < (of.distance < d ? of_cell : 0); ++k) {
-            Vec3 x = points[of.block][of.point];
-            for (int a = 0, rest = k; a < dimensions; ++a, rest /= parts)
-                x[a] += d * ((Real(rest % parts) + Real(0.5)) / parts - Real(0.5));
-            if (emitter.distance(x) < 0 && in_fluid(x) < 0) ++taken;
-        }
-    const std::size_t gone = std::min(near.size(), (taken + static_cast<std::size_t>(of_cell) / 2) / static_cast<std::size_t>(of_cell));
-    std::vector<Vec3> moved, fixed = pipe;
-    fixed.insert(fixed.end(), shell.begin(), shell.end());
-    std::size_t movable = gone;
-    for (std::size_t k = gone; k < near.size(); ++k) {
-        const Vec3& x = points[near[k].block][near[k].point];
-        if (near[k].distance < 3 * d) moved.push_back(x), ++movable;
-        else fixed.push_back(x);
-    }
-    relax(moved, in_fluid, d, world.step.domain, 150, fixed, [&](const Vec3& x) { return emitter.distance(x); });
-    for (std::size_t k = gone; k < movable; ++k) points[near[k].block][near[k].point] = moved[k - gone];
-    constexpr Real no_place = std::numeric_limits<Real>::quiet_NaN();
-    for (std::size_t k = 0; k < gone; ++k) points[near[k].block][near[k].point].x() = no_place;
-    for (auto& of_block : points) std::erase_if(of_block, [](const Vec3& x) { return std::isnan(x.x()); });
-    emitter.be_full(std::move(shell));
+    std::vector<Vec3> rest = emitter.filling();
+    std::erase_if(rest, [&](const Vec3& x) { return !(outside(x) > 0); });
+    relax(
+        rest, [&](const Vec3& x) { return std::max(emitter.distance(x), -outside(x)); }, d, world.step.domain, 30, taken);
+    taken.insert(taken.end(), rest.begin(), rest.end());
+    emitter.be_full(std::move(taken));
 }
 
 /// Appends particles at these places, with the block's velocity and spin.
@@ -391,7 +364,7 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
         places.push_back(points_of_block(scene, plan, world, b));
         shapes.push_back(make_shape(scene.blocks[b].shape, world.step.domain));
     }
-    for (Emitter& emitter : emitters) make_room(emitter, shapes, world, places);
+    for (Emitter& emitter : emitters) fill_pipe(emitter, shapes, world, places);
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
         const std::vector<Vec3>& points = places[b];
         if (points.empty())

@@ -44,6 +44,24 @@ void SoundDamping::operator()(const Surroundings& around, Read<field::velocity> 
     });
 }
 
+void NozzlePressure::operator()(const Surroundings& around, Read<field::role> role, Update<field::density> rho,
+                                Update<field::pressure> p) const {
+    const StepContext& step = around.step;
+    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+        parallel_for(p.size(), [&](Index j) {
+            if (role[j] == 0) return;
+            Real weights = 0, sum = 0;
+            around.pairs.of(j, [&](Index i, const Vec3& r, Real distance) {
+                if (role[i] != 0) return;
+                const Real w = kernel.value(distance);
+                weights += w, sum += w * (p[i] + step.rest_density * step.gravity.dot(r));
+            });
+            rho[j] = step.rest_density;
+            p[j] = weights > 0 ? std::max(Real(0), sum / weights) : 0;
+        });
+    });
+}
+
 void ArtificialViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                                      Update<field::acceleration> a) const {
     const SolidParticles& layer = around.layer;

@@ -27,6 +27,13 @@ struct TaitPressure {
     void operator()(const StepContext& step, Read<field::density> rho, Write<field::pressure> p) const;
 };
 
+/// A particle in a nozzle, whose velocity is prescribed, has the rest density and the pressure of the free fluid beside it, as a solid has
+/// (Adami, Hu, Adams 2012): p_j = max(0, sum_i W_ji (p_i + rho_0 g . r_ji)/sum_i W_ji) over the free i. Its own density tells how fluid is
+/// packed within the nozzle, which must not push on what is before it.
+struct NozzlePressure {
+    void operator()(const Surroundings& around, Read<field::role> role, Update<field::density> rho, Update<field::pressure> p) const;
+};
+
 /// p_i = max(0, p_i + b c0 R/2 (D rho/D t)_i),   (D rho/D t)_i = sum_j m u_ij . grad W_ij + rho_0 sum_s f V_s u_is . grad W_is
 /// A bulk viscosity: its force is the transpose of the divergence that it is made of, so it only ever takes energy away; it conserves
 /// momentum and angular momentum, and does nothing to a flow that keeps its density (free fall, rotation, shear).

@@ -79,7 +79,7 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         for (const double start : {0.0, 0.1}) pours({.start = start}, 0);
     }
     SECTION("slow, fast") {
-        pours({.speed = 0.2}, 0.2);  // while the fluid around the pipe settles: half of a fall by a third of a spacing
+        pours({.speed = 0.2}, 0.2);  // the block begins a third of a spacing off the walls
         pours({.speed = 4, .end = 0.1}, 0);
     }
     SECTION("upwards, downwards, slanted, and from the wall") {
@@ -100,8 +100,30 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         pours({.speed = 0.2, .end = 0.1, .x = 0.4, .more = "[models]\npressure = \"wcsph\"\n"}, 0.2);
         pours({.speed = 1, .end = 0.1, .height = 0.4, .x = 0.4, .more = "[models]\npressure = \"wcsph\"\n"}, 0.2);
     }
-    SECTION("weakly compressible: the fluid trembles by .5 m/s when it starts from blue noise") {
-        for (const double start : {0.0, 0.05}) pours({.start = start, .end = 0.1, .more = "[models]\npressure = \"wcsph\"\n"}, 0.5);
+    SECTION("weakly compressible, slow, too, until the column's first layers have left") {
+        for (const double start : {0.0, 0.05}) pours({.start = start, .end = 0.1, .more = "[models]\npressure = \"wcsph\"\n"}, 0);
+        pours({.speed = 0.3, .end = 0.5, .more = "[models]\npressure = \"wcsph\"\n"}, 0);
+    }
+}
+
+TEST_CASE("the fluid around a nozzle at rest is as calm as without a nozzle", "[sim][emitter]") {
+    for (const std::string pressure : {"ppe", "wcsph"}) {
+        const auto fastest = [&](const std::string& direction) {
+            std::string text =
+                Tank{.start = 1, .height = 0.1, .x = 0.1, .direction = direction, .more = "[models]\npressure = \"" + pressure + "\"\n"}
+                    .text();
+            if (direction == "[1, 0, 0]") text.replace(text.find("[[emitter]]"), text.find("[models]") - text.find("[[emitter]]"), "");
+            Simulation run = simulation_of(text);
+            double all = 0;
+            for (double t = 0.01; t < 0.065; t += 0.01) run_until(run, t), all = std::max(all, largest_speed(run.world()));
+            return all;
+        };
+        const double without = fastest("[1, 0, 0]");
+        // What falls by a 15th of a spacing has .2 m/s. Where the pipe's particles replaced those of the block, it was 1 to 2 m/s.
+        for (const std::string direction : {"[-1, 0, 0]", "[0, 1, 0]", "[-1, 1, 0]"}) {
+            INFO(pressure << ' ' << direction);
+            CHECK(fastest(direction) < without + 0.2);
+        }
     }
 }
 
@@ -109,7 +131,7 @@ TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure
     Tank tank{.dimensions = 3, .end = 0.04};
     pours(tank, 0);
     tank.more = "[models]\npressure = \"wcsph\"\n";
-    pours(tank, 0.5);
+    pours(tank, 0);
     tank.more = "[models]\npressure = \"coupled\"\n", tank.fluid = "viscosity = 20\n";
     pours(tank, 0);
 }
