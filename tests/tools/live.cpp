@@ -97,6 +97,16 @@ TEST_CASE("a live run tells its state, changes what it is told, steps, and ends 
     CHECK(json::parse(read_whole(live.run() / "run.json")).at("status") == "done");
 }
 
+TEST_CASE("a live run tells of the first solve that ends at its limit, with residual and key", "[tools][live]") {
+    LiveProgram live(honey + "[pressure]\nmax_iterations = 1\n");
+    live.step();
+    const json notice = live.state().at("notice");
+    REQUIRE(notice.is_object());
+    const std::string text = notice.at("text");
+    CHECK(text.starts_with("unfinished solve at "));
+    CHECK(text.ends_with("; raise pressure.max_iterations"));
+}
+
 TEST_CASE("changes are made as a whole or not at all, and the answer says why", "[tools][live]") {
     LiveProgram live(honey);
     const std::string before = wanted(live);

@@ -286,6 +286,20 @@ TEST_CASE("solves that end at their limit are told once, with residual and key, 
     }
 }
 
+TEST_CASE("a change of gravity that asks for other models is refused, with the key to set", "[tools][render]") {
+    const std::string text =
+        "[time]\nend = 0.02\nfps = 100\n[domain]\nmin = [-0.1, -0.1, -0.1]\nmax = [0.1, 0.1, 0.1]\ngravity = [0, 0, 0]\n[fluid]\n"
+        "spacing = 0.01\nviscosity = 8\n[[block]]\nshape = \"box\"\nmin = [-0.05, -0.05, -0.05]\nmax = [0.05, 0.02, 0.05]\n[[change]]\n"
+        "time = 0.01\nkey = \"domain.gravity\"\nvalue = [0, -9.81, 0]\n";
+    const Scratch refused(text), given(text + "[models]\npressure = \"coupled\"\n");
+    const Outcome run = test::whorl({"render", refused.scene(), "--no-images", "--quiet", "--out", refused.run()});
+    INFO(run.err);
+    CHECK(run.code == 2);
+    CHECK(run.err.find("models.pressure: coupled, now ppe") != std::string::npos);
+    CHECK(run.err.find("set models.pressure in the scene") != std::string::npos);
+    CHECK(test::whorl({"render", given.scene(), "--no-images", "--quiet", "--out", given.run()}).code == 0);
+}
+
 TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
     const Scratch scratch;
     std::ofstream(scratch / "drop.toml")

@@ -98,13 +98,16 @@ StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu) {
 }
 
 bool Incidents::add(Incident incident) {
-    if (std::any_of(first_.begin(), first_.end(), [&](const Incident& i) { return i.kind == incident.kind; })) return false;
+    // Each room is told of; when it was full is not part of its name.
+    const auto room = [](const Incident& i) { return i.kind == "full" ? i.what.substr(0, i.what.find(" at ")) : ""; };
+    if (std::any_of(first_.begin(), first_.end(), [&](const Incident& i) { return i.kind == incident.kind && room(i) == room(incident); }))
+        return false;
     first_.push_back(std::move(incident));
     return true;
 }
 
 std::string Incidents::add(const StepReport& report, const Scene& scene, double time, long step) {
-    std::string unsolved;
+    std::string news;
     for (const StepReport::Solve& solve : report.solves)
         if (const SolveReport& r = solve.report; solve.name == RelieveCrowding::name) add(Incident{"crowded", time, step, r.why_not});
         else if (!r.converged) {
@@ -114,16 +117,16 @@ std::string Incidents::add(const StepReport& report, const Scene& scene, double 
                 fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}{}", solve.name, r.last_residual, r.first_residual,
                             r.iterations, r.why_not.empty() ? "" : ", " + r.why_not,
                             limited ? fmt::format("; raise {}.max_iterations", viscous ? "viscosity" : "pressure") : "");
-            if (add(Incident{"unconverged", time, step, what})) unsolved = fmt::format("unfinished solve at {:.4g} s: {}", time, what);
+            if (add(Incident{"unconverged", time, step, what})) news = fmt::format("unfinished solve at {:.4g} s: {}", time, what);
         }
-    if (!report.full.empty()) add(Incident{"full", time, step, report.full});
+    if (!report.full.empty() && add(Incident{"full", time, step, report.full})) news += (news.empty() ? "" : "\n") + report.full;
     if (report.lost_particles > 0)
         add(Incident{"lost", time, step, fmt::format("{} particles left the domain in one step", report.lost_particles)});
     if (const auto& d = report.diverged)
         add(Incident{"diverged", d->time, step,
                      fmt::format("stage \"{}\", field \"{}\" at ({:.4g}, {:.4g}, {:.4g}) m: {}", d->stage, d->field, d->place.x(),
                                  d->place.y(), d->place.z(), d->what)});
-    return unsolved;
+    return news;
 }
 
 nlohmann::ordered_json Incidents::json() const {

@@ -24,7 +24,8 @@ struct Incident {
 class Incidents {
 public:
     /// Notes what the step's report tells; only the first of each kind is kept.
-    /// @returns the run's first solve that ended before its tolerance, with the key to raise where its limit is the cause; else empty
+    /// @returns news to be told: the run's first solve that ended before its tolerance, with the key to raise where its limit is the cause,
+    /// and each room that is full for the first time; a line each
     std::string add(const StepReport& report, const Scene& scene, double time, long step);
     nlohmann::ordered_json json() const;
     /// Those of the run's earlier part, from its run.json.

@@ -219,8 +219,7 @@ void Run::set_pictures(const SceneFile& file) {
 
 void Run::after_step(const StepReport& report, double began) {
     const long step = simulation_.totals().steps + (report.diverged ? 1 : 0);
-    for (const std::string& news : {incidents_.add(report, scene_, began, step), report.full})
-        if (!news.empty()) progress_->note(news);
+    if (const std::string news = incidents_.add(report, scene_, began, step); !news.empty()) progress_->note(news);
     if (report.diverged) return;
     progress_->step(simulation_, frame_);
     if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double when) { simulation_.change(s, p, when); }))

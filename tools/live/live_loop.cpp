@@ -60,6 +60,7 @@ void LiveLoop::begin(PlannedScene& scene) {
     frame_ = 1;
     state_ = State::running;
     why_.clear();
+    incidents_ = {};
     probed_ = profiles_ = plots_ = Json::object();
     comparisons_.clear();
     times_before_ = {}, frame_times_ = {};
@@ -129,7 +130,9 @@ void LiveLoop::add_budget(const BudgetRow& row) {
     budget_->append(budget_row(row));
 }
 
-void LiveLoop::after_step(const StepReport& report, double) {
+void LiveLoop::after_step(const StepReport& report, double began) {
+    const std::string news = incidents_.add(report, simulation_->scene(), began, simulation_->totals().steps);
+    if (!news.empty()) controls_.tell(false, news);
     if (report.diverged) {
         const Divergence& d = *report.diverged;
         state_ = State::diverged;

@@ -10,6 +10,7 @@
 #include "engine/io/snapshot.h"
 #include "engine/probes/comparison.h"
 #include "tools/film/frame_loop.h"
+#include "tools/film/report.h"
 #include "tools/live/controls.h"
 #include "tools/live/screen.h"
 
@@ -76,6 +77,7 @@ private:
     std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions that the simulation, its newest step and its newest picture go by
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
+    Incidents incidents_;
 
     std::unique_ptr<Table> budget_;  ///< what each frame gave up, from the first one on that had a budget
     double spent_ = 0;               ///< s, wall, that the frames since the start took; waiting and pauses do not count

@@ -195,7 +195,8 @@ Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes)
     trial.apply_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
         const auto models = changes_of_models(plan, next);
         if (!models.empty())
-            throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0]);
+            throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0],
+                             "set " + models[0].substr(0, models[0].find(':')) + " in the scene, to what suits the whole run");
     });
 }
 

@@ -1,5 +1,9 @@
 #include "engine/models/pressure/constraint.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -175,6 +179,15 @@ bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext&
     return free >= std::max(1.0, 0.1 * std::pow(static_cast<double>(n), 2.0 / 3));
 }
 
+bool ConstraintPressure::forget_level(Span<Real> q, const StepContext& step) {
+    std::vector<Real> sorted(q.begin(), q.end());
+    const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 20);
+    std::nth_element(sorted.begin(), low, sorted.end());
+    if (*low * step.rest_density * step.dt < step.spacing * step.spacing) return false;
+    parallel_for(static_cast<Index>(q.size()), [&, level = *low](Index i) { q[i] = std::max(Real(0), q[i] - level); });
+    return true;
+}
+
 void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                                        Span<const Real> q) const {
     const SolidParticles& layer = around.layer;
@@ -294,6 +307,16 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     if (filled || has_free_surface(q, step)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
+    if (!filled && !has_free_surface(q) && forget_level(q, step)) {
+        matrix.push(q);
+        Eigen::AlignedBox3f box;
+        for (Index i = 0; i < n; ++i)
+            if (q[i] > 0) box.extend(around.pairs.x_own[i].cast<float>());
+        report.full = fmt::format(
+            "fluid without room at {:.4g} s: solids squeeze what fills the space from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) "
+            "m",
+            step.time, box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
+    }
     bodies_.push(q, around.solids);
     write_ledgers(wall, around, role, rho.values, q);
     if (step.to_frame_time) find_pressures(wall, around, rho.values, q, p.values);
