@@ -102,7 +102,6 @@ private:
     void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q, const StepContext& step) const;
-    bool has_free_surface(Span<const Real> q) const;
     /// For a full room that a solid squeezes: nothing can give way, and a pressure that is the same everywhere, and pushes nothing, grows
     /// without bound. Where it would move particles by more than a spacing within the step, sqrt(p/rho) dt > d, what all but a twentieth of
     /// the particles have is subtracted: the fluid is compressed, in steps of a usual length. @returns whether it was
