@@ -307,7 +307,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     if (filled || has_free_surface(q, step)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
-    if (!filled && !has_free_surface(q) && forget_level(q, step)) {
+    if (!filled && !has_free_surface(q, step) && forget_level(q, step)) {
         matrix.push(q);
         Eigen::AlignedBox3f box;
         for (Index i = 0; i < n; ++i)
