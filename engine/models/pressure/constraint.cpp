@@ -180,6 +180,7 @@ bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext&
 }
 
 bool ConstraintPressure::forget_level(Span<Real> q, const StepContext& step) {
+    if (q.empty()) return false;
     std::vector<Real> sorted(q.begin(), q.end());
     const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 20);
     std::nth_element(sorted.begin(), low, sorted.end());

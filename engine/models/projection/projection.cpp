@@ -84,19 +84,24 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     });
 }
 
-/// Damps short waves between the outermost particles, which no pressure resolves, at four times their frequency. At .4 of it gaps that a
-/// stretching surface opens grow, and a steep slosh diverges.
+/// Damps what a linear flow leaves of the velocities between particles near the surface, which no pressure resolves, at four times the
+/// frequency of the shortest waves. At .4 of it gaps that a stretching surface opens grow, and a steep slosh diverges.
 void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     const Real share = 4 * step.dt * s.shortest_waves(step) * step.volume;
     if (!s.options.free_surface || !(share > 0)) return;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
+    std::vector<Mat3> half_gradient(u.size(), Mat3::Zero());
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(u.size(), [&](Index i) {
+            if (s.near_surface[i]) half_gradient[i] = difference_sum(W, around.pairs, i, step.volume, u.data()) * s.whole.correction[i] / 2;
+        });
+        parallel_for(u.size(), [&](Index i) {
             if (!s.near_surface[i] || role[i] != 0) return;
-            around.pairs.of(i, [&](Index j, const Vec3&, Real r) {
-                if (s.near_surface[j] && role[j] == 0) change[i] += share * W.value(r) * (u[j] - u[i]);
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+                if (s.near_surface[j] && role[j] == 0)
+                    change[i] += share * W.value(distance) * (u[j] - u[i] + (half_gradient[i] + half_gradient[j]) * r);
             });
         });
     });
