@@ -61,6 +61,14 @@ Real behind_surface(double curvature) {
     return static_cast<Real>(bent > 0 ? 1 / (1 + bent) : 1 - bent);
 }
 
+/// Whether the place x of solid k [m, in its own axes] lies on or in another solid that stands still: edges at seams are none.
+bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
+    const Vec3 at = solids.all[k].pose.rotation * x + solids.all[k].pose.translation;
+    for (std::size_t other = 0; other < solids.all.size(); ++other)
+        if (other != k && !solids.all[other].moves() && solids.all[other].distance(at) < Real(0.75) * spacing) return true;
+    return false;
+}
+
 }  // namespace
 
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
@@ -123,9 +131,10 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());
             particles.own_normal.push_back((solid.inside ? -point.outward : point.outward).cast<Real>());
-            const bool edge = !point.face.isZero();
+            const bool edge =
+                !solid.inside && !point.face.isZero() && !(still && covered(solids, k, particles.own_position.back(), spacing));
             particles.behind.push_back(edge ? 0 : behind_surface((solid.inside ? -1 : 1) * point.curvature * static_cast<double>(spacing)));
-            particles.own_face.push_back(solid.inside ? Vec3::Zero() : Vec3(point.face.cast<Real>()));
+            particles.own_face.push_back(edge ? Vec3(point.face.cast<Real>()) : Vec3::Zero());
         }
     }
     const std::size_t n = particles.solid.size();
@@ -151,7 +160,7 @@ void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Do
         const bool edge = particles.behind[s] == 0 || particles.behind[other] == 0;
         const Real turn = particles.normal[s].dot(particles.normal[other]);
         if (a == b) return edge || !edges[a] || std::abs(turn) > Real(0.5);
-        return !moves[a] && !moves[b] && turn > (edge ? Real(-0.5) : Real(0.5));
+        return !moves[a] && !moves[b] && (!edge || turn > Real(-0.5));
     };
     with_kernel(kernel, support, [&](const auto& W) {
         parallel_for(particles.size(), [&](Index s) {

@@ -276,7 +276,7 @@ private:
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
             work_is(&EnergyWork::smoothing);
         }
-        const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && !bodies_;
+        const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !bodies_;
         if (expects) stage("expected pressure", "pressure", ExpectForce{});
         if (facts_.viscosity.implicit) implicit_viscosity();
         if (expects) stage("forget pressure", "pressure", ForgetForce{});

@@ -84,12 +84,12 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     });
 }
 
-/// Damps what a linear flow leaves of the velocities between particles near the surface, which no pressure resolves, at four times the
-/// frequency of the shortest waves. At .4 of it gaps that a stretching surface opens grow, and a steep slosh diverges.
+/// Damps what a linear flow leaves of the velocities between particles near the surface, which no pressure resolves, at eight times the
+/// frequency of the shortest waves. With half of that gaps that a stretching surface opens grow, and a steep slosh diverges.
 void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
-    const Real share = 4 * step.dt * s.shortest_waves(step) * step.volume;
+    const Real share = std::min(Real(0.5), 8 * step.dt * s.shortest_waves(step)) * step.volume;
     if (!s.options.free_surface || !(share > 0)) return;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
     std::vector<Mat3> half_gradient(u.size(), Mat3::Zero());

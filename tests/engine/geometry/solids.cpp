@@ -394,7 +394,7 @@ TEST_CASE("cuts by the plane: distances and normals lie in it, whatever z, and t
     for (const Vec3& x : line.position) REQUIRE((x.z() == 0 && x.y() == Approx(-0.01)));
 }
 
-TEST_CASE("fluid on a lattice sees what it lacks at walls, edges and in corners within 0.2 % of the density", "[geometry][solids]") {
+TEST_CASE("fluid on a lattice sees what it lacks at faces, edges and corners of a box within 0.2 % of the density", "[geometry][solids]") {
     // sum_s V_s W(|r'_is|) of the constraint's images against the lattice, continued through the solids. Where three walls meet V_s is 15 %
     // too large on convex corners, which have fewer neighbours.
     const Real d = Real(0.1);
@@ -404,42 +404,33 @@ TEST_CASE("fluid on a lattice sees what it lacks at walls, edges and in corners 
         return make_shape(keys);
     };
     for (const int dimensions : {2, 3}) {
-        struct Case {
-            std::string name;
-            std::vector<std::shared_ptr<const Shape>> shapes;
-            bool inside;
+        const KernelForm form{KernelKind::cubic, dimensions};
+        const WallImage wall(form, 2 * d, d);
+        const CubicKernel W(2 * d, dimensions);
+        Solids solids;
+        solids.all.push_back(solid_of(box(dimensions, 0.3, 0.3, 0.7, 0.7)));
+        solids.set_time(0, 1e-3);
+        const SolidParticles layer = sample_solids(solids, d, Domain{Vec3(-3, -3, -3), Vec3(3, 3, 3), {}}, form, 2 * d);
+        const auto in_solid = [&](const Vec3& x) {
+            return std::any_of(solids.all.begin(), solids.all.end(), [&](const Solid& solid) { return solid.distance(x) < 0; });
         };
-        const std::vector<Case> cases{{"tank", {box(dimensions, 0, 0, 1, 1)}, true},
-                                      {"box in the fluid", {box(dimensions, 0.3, 0.3, 0.7, 0.7)}, false}};
-        for (const Case& one : cases) {
-            const KernelForm form{KernelKind::cubic, dimensions};
-            const WallImage wall(form, 2 * d, d);
-            const CubicKernel W(2 * d, dimensions);
-            Solids solids;
-            for (const auto& shape : one.shapes) solids.all.push_back(solid_of(shape)), solids.all.back().inside = one.inside;
-            solids.set_time(0, 1e-3);
-            const SolidParticles layer = sample_solids(solids, d, Domain{Vec3(-3, -3, -3), Vec3(3, 3, 3), {}}, form, 2 * d);
-            const auto in_solid = [&](const Vec3& x) {
-                return std::any_of(solids.all.begin(), solids.all.end(), [&](const Solid& solid) { return solid.distance(x) < 0; });
-            };
-            each_lattice_point(dimensions, 5, [&](int x, int y, int z) {
-                const Vec3 at = d * Vec3(Real(x) + Real(4.5), Real(y) + Real(4.5), dimensions == 2 ? 0 : Real(z) + Real(4.5));
-                if (in_solid(at)) return;
-                Real lattice = 0, seen = 0;
-                each_lattice_point(dimensions, 2, [&](int a, int b, int c) {
-                    const Vec3 to = d * Vec3(Real(a), Real(b), Real(c));
-                    if (in_solid(at + to)) lattice += std::pow(d, Real(dimensions)) * W.value(to.norm());
-                });
-                int corner = 0;
-                for (Index s = 0; s < layer.size(); ++s) {
-                    const Vec3 r = at - layer.position[s];
-                    if (r.norm() < 2 * d) seen += wall.share(W, r, r.norm(), layer, s).value;
-                    corner |= r.norm() < 2 * d && layer.behind[s] == 0 && layer.normal[s].cwiseAbs().minCoeff() > Real(0.5);
-                }
-                INFO(one.name << " in " << dimensions << "D, at " << at.transpose());
-                CHECK(seen == Approx(lattice).margin(corner ? 0.015 : 0.002));
+        each_lattice_point(dimensions, 5, [&](int x, int y, int z) {
+            const Vec3 at = d * Vec3(Real(x) + Real(4.5), Real(y) + Real(4.5), dimensions == 2 ? 0 : Real(z) + Real(4.5));
+            if (in_solid(at)) return;
+            Real lattice = 0, seen = 0;
+            each_lattice_point(dimensions, 2, [&](int a, int b, int c) {
+                const Vec3 to = d * Vec3(Real(a), Real(b), Real(c));
+                if (in_solid(at + to)) lattice += std::pow(d, Real(dimensions)) * W.value(to.norm());
             });
-        }
+            int corner = 0;
+            for (Index s = 0; s < layer.size(); ++s) {
+                const Vec3 r = at - layer.position[s];
+                if (r.norm() < 2 * d) seen += wall.share(W, r, r.norm(), layer, s).value;
+                corner |= r.norm() < 2 * d && layer.behind[s] == 0 && layer.normal[s].cwiseAbs().minCoeff() > Real(0.5);
+            }
+            INFO(dimensions << "D, at " << at.transpose());
+            CHECK(seen == Approx(lattice).margin(corner ? 0.015 : 0.002));
+        });
     }
 }
 
