@@ -300,7 +300,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     bodies_.mark(at_bodies);
     parallel_for(n, [&](Index i) {
         const Real rate = correction_rate(rho[i], target, filled, at_bodies[i], step, at_bodies[i] ? time : step.dt);
-        b_[i] += rate <= 0 ? rate : role[i] == 0 ? calm * rate : 0;  // within a nozzle nothing can be moved apart
+        b_[i] += rate > 0 ? calm * rate : rate;
         q[i] = D_.diagonal[i] > 0 ? q[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;
     });
     ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};

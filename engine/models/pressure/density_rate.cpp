@@ -67,17 +67,6 @@ struct SolidMotion {
     Vec3 relative(const Vec3& x, const Vec3& v, Real dt) const { return dt * (back * (v - velocity)) + turn * (x - centre); }
 };
 
-/// sum_j |g_ij|^2 over the free neighbours of i, which is in a nozzle; 0 where they are less than a tenth of all: too far away to be
-/// pushed.
-template <class Kernel>
-Real free_squares(const Kernel& W, const Surroundings& around, Index i, Read<field::role> role, Real all) {
-    Real sum = 0;
-    around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        if (role[j] == 0) sum += (around.step.mass * W.slope(distance) * r).squaredNorm();
-    });
-    return sum < all / 10 ? 0 : sum;
-}
-
 }  // namespace
 
 void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
@@ -116,8 +105,7 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
             fill[i] = f;
             own[i] = row.own;
             free[i] = role[i] == 0;
-            diagonal[i] =
-                role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : f * f * free_squares(W, around, i, role, row.squares);
+            diagonal[i] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
             // A surface particle has no pressure to speak of.
             virial[i] = std::clamp(f * row.pull / (static_cast<Real>(W.dimensions) * row.density), Real(0.8), Real(1.5));
             rho[i] = row.density;

@@ -171,7 +171,7 @@ struct DensityRate {
     /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
     /// it has melted. The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
-    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react, but presses on free neighbours
+    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
 
     Index size() const { return static_cast<Index>(own.size()); }
 

@@ -246,7 +246,8 @@ position = [0.06, 0.051{}]
 
 TEST_CASE("a jet on a plate presses as free streamlines say, within 6 % of its stagnation pressure", "[validation][ledger]") {
     // x = 2 b/pi (artanh q + arctan q), p = rho U^2/2 (1 - q^2) (Milne-Thomson 1968, Theoretical Hydrodynamics, 11.42). 10 spacings across
-    // the jet, where the film that leaves along the plate has 5; gauges of two spacings.
+    // the jet, where the film that leaves along the plate has 5; gauges of two spacings. Means over .6 s: over .2 s
+    // they scatter by .04 from seed to seed.
     constexpr double b = 0.04, stagnation = 500;
     const std::vector<std::pair<double, double>> exact{{0, 1}, {0.02, 0.847}, {0.04, 0.461}, {0.06, 0.148}, {0.08, 0.035}};
     std::string scene = R"toml([time]
@@ -273,7 +274,7 @@ slip = "free"
         scene += fmt::format("[[probe]]\nname = \"at_{}\"\nkind = \"gauge\"\nsolid = 0\nradius = 0.004\nat = [{}, 0]\n", x, x);
     Simulation simulation = simulation_of(scene);
     NamedProbes probes = make_probes(simulation, TheorySearch::wait);
-    for (const double until : {0.2, 0.4}) {
+    for (const double until : {0.2, 0.8}) {
         while (simulation.time() < until) {
             REQUIRE_FALSE(simulation.step(until).diverged);
             for (const auto& [name, probe] : probes) probe->after_step(simulation.world(), simulation.time());
