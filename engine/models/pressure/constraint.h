@@ -103,9 +103,9 @@ private:
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q, const StepContext& step) const;
     /// For a full room that a solid squeezes: nothing can give way, and a pressure that is the same everywhere, and pushes nothing, grows
-    /// without bound. Where it would move particles by more than a spacing within the step, sqrt(p/rho) dt > d, what all but a twentieth of
-    /// the particles have is subtracted: the fluid is compressed, in steps of a usual length. @returns whether it was
-    static bool forget_level(Span<Real> q, const StepContext& step);
+    /// without bound. If it would move 95 % of the particles by more than d/4 within the step, sqrt(p/rho) dt > d/4, it is limited to
+    /// that: the fluid is compressed, in steps of a usual length. @returns whether it was
+    static bool limit_level(Span<Real> q, const StepContext& step);
     /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i.
     void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
