@@ -196,9 +196,9 @@ slip = "free"
 }
 
 TEST_CASE("steep sloshes hold with the projection, crests of half the depth among them", "[validation][sim][waves]") {
-    // The seiche above, 40 particles by 16 in a tank of 1 m, with 0.8 and 1.1 m/s at its passage: crests of 0.18 and 0.25 m over 0.4 m. Its
-    // energy above that of still water may not grow by more than a fifth (measured: 12 %, when particles settle), and some must be left
-    // after two periods. From 0.5 to 1.1 m/s, with each sampling, twelve of twelve held for 4 s.
+    // The seiche above, 40 particles by 16 in a tank of 1 m, with 0.8 and 1.1 m/s at its passage: crests of half and of three quarters of
+    // the depth. Its energy above that of still water may not grow by more than a fifth (measured: 12 %, when particles settle), and some
+    // must be left after two periods. With each of three samplings 0.3 to 0.8 m/s hold for 4 s; two of three with 1.1 m/s die after 3 s.
     for (const auto& [U, sampling] : {std::pair{0.8, "lattice"}, std::pair{1.1, "jittered"}}) {
         INFO(U << " m/s, " << sampling);
         Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
