@@ -165,6 +165,17 @@ void Solids::clear_ledgers() {
     for (Solid& solid : all) solid.ledger = {};
 }
 
+void SolidParticles::remove(const std::vector<char>& out) {
+    const auto cut = [&](auto& column) {
+        std::size_t kept = 0;
+        for (std::size_t s = 0; s < column.size(); ++s)
+            if (!out[s]) column[kept++] = column[s];
+        column.resize(kept);
+    };
+    cut(solid), cut(own_position), cut(own_normal), cut(position), cut(velocity), cut(normal), cut(volume), cut(behind);
+    cut(own_face), cut(face), cut(pressed);
+}
+
 void SolidParticles::follow(const Solids& solids) {
     parallel_for(size(), [&](Index s) {
         const Solid& whose = solids.all[solid[s]];

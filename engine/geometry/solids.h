@@ -107,6 +107,8 @@ struct SolidParticles {
     Index size() const { return static_cast<Index>(solid.size()); }
     /// Moves the particles with their solids.
     void follow(const Solids& solids);
+    /// Removes the particles for which `out` is not 0.
+    void remove(const std::vector<char>& out);
 };
 
 }  // namespace whorl

@@ -426,15 +426,7 @@ void open_walls(const std::vector<Emitter>& emitters, World& world) {
         for (const Emitter& emitter : emitters)
             if (emitter.distance(layer.position[s]) < 0) open[s] = 1;
     });
-    if (std::find(open.begin(), open.end(), 1) == open.end()) return;
-    const auto cut = [&](auto& column) {
-        std::size_t kept = 0;
-        for (std::size_t s = 0; s < column.size(); ++s)
-            if (!open[s]) column[kept++] = column[s];
-        column.resize(kept);
-    };
-    cut(layer.solid), cut(layer.own_position), cut(layer.own_normal), cut(layer.position), cut(layer.velocity), cut(layer.normal);
-    cut(layer.volume), cut(layer.behind), cut(layer.own_face), cut(layer.face), cut(layer.pressed);
+    if (std::find(open.begin(), open.end(), 1) != open.end()) layer.remove(open);
 }
 
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan, const Solids& solids) {
