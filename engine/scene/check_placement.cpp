@@ -410,11 +410,14 @@ private:
 
 }  // namespace
 
-double part_inside_solids(const SceneShapes& shapes, std::size_t block, double margin) {
+namespace {
+
+template <class Inside>
+double part_inside(const SceneShapes& shapes, std::size_t block, Inside inside) {
     const Shape& shape = *shapes.blocks[block];
     const Extent& e = shapes.block_extent[block];
     constexpr int points = 17;  // an axis
-    int all = 0, inside = 0;
+    int all = 0, found = 0;
     for (int i = 0; i < points; ++i)
         for (int j = 0; j < points; ++j)
             for (int k = 0; k < points; ++k) {
@@ -422,9 +425,21 @@ double part_inside_solids(const SceneShapes& shapes, std::size_t block, double m
                 const Vec3 x = (e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
                 if (shape.distance(x) > 0) continue;
                 ++all;
-                if (in_solids(shapes, x, margin)) ++inside;
+                if (inside(x)) ++found;
             }
-    return all > 0 ? static_cast<double>(inside) / all : 0;
+    return all > 0 ? static_cast<double>(found) / all : 0;
+}
+
+}  // namespace
+
+double part_inside_solids(const SceneShapes& shapes, std::size_t block, double margin) {
+    return part_inside(shapes, block, [&](const Vec3& x) { return in_solids(shapes, x, margin); });
+}
+
+double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size_t other, double depth) {
+    return part_inside(shapes, block, [&](const Vec3& x) {
+        return static_cast<double>(shapes.blocks[other]->distance(x)) < -depth && !in_solids(shapes, x, depth);
+    });
 }
 
 double part_left_empty(const Scene& scene, const SceneShapes& shapes) {

@@ -28,6 +28,8 @@ void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& n
 
 /// The part of a block, 0 to 1, that lies inside solids, or nearer to them than `margin` [m]: no particle is placed within .45 spacings.
 double part_inside_solids(const SceneShapes& shapes, std::size_t block, double margin);
+/// The part of a block, 0 to 1, that lies deeper than `depth` [m] inside another block, and in no solid.
+double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size_t other, double depth);
 /// Share of the domain outside the solids where no block puts fluid at the start.
 double part_left_empty(const Scene& scene, const SceneShapes& shapes);
 

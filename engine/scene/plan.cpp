@@ -334,9 +334,16 @@ private:
     }
 
     void warn_of_placement() {
-        for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
             if (const double part = part_inside_solids(shapes_, i, 0); part > 0.1)
                 add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
+            for (std::size_t k = 0; k < i; ++k)
+                if (const double part = part_inside_block(shapes_, i, k, d_ / 2); part > 0)
+                    add_warning(
+                        fmt::format("{:.2g} % of block[{}] lies inside block[{}]: there are particles of both there, more than have "
+                                    "room; let the blocks meet without an overlap",
+                                    100 * part, i, k));
+        }
         for (const ClosedRoom& room : plan_.rooms) warn_of_room(room);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)

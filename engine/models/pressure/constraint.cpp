@@ -314,8 +314,11 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
             if (q[i] > 0) box.extend(around.pairs.x_own[i].cast<float>());
         report.full = fmt::format(
             "fluid without room at {:.4g} s: solids squeeze what fills the space from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) "
-            "m",
-            step.time, box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z());
+            "m; {:.2g} m^{} are too much after this step",
+            step.time, box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z(),
+            parallel_sum(n, [&](Index i) { return q[i] > 0 ? static_cast<double>(b_[i]) : 0.0; }) *
+                static_cast<double>(step.dt * step.volume / step.rest_density),
+            step.dimensions());
     }
     bodies_.push(q, around.solids);
     write_ledgers(wall, around, role, rho.values, q);

@@ -194,6 +194,18 @@ TEST_CASE("a block that reaches into a solid is a warning, one that stands on it
     CHECK(found[0].find("% of block[0] lies inside solids and is left out") != std::string::npos);
 }
 
+TEST_CASE("blocks that overlap are a warning with the part that overlaps, blocks that meet are not", "[plan]") {
+    const auto warnings = [](const std::string& top) {
+        return plan_with({"block[0]={shape=\"box\", min=[-0.02,0,-0.02], max=[0.02,0.02,0.02]}",
+                          "block[1]={shape=\"box\", min=[-0.02," + top + ",-0.02], max=[0.02,0.04,0.02]}"})
+            .warnings;
+    };
+    CHECK(warnings("0.02").empty());
+    const auto found = warnings("0.01");
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find("% of block[1] lies inside block[0]") != std::string::npos);
+}
+
 TEST_CASE("a force whose speeds the plan cannot know is warned of where sound has to be faster", "[plan]") {
     const auto warned = [](const std::vector<std::string>& changes) {
         const std::vector<std::string> all = plan_with(changes).warnings;

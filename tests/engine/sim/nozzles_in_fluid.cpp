@@ -257,6 +257,7 @@ TEST_CASE("a lid that squeezes a full room by 1 % is reported once, and the run 
         REQUIRE(run.totals().steps < 200);  // 20 at max_step; a pressure that keeps its level takes steps of 20 microseconds
     }
     CHECK(told.starts_with("fluid without room at "));
+    CHECK(told.ends_with("m^2 are too much after this step"));
 }
 
 }  // namespace nozzles_test
