@@ -160,6 +160,33 @@ TEST_CASE("numbers that no setting takes, and a file's name of any bytes, make a
     CHECK(read_scene_file(scratch / "made.toml").scene.pressure.max_iterations == 1'000'000'000);
 }
 
+TEST_CASE("import reads parameters in a method's section, with that format's numbers of methods", "[tools][import]") {
+    const auto made = [](const std::string& material) {
+        return convert_splishsplash(
+                   Scratch(R"({"Configuration": {"particleRadius": 0.01, "stopAt": 1, "simulationMethod": 4, "DFSPH": {"maxError": 0.05},
+ "cflMethod": 0, "timeStepSize": 0.002},
+ "Materials": [{"id": "Fluid", "density0": 1200, )" +
+                           material + R"(}],
+ "FluidBlocks": [{"start": [0, 0, 0], "end": [0.2, 0.2, 0.2], "initialVelocity": [3, 0, 0]}]})") /
+                   "scene.json")
+            .toml;
+    };
+    const auto has = [](const std::string& toml, const std::string& line) { return toml.find("\n" + line + "\n") != std::string::npos; };
+    const std::string standard = made(R"("viscosityMethod": 1, "Standard viscosity": {"viscosity": 2.5})");
+    CHECK(has(standard, "viscosity = 3000.0"));
+    CHECK(has(standard, "tolerance = 0.0005"));
+    CHECK(has(standard, "max_step = 0.002"));
+    CHECK(has(made(R"("viscosityMethod": 6, "Weiler et al. 2018": {"viscosity": 5, "viscosityBoundary": 4})"), "viscosity = 6000.0"));
+    const std::string bender = made(R"("viscosityMethod": 2, "Bender and Koschier 2017": {"viscosity": 0.5})");  // 2 was XSPH before
+    CHECK(has(bender, "viscosity = 0.0"));
+    CHECK_FALSE(has(bender, "viscosity = \"xsph\""));
+    const std::string thin = made(
+        R"("viscosityMethod": 1, "Standard viscosity": {"viscosity": 1e-6}, "vorticityMethod": 1, "Bender et al. 2017": {"vorticity": 0.1, "viscosityOmega": 0.2, "inertiaInverse": 0.5})");
+    CHECK(has(thin, "transfer_viscosity = 120.0"));
+    CHECK(has(thin, "micro_inertia = 2.0"));
+    CHECK(has(thin, "xsph_spin = 0.1"));
+}
+
 TEST_CASE("an imported scene in the plane has two numbers a place, and one that never ends says so", "[tools][import]") {
     const Scratch scratch(R"({"Configuration": {"sim2D": true, "particleRadius": 0.025, "cflMethod": 0, "timeStepSize": 0.002,
    "gravitation": [0, -9810, 0]},
@@ -176,7 +203,7 @@ TEST_CASE("an imported scene in the plane has two numbers a place, and one that 
     CHECK(outcome.out.find("warning: domain.gravity = 9810 is 1e+03 times") != std::string::npos);
     const Scene scene = read_scene_file(out).scene;
     CHECK(scene.domain.dimensions == 2);
-    CHECK(scene.time.fixed_step == 0.002);
+    CHECK(scene.time.max_step == 0.002);
     CHECK(scene.solids[0].inside);
 }
 

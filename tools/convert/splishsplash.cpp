@@ -45,9 +45,24 @@ TriangleMesh unit_box() {
     return box;
 }
 
+/// Since version 2.16 the parameters of a method stand in a section with its name, and the numbers of methods differ from those before.
+struct Method {
+    const char* section;
+    int number, number_before;  ///< -1: the version has no such method
+};
+constexpr Method standard_viscosity{"Standard viscosity", 1, 1}, takahashi{"Takahashi et al. 2015 (improved)", 5, 6},
+    weiler{"Weiler et al. 2018", 6, 7}, xsph{"XSPH", -1, 2}, bender_vorticity{"Bender et al. 2017", 1, 1};
+constexpr const char *of_viscosity[] = {standard_viscosity.section, takahashi.section,  weiler.section,
+                                        "Bender and Koschier 2017", "Peer et al. 2015", "Peer et al. 2016"},
+                     *of_pressure[] = {"WCSPH", "PCISPH", "PBF", "IISPH", "DFSPH", "Projective Fluids", "ICSPH"},
+                     *of_tension[] = {"Becker & Teschner 2007", "Akinci et al. 2013", "He et al. 2014", "Jeske et al. 2023",
+                                      "Zorilla, Ritter, et al. 2020"};
+
 class Converter {
 public:
-    explicit Converter(const std::filesystem::path& file) : file_(file), root_(read_json(file)) {}
+    explicit Converter(const std::filesystem::path& file) : file_(file), root_(read_json(file)) {
+        for (const char* list : {"Configuration", "Materials"}) find_sections(root_.find(list));
+    }
 
     ConvertedScene convert() {
         configuration();
@@ -57,7 +72,7 @@ public:
         emitters();
         bodies();
         if (!pressure_.empty()) pressure_ = "\n[pressure]\n" + pressure_;
-        made_.toml = head() + fluid_ + models_ + pressure_ + viscosity_ + micropolar_ + shapes_ + camera_;
+        made_.toml = head() + fluid_ + models_ + pressure_ + viscosity_ + micropolar_ + shapes_ + camera_ + look_;
         root_.each_unused([&](const JsonNode& node) {
             if (!node.path.empty()) note(node, "has no equivalent: left out");
         });
@@ -77,6 +92,23 @@ private:
     void note(const JsonNode& node, const std::string& what) { made_.notes.push_back({node.place, node.path + " " + what, "", ""}); }
     void note(const JsonNode& object, const char* key, const std::string& what) {
         if (const JsonNode* node = object.find(key)) note(*node, what);
+    }
+    void find_sections(const JsonNode* of) {
+        if (!of) return;
+        for (const JsonNode& one : of->list) find_sections(&one);
+        for (const JsonNode& one : of->members) has_sections_ |= one.kind == JsonNode::Kind::object;
+    }
+    bool is(double number, const Method& method) const { return number == (has_sections_ ? method.number : method.number_before); }
+    /// Where a method's parameter stands: in one of these sections or, as before 2.16, beside the method's number.
+    template <std::size_t n>
+    static const JsonNode& section_with(const JsonNode& of, const char* const (&sections)[n], const std::string& key) {
+        for (const char* name : sections)
+            if (const JsonNode* found = of.find(name); found && found->find(key)) return *found;
+        return of;
+    }
+    static const JsonNode& section_with(const JsonNode& of, const char* section, const std::string& key) {
+        const char* const one[] = {section};
+        return section_with(of, one, key);
     }
     void line(std::string& to, const std::string& key, const std::string& value) { to += key + " = " + value + "\n"; }
     static std::string number(double value) {
@@ -106,12 +138,12 @@ private:
     std::filesystem::path file_;
     JsonNode root_;
     ConvertedScene made_;
-    std::string time_, fluid_, models_, pressure_, viscosity_, micropolar_, shapes_, camera_;  // of the scene file
-    bool plane_ = false;
+    std::string time_, fluid_, models_, pressure_, viscosity_, micropolar_, shapes_, camera_, look_;  // of the scene file
+    bool has_sections_ = false, plane_ = false;
     double spacing_ = 0.05;  // m
     Vec3d gravity_{0, -9.81, 0};
-    std::vector<Fluid> fluids_;  // the first one is the scene's
-    std::vector<Vec3d> fluid_places_;
+    std::vector<Fluid> fluids_;                 // the first one is the scene's
+    std::vector<Vec3d> fluid_places_, speeds_;  ///< where fluid starts, and how fast
     Extent3 extent_;
 };
 
@@ -137,7 +169,8 @@ void Converter::configuration() {
     line(time_, "fps", number(fps.value_or(25)));
     const double step = of.number_of("timeStepSize").value_or(0.001);
     if (of.number_of("cflMethod").value_or(1) == 0) {
-        line(time_, "fixed_step", number(step));
+        line(time_, "max_step", number(step));
+        note(of, "timeStepSize", "is taken as time.max_step: steps are shorter where the plan's own limits ask for it");
     } else {
         line(time_, "max_step", number(of.number_of("cflMaxTimeStepSize").value_or(0.005)));
         if (const auto factor = of.number_of("cflFactor")) {
@@ -161,11 +194,12 @@ void Converter::pressure(const JsonNode& of) {
     const bool weakly = of.number_of("simulationMethod").value_or(4) == 0;
     models_ = fmt::format("\n[models]\npressure = \"{}\"\n", weakly ? "wcsph" : "ppe");
     if (!weakly) note(of, "simulationMethod", "is taken as models.pressure = \"ppe\", our solver of incompressible fluids");
+    const auto given = [&](const char* key) { return section_with(of, of_pressure, key).number_of(key); };
     if (weakly) {
-        if (const auto exponent = of.number_of("exponent")) line(pressure_, "gamma", number(*exponent));
+        if (const auto exponent = given("exponent")) line(pressure_, "gamma", number(*exponent));
     } else {
-        if (const auto error = of.number_of("maxError")) line(pressure_, "tolerance", number(*error / 100));  // per cent
-        if (const auto most = of.number_of("maxIterations"))
+        if (const auto error = given("maxError")) line(pressure_, "tolerance", number(*error / 100));  // per cent
+        if (const auto most = given("maxIterations"))
             line(pressure_, "max_iterations", fmt::format("{:.0f}", std::clamp(*most, -1e9, 1e9)));
     }
 }
@@ -185,34 +219,45 @@ void Converter::materials() {
     fluid_ = fmt::format("\n[fluid]\nspacing = {}\ndensity = {}\nviscosity = {}\n", number(spacing_), number(first.density),
                          number(first.viscosity));
     if (!first.node) return;
-    const auto method = first.node->number_of("surfaceTensionMethod"), tension = first.node->number_of("surfaceTension");
-    if (!method || *method == 0 || !tension) return;
-    line(fluid_, "surface_tension", number(*tension));
-    note(*first.node, "surfaceTension", "is a coefficient of their model: taken as fluid.surface_tension in N/m; check it");
+    if (first.viscosity < 0.1 && micropolar_.empty()) look_ = "\n[look]\nmaterial = \"water\"\n";
+    const JsonNode& of = section_with(*first.node, of_tension, "surfaceTension");
+    const auto tension = of.number_of("surfaceTension");
+    if (first.node->number_of("surfaceTensionMethod").value_or(0) == 0 || !tension) return;
+    if (&of == first.node || of.name == of_tension[4]) {
+        line(fluid_, "surface_tension", number(*tension));
+        note(of, "surfaceTension", "is a coefficient of their model: taken as fluid.surface_tension in N/m; check it");
+    } else
+        note(of, "surfaceTension", "is a coefficient without unit of their model: choose fluid.surface_tension in N/m (water has 0.072)");
 }
 
 /// @param is_scene it is the scene's fluid: its model is the scene's
 void Converter::viscosity(Fluid& fluid, bool is_scene) {
-    const JsonNode& of = *fluid.node;
-    const double method = of.number_of("viscosityMethod").value_or(0), value = of.number_of("viscosity").value_or(0);
-    if (method == 2 && is_scene) {
+    const double method = fluid.node->number_of("viscosityMethod").value_or(0);
+    const JsonNode& of = section_with(*fluid.node, of_viscosity, "viscosity");
+    const double value = of.number_of("viscosity").value_or(0);
+    if (is(method, xsph) && is_scene) {
         models_ += "viscosity = \"xsph\"\n";
         viscosity_ = fmt::format("\n[viscosity]\nalpha = {}\n", number(value));
         note(of, "viscosity", "is the share of XSPH: taken as viscosity.alpha");
-    } else if (method == 1 || method == 6 || method == 7) {
+    } else if (is(method, standard_viscosity) || is(method, takahashi) || is(method, weiler)) {
         fluid.viscosity = value * fluid.density;
         note(of, "viscosity", fmt::format("is taken as a kinematic viscosity in m^2/s: {} Pa s", number(fluid.viscosity)));
     } else if (method != 0) {
         note(of, "viscosity", "is a coefficient without unit of their model: fluid.viscosity is 0; choose one in Pa s");
     }
-    if (!is_scene || of.number_of("vorticityMethod").value_or(0) != 1) return;
+    if (!is_scene || fluid.node->number_of("vorticityMethod").value_or(0) != bender_vorticity.number) return;
+    const JsonNode& spin = section_with(*fluid.node, bender_vorticity.section, "vorticity");
+    const double inverse = spin.number_of("inertiaInverse").value_or(0.5);  // their default
     models_ += "micropolar = \"bender\"\n";
     micropolar_ = "\n[micropolar]\n";
-    if (const auto inverse = of.number_of("inertiaInverse"); inverse && *inverse > 0)
-        line(micropolar_, "micro_inertia", number(1 / *inverse));
-    if (const auto nu = of.number_of("vorticity")) {
+    if (inverse > 0) line(micropolar_, "micro_inertia", number(1 / inverse));
+    if (const auto nu = spin.number_of("vorticity")) {
         line(micropolar_, "transfer_viscosity", number(*nu * fluid.density));
-        note(of, "vorticity", "is taken as a kinematic transfer viscosity in m^2/s");
+        note(spin, "vorticity", "is taken as a kinematic transfer viscosity in m^2/s");
+    }
+    if (const auto smoothing = spin.number_of("viscosityOmega")) {
+        line(micropolar_, "xsph_spin", number(std::clamp(inverse * *smoothing, 0.0, 0.5)));
+        note(spin, "viscosityOmega", "smooths the spin by its product with inertiaInverse a step: taken as micropolar.xsph_spin");
     }
 }
 
@@ -242,7 +287,7 @@ void Converter::blocks() {
         Extent3 box;
         box.extend(at.scale.cwiseProduct(*start) + at.translation), box.extend(at.scale.cwiseProduct(*end) + at.translation);
         extent_.extend(box);
-        fluid_places_.push_back(box.center());
+        fluid_places_.push_back(box.center()), speeds_.push_back(node->vector_of("initialVelocity").value_or(Vec3d::Zero()));
         shapes_ += fmt::format("\n[[block]]\nshape = \"box\"\nmin = {}\nmax = {}\n", vector(box.min()), vector(box.max()));
         if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
         if (node->number_of("denseMode").value_or(0) != 0)
@@ -272,9 +317,10 @@ void Converter::emitters() {
         const Placement at = placement_of(*node);
         const Vec3d direction = at.rotation.col(0);  // along their own x axis
         const double width = node->number_of("width").value_or(5) * spacing_, height = node->number_of("height").value_or(5) * spacing_;
-        extent_.extend(at.translation), fluid_places_.push_back(at.translation);
+        const double speed = node->number_of("velocity").value_or(1);
+        extent_.extend(at.translation), fluid_places_.push_back(at.translation), speeds_.push_back(speed * direction);
         shapes_ += fmt::format("\n[[emitter]]\nposition = {}\ndirection = {}\nspeed = {}\n", vector(at.translation), vector(direction),
-                               number(node->number_of("velocity").value_or(1)));
+                               number(speed));
         if (node->number_of("type").value_or(0) == 1) {
             line(shapes_, "radius", number(width / 2));
             note(*node, "width", fmt::format("counts particles across: the diameter is {} m", number(width)));
@@ -352,6 +398,15 @@ void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const 
 
 std::string Converter::head() const {
     Extent3 room = extent_.isEmpty() ? Extent3(Vec3d(-1, -1, -1), Vec3d(1, 1, 1)) : extent_;
+    // What flies does so as a stone, until it is below everything or far off.
+    const Vec3d middle = room.center();
+    const double far = 3 * room.diagonal().norm(), below = gravity_.dot(middle) + gravity_.cwiseAbs().dot(room.sizes()) / 2;
+    for (std::size_t k = 0; k < speeds_.size(); ++k)
+        for (double t = 0; t < 10; t += 0.01) {
+            const Vec3d x = fluid_places_[k] + t * speeds_[k] + t * t / 2 * gravity_;
+            if (!(gravity_.dot(x) <= below && (x - middle).norm() < far)) break;
+            room.extend(x);
+        }
     const Vec3d margin = Vec3d::Constant(std::max(4 * spacing_, 0.05 * room.sizes().maxCoeff()));
     std::string from = file_.filename().string();
     const bool readable = is_utf8(from);
