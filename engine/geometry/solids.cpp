@@ -99,7 +99,10 @@ Vec3d Solid::centre() const {
 
 void Solid::receive(Push kind, const Wrench& impulse) {
     ledger[kind] += impulse;
-    if (body) body->push(impulse);
+    const double before = body ? body->kinetic_energy() : 0;
+    if (body) body->push(impulse), work -= body->kinetic_energy() - before;
+    else if (moves())
+        work -= impulse.force.dot(centre_velocity().cast<double>()) + impulse.torque.dot(pose.angular_velocity.cast<double>());
 }
 
 void Solids::set_time(double t, double dt) {
@@ -162,7 +165,7 @@ bool Solids::any_probed() const {
 }
 
 void Solids::clear_ledgers() {
-    for (Solid& solid : all) solid.ledger = {};
+    for (Solid& solid : all) solid.ledger = {}, solid.work = 0;
 }
 
 void SolidParticles::remove(const std::vector<char>& out) {

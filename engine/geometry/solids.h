@@ -41,6 +41,7 @@ struct Solid {
     Repeats repeats;      ///< of the shape in its pose
     bool probed = false;  ///< a probe reads a ledger: then all solids keep one, and it accounts for all of the fluid's momentum
     Ledger ledger;        ///< impulses of the fluid in this step; kept where keeps_ledger()
+    double work = 0;      ///< of the solid on the fluid by these [J]
 
     /// Moves and turns as these say from time t [s] on, from where it stands then.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
@@ -48,7 +49,7 @@ struct Solid {
     bool keeps_ledger() const { return probed || body; }
     /// Reference point of torques [m]: a free body's centre of mass, else where turning_point() is now.
     Vec3d centre() const;
-    /// Adds the fluid's impulse to the ledger; a free body takes it up.
+    /// Adds the fluid's impulse to the ledger, and its work; a free body takes it up.
     void receive(Push kind, const Wrench& impulse);
     /// Of turning_point() [m/s].
     Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }

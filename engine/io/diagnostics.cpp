@@ -69,7 +69,8 @@ std::string diagnostics_header() {
            "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
            "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,gravity_work,torque_work,pressure_work,boundary_work,viscous_"
            "dissipation,"
-           "exchange_dissipation,smoothing_dissipation,surface_tension_work";
+           "exchange_dissipation,smoothing_dissipation,surface_tension_work,solid_work,force_work,moves_work,emitted_energy,drained_energy,"
+           "energy_error,emitted_particles,drained_particles";
 }
 
 std::string diagnostics_row(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall,
@@ -98,11 +99,12 @@ std::string diagnostics_row(int frame, double time, const Measures& m, const Run
                          wall,
                          cpu})
         row += "," + number(value);
-    const EnergyWork& work = now.work;
-    for (double value :
-         {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing, work.surface_tension})
+    const EnergyBudget& work = now.work;
+    const double error = work.error(m.kinetic_energy + m.potential_energy + m.spin_energy);
+    for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing,
+                         work.surface_tension, work.solids, work.forces, work.moves, work.emitted, -work.drained, error})
         row += now.any_work ? "," + number(value) : ",";
-    return row + "\n";
+    return row + "," + number(now.emitted_particles) + "," + number(now.drained_particles) + "\n";
 }
 
 std::string bodies_header() {

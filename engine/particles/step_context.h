@@ -36,8 +36,7 @@ struct Divergence {
     std::string what;             ///< "velocity is not finite", ...
 };
 
-/// Work on the particles in a step, into their kinetic and spin energy, by its cause [J]; what is dissipated counts negative. Solids do
-/// their work through the terms by which they act. Gravity: with the force that a scene gives.
+/// Work on the particles, into their kinetic and spin energy, by its cause [J]; dissipation counts negative.
 struct EnergyWork {
     double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0, surface_tension = 0;
     EnergyWork& operator+=(const EnergyWork& o) {
@@ -48,13 +47,30 @@ struct EnergyWork {
     double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary + surface_tension; }
 };
 
+/// Energy of a whole run so far [J] (docs/physics.md 8). Kinetic and spin energy change by total(); the work of solids is not in the terms
+/// by which they act.
+struct EnergyBudget : EnergyWork {
+    double solids = 0;    ///< work of solids that move, from their ledgers
+    double forces = 0;    ///< work of fluid.force and streams; potential energy from a gravity that changes and from periodic axes
+    double moves = 0;     ///< kinetic and potential energy from moves that are not a velocity: crowding, shifting, push-out
+    double emitted = 0;   ///< energy of the fluid that has come in
+    double drained = 0;   ///< less the energy of the fluid that drains took or that left the domain
+    double at_start = 0;  ///< kinetic, potential and spin energy when the budget began
+    double total() const { return EnergyWork::total() + solids + forces; }
+    /// Change of `energy` (kinetic, potential and spin) since the start that no physical cause accounts for: numerical.
+    double error(double energy) const {
+        return energy - at_start -
+               (torque + viscosity + exchange + smoothing + surface_tension + solids + forces + moves + emitted + drained);
+    }
+};
+
 struct StepReport {
     struct Solve {
         std::string name;  ///< "pressure", "viscosity"
         SolveReport report;
     };
     std::vector<Solve> solves;
-    std::optional<EnergyWork> work;  ///< where the models keep an energy budget
+    std::optional<EnergyWork> work;  ///< of a micropolar model, which adds up its terms itself
     Index lost_particles = 0;        ///< left the domain in this step
     std::string full;                ///< a closed room took no more, said once; empty: none
     std::optional<Divergence> diverged;

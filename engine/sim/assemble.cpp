@@ -46,17 +46,9 @@ double largest_error(double tolerance) { return 10 * std::min(tolerance, Constra
 /// cfl of the limit from pressure at most: with longer steps a column at rest shakes itself apart (physics.md 3).
 constexpr double calm_cfl = 0.8;
 
-/// Of the particles that move freely [J].
-double free_kinetic_energy(const World& w) {
-    const auto u = w.fluid.column<field::velocity>();
-    const auto role = w.fluid.column<field::role>();
-    return 0.5 * static_cast<double>(w.step.mass) *
-           parallel_sum(w.fluid.size(), [&](Index i) { return role[i] == 0 ? u[i].cast<double>().squaredNorm() : 0.0; });
-}
-
 /// Fluid and solid neighbours of the models with one support radius.
 Stage neighbours() {
-    Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}, {}};
+    Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}};
     stage.run = [](World& w) {
         const auto x = std::as_const(w.fluid).column<field::position>();
         const Real support = w.step.support;
@@ -177,11 +169,12 @@ private:
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
-        stage("coupled solve", "pressure", CoupledSolve{system});
-        stage("coupled move", "move", CoupledMove{system});
+        // One solve for gravity, pressure and viscosity; what the potential energy gives in the move belongs to it.
+        stage("coupled solve", "pressure", CoupledSolve{system}), work_is(&EnergyBudget::viscosity);
+        stage("coupled move", "move", CoupledMove{system}), work_is(&EnergyBudget::viscosity);
         made_.stages.push_back(move_solids());
-        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system});
-        stage("coupled contact", "boundary", CoupledContact{system});
+        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}), work_is(&EnergyBudget::moves);
+        stage("coupled contact", "boundary", CoupledContact{system}), work_is(&EnergyBudget::boundary);
     }
 
     ProjectionOptions projection_options() const {
@@ -219,10 +212,12 @@ private:
             tension_limit();
         }
         stage("gravity", "move", Gravity{});
+        push_is(&EnergyBudget::gravity);
         if (facts_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
             if (scene_.viscosity.laplacian == LaplacianForm::brookshaw) {
                 stage("corrected viscosity", "viscosity", CorrectedViscosity{system});
+                work_is(&EnergyBudget::viscosity);
                 viscous_limits();
             } else {
                 explicit_viscosity();
@@ -233,25 +228,25 @@ private:
         if (facts_.viscosity.implicit) {
             if (weightless() || (!plan_.free_surface && !scene_.solids.empty())) {
                 stage("expected pressure", "pressure", ExpectPressure{system});
-                work_is(&EnergyWork::pressure);
+                work_is(&EnergyBudget::pressure);
             }
             implicit_viscosity();
         }
         stage("projection", "pressure", Projection{system});
         if (bounded()) pressure_limit(cfl());
-        work_is(&EnergyWork::pressure);
+        work_is(&EnergyBudget::pressure);
         stage("move", "move", ProjectionMove{system});
-        work_is(&EnergyWork::smoothing);
+        work_is(&EnergyBudget::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
         if (weightless()) {
             stage("momenta", "move", KeepMomenta{momenta, !facts_.micropolar.spins});
-            work_is(&EnergyWork::smoothing);
+            work_is(&EnergyBudget::smoothing);
         }
         if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
         if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
         if (!scene_.solids.empty()) {
             stage("keep outside", "boundary", KeepOutside{});
-            work_is(&EnergyWork::boundary);
+            work_is(&EnergyBudget::boundary);
         }
     }
 
@@ -263,31 +258,32 @@ private:
         if (facts_.pressure.has_sound) sound_pressure();
         if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
         stage("gravity", "move", Gravity{});
+        push_is(&EnergyBudget::gravity);
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
         kicks();
         force();
-        if (scene_.fluid.surface_tension > 0) {
-            surface_tension(nullptr);
-            work_is(&EnergyWork::surface_tension);
-        }
+        if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
         if (plan_.viscosity == ViscosityModel::xsph) {
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
-            work_is(&EnergyWork::smoothing);
+            work_is(&EnergyBudget::smoothing);
         }
         const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !bodies_;
-        if (expects) stage("expected pressure", "pressure", ExpectForce{});
+        // Half of what these two do together belongs to the viscosity: its work is then F.(u + v)/2, with the velocity before the first and
+        // that after the solve, in which no pressure of neighbours that cancels out over the steps is left.
+        if (expects) stage("expected pressure", "pressure", ExpectForce{}), work_is(&EnergyBudget::viscosity, 0.5);
         if (facts_.viscosity.implicit) implicit_viscosity();
-        if (expects) stage("forget pressure", "pressure", ForgetForce{});
+        if (expects) stage("forget pressure", "pressure", ForgetForce{}), work_is(&EnergyBudget::viscosity, 0.5);
         if (plan_.pressure == PressureModel::ppe) incompressibility();
         if (expects) stage("pressure force", "pressure", TakeForce{});
-        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_});
+        if (plan_.shifting == ShiftingModel::fickian)
+            stage("shift", "shifting", FickianShift{solid_factor_, gate_}), work_is(&EnergyBudget::moves);
         moves();
         if (!scene_.solids.empty()) at_solids();
         if (constraint_) {
             stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.tolerance), gate_));
-            work_is(&EnergyWork::pressure);
+            work_is(&EnergyBudget::moves);
         }
     }
 
@@ -312,7 +308,11 @@ private:
 
     void sound_forces() {
         stage("pressure acceleration", "pressure", PressureAcceleration{sound()});
-        if (plan_.artificial_viscosity > 0) stage("artificial viscosity", "pressure", ArtificialViscosity{sound()});
+        push_is(&EnergyBudget::pressure);
+        if (plan_.artificial_viscosity > 0) {
+            stage("artificial viscosity", "pressure", ArtificialViscosity{sound()});
+            push_is(&EnergyBudget::smoothing);
+        }
         const double cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed, damping = scene_.pressure.sound_damping;
         limit("sound", number(cfl) + " R/2 / (c + max |u|)", [=](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
         if (bodies_)
@@ -326,14 +326,17 @@ private:
     }
 
     void kicks() {
-        if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)});
+        if (!scene_.streams.empty()) {
+            stage("streams", "move", FollowStreams{make_streams(scene_)});
+            work_is(&EnergyBudget::forces);
+        }
         stage("kick", "move", Kick{});
         if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
     }
     void force() {
         if (scene_.fluid.force.is_zero()) return;
         stage("force", "move", Force{scene_.fluid.force});
-        work_is(&EnergyWork::gravity);
+        work_is(&EnergyBudget::forces);
     }
     void moves() {
         stage("move", "move", Move{});
@@ -342,17 +345,17 @@ private:
     void at_solids() {
         made_.stages.push_back(move_solids());
         stage("keep outside", "boundary", KeepOutside{});
-        work_is(&EnergyWork::boundary);
+        work_is(&EnergyBudget::boundary);
     }
 
     void incompressibility() {
         if (scene_.pressure.damping > 0) {
             stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
-            work_is(&EnergyWork::smoothing);
+            work_is(&EnergyBudget::smoothing);
         }
         if (constraint_) density_constraint();
         else pressure_equation();
-        work_is(&EnergyWork::pressure);
+        work_is(&EnergyBudget::pressure);
     }
 
     void density_constraint() {
@@ -396,6 +399,7 @@ private:
         SurfaceTensionOptions options{tension, {}, std::move(internal)};
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
+        work_is(&EnergyBudget::surface_tension);
         tension_limit();
     }
 
@@ -433,6 +437,7 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
+        work_is(&EnergyBudget::viscosity);
         viscous_limits();
     }
 
@@ -470,7 +475,7 @@ private:
             options.gate = gate_;
             stage("assembled viscosity", "viscosity", AssembledViscosity(options));
         }
-        work_is(&EnergyWork::viscosity);
+        work_is(&EnergyBudget::viscosity);
     }
 
     MicropolarOptions micropolar_options() const {
@@ -520,15 +525,11 @@ private:
               [=](const World&, double) { return exchange; });
     }
 
-    /// Counts what the stage before does to the kinetic energy as work of that cause, where the models keep a budget.
-    void work_is(double EnergyWork::*cause) {
-        if (!facts_.micropolar.spins) return;
-        Stage& last = made_.stages.back();
-        last.run = [run = std::move(last.run), cause](World& w) {
-            const double before = free_kinetic_energy(w);
-            run(w);
-            if (w.report.work) (*w.report.work).*cause += free_kinetic_energy(w) - before;
-        };
+    /// The energy that the last stage gives or takes, or a share of it, is of this cause.
+    void work_is(double EnergyBudget::*cause, double share = 1) { made_.stages.back().cause = cause, made_.stages.back().share = share; }
+    /// The same of a force that adds to the acceleration; a micropolar model adds these up itself.
+    void push_is(double EnergyBudget::*cause) {
+        if (!facts_.micropolar.spins) work_is(cause);
     }
 
     const Scene& scene_;

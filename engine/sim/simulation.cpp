@@ -18,6 +18,7 @@
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
 #include "engine/sim/check.h"
+#include "engine/sim/energy_count.h"
 #include "engine/sim/place.h"
 #include "engine/sim/sleep.h"
 #include "engine/sim/time_step.h"
@@ -89,6 +90,7 @@ struct Simulation::State {
     double since_look = 0;                      ///< s, since the last look at who sleeps
     std::vector<double> room_left;              ///< particles, by the plan's closed rooms
     RunTotals totals;
+    std::optional<EnergyCount> energy;
     StageTimes times;
 
     State(const Scene& s, const Plan& p) : scene(calibrated(s)), plan(p), assembly(assemble(scene, p)) {
@@ -125,7 +127,20 @@ struct Simulation::State {
         set_gravity();
     }
 
-    void set_gravity() { world.step.gravity = scene.domain.gravity(time).cast<Real>(); }
+    void set_gravity() {
+        const Vec3 now = scene.domain.gravity(time).cast<Real>();
+        if (now != world.step.gravity) changing(&EnergyBudget::forces, [&] { world.step.gravity = now; });
+    }
+
+    /// What f does to the fluid's energy is of this cause.
+    template <class F>
+    void changing(double EnergyBudget::*cause, F&& f) {
+        if (!energy) return f();
+        const auto now = [&] { return energy_of(world, plan.spin.micro_inertia).total(); };
+        const double before = now();
+        f();
+        totals.work.*cause += now() - before;
+    }
 
     void change(const Scene& now, const Plan& new_plan, double when) {
         steps_since_frame = 0;
@@ -251,7 +266,8 @@ struct Simulation::State {
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
         const Domain& domain = world.step.domain;
-        if (domain.any_periodic()) parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); });
+        if (domain.any_periodic())
+            changing(&EnergyBudget::forces, [&] { parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); }); });
         const Index n = world.fluid.size();
         const auto inside = [&](Index i) { return role[i] < 0 || domain.contains(x[i]); };
         world.report.lost_particles = static_cast<Index>(parallel_sum(n, [&](Index i) { return inside(i) ? 0 : 1; }));
@@ -259,11 +275,12 @@ struct Simulation::State {
         std::vector<Index> kept;
         for (Index i = 0; i < n; ++i)
             if (inside(i)) kept.push_back(i);
-        world.fluid.gather(kept);
+        changing(&EnergyBudget::drained, [&] { world.fluid.gather(kept); });
         totals.lost_particles += world.report.lost_particles;
     }
 
     bool run_stages() {
+        if (energy) energy->begin(world);
         for (const Stage& stage : assembly.stages) {
             const double wall = wall_seconds(), cpu = cpu_seconds();
             stage.run(world);
@@ -271,6 +288,7 @@ struct Simulation::State {
             spent.wall += wall_seconds() - wall;
             spent.cpu += cpu_seconds() - cpu;
             ++spent.calls;
+            if (energy) energy->after(stage, world, totals.work);
             if (!world.report.diverged) world.report.diverged = find_divergence(stage, world);
             if (!world.report.diverged) world.report.diverged = find_divergent_body(stage, world);
             if (world.report.diverged) return false;
@@ -316,7 +334,6 @@ struct Simulation::State {
         std::fill(world.solid_particles.pressed.begin(), world.solid_particles.pressed.end(), Vec3d::Zero());
         world.step.time = time;
         world.step.at_frame_time = steps_since_frame == 0;
-        set_gravity();
         // Velocities are those over the last step: a resumed run does not know how long that was.
         if (world.step.at_frame_time && world.solids.any_moving()) {
             world.solids.set_time(time, scene.time.look_ahead());
@@ -326,9 +343,13 @@ struct Simulation::State {
 
     /// Fluid that leaves nozzle, drains and domain.
     void let_out(double dt) {
-        for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
+        const auto release = [&] {
+            for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
+        };
+        if (!emitters.empty()) changing(&EnergyBudget::emitted, release);
         for (const Emitter& emitter : emitters) emitter.keep_out(world.fluid);
-        if (!drains.empty()) totals.drained_particles += drain(world.fluid, drains, world.step.dt);
+        const auto take = [&] { totals.drained_particles += drain(world.fluid, drains, world.step.dt); };
+        if (!drains.empty()) changing(&EnergyBudget::drained, take);
         keep_inside();
     }
 
@@ -343,7 +364,7 @@ struct Simulation::State {
         }
         totals.last_step = dt;
         if (reached && world.report.full.empty()) world.report.full = overfull();
-        if (world.report.work) totals.work += *world.report.work, totals.any_work = true;
+        if (energy && world.report.work) totals.work += *world.report.work;
         count_solves();
     }
 
@@ -372,6 +393,7 @@ struct Simulation::State {
         let_out(dt);
         const bool reached = dt == until - time;
         time = reached ? until : time + dt;
+        set_gravity();
         count_step(dt, reached);
         return world.report;
     }
@@ -390,6 +412,13 @@ const Assembly& Simulation::assembly() const { return state_->assembly; }
 const World& Simulation::world() const { return state_->world; }
 const std::vector<Emitter>& Simulation::emitters() const { return state_->emitters; }
 const StepReport& Simulation::step(double until) { return state_->step(until); }
+
+void Simulation::count_energy() {
+    State& s = *state_;
+    s.energy.emplace();
+    for (Solid& solid : s.world.solids.all) solid.probed |= s.world.solids.any_moving();
+    if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = energy_of(s.world, s.plan.spin.micro_inertia).total();
+}
 
 void Simulation::change(const Scene& scene, const Plan& plan, double when) {
     const bool other_viscosity = state_->scene.fluid.viscosity.text() != scene.fluid.viscosity.text();
@@ -451,7 +480,7 @@ void Simulation::load(std::istream& in) {
     if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     s.steps_since_frame = 0;
     s.changed_wrongly = wrong_viscosity(s.world);  // what was saved after a change may not have taken a step with it
-    s.set_gravity();
+    s.world.step.gravity = scene().domain.gravity(s.time).cast<Real>();
     s.world.step.time = s.time;
     s.world.solids.set_time(s.time, scene().time.look_ahead());
     s.world.solid_particles.follow(s.world.solids);

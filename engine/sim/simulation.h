@@ -24,7 +24,7 @@ struct RunTotals {
     long lost_particles = 0;
     double emitted_particles = 0, drained_particles = 0;
     double last_step = 0;  ///< s, the newest time step
-    EnergyWork work;       ///< J, where the models keep a budget: any_work
+    EnergyBudget work;     ///< J, since Simulation::count_energy(): any_work
     bool any_work = false;
     std::map<std::string, long> binding;  ///< how often each limit chose the step
 };
@@ -49,6 +49,10 @@ public:
     /// A step that starts at a frame time refreshes every lagged set-up, so that a run resumed there is the same run.
     /// report.diverged tells that the run cannot go on.
     const StepReport& step(double until);
+
+    /// From now on totals().work is kept; solids that move keep ledgers for it. Some passes over the particles per step. Changes no bit of
+    /// the run.
+    void count_energy();
 
     /// From now on the run goes by another scene: the same fluid, solids and models with other values of the keys that may change
     /// (Key::may_change). Solids go on from where they stood at `when` [s], which is not later than time(); the viscosity is that of

@@ -1,6 +1,7 @@
 #pragma once
 /// Stages: structs whose operator() names what they read and write. make_stage() turns one into something that the step loop can run
 /// and the plan can print.
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <type_traits>
@@ -22,7 +23,13 @@ struct Stage {
     std::string name;   ///< "density", "full viscosity"
     std::string group;  ///< what run.json adds its time to: neighbours | density | viscosity | pressure | move | ...
     std::vector<FieldAccess> accesses;
-    std::function<void(World&)> run;
+    std::function<void(World&)> run = {};
+    double EnergyBudget::*cause = nullptr;  ///< of the energy that the stage gives or takes; null: it has no column
+    double share = 1;                       ///< of that energy, which the cause has
+    bool writes(const FieldInfo& field) const {
+        return std::any_of(accesses.begin(), accesses.end(),
+                           [&](const FieldAccess& a) { return a.field == &field && a.access != Access::read; });
+    }
 };
 
 namespace detail {
@@ -83,7 +90,8 @@ void run_with(R (S::*)(A...) const, S& stage, World& w) {
 
 template <class S>
 Stage make_stage(std::string name, std::string group, S stage) {
-    Stage made{std::move(name), std::move(group), {}, {}};
+    Stage made;
+    made.name = std::move(name), made.group = std::move(group);
     detail::list_arguments(&S::operator(), made.accesses);
     auto shared = std::make_shared<S>(std::move(stage));
     made.run = [shared](World& w) { detail::run_with(&S::operator(), *shared, w); };

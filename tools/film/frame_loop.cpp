@@ -7,7 +7,9 @@ namespace whorl {
 
 FrameLoop::FrameLoop(FrameLoopHost& host, Simulation& simulation, const SceneFile& file, int frames, TheorySearch search)
     : host_(host), simulation_(simulation), probes_(make_probes(simulation, search)), governor_(file, frames),
-      totals_at_frame_(simulation.totals()) {}
+      totals_at_frame_(simulation.totals()) {
+    simulation_.count_energy();
+}
 
 bool FrameLoop::step_to(double time) {
     largest_residual_ = 0;

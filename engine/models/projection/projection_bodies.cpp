@@ -191,7 +191,8 @@ std::vector<std::size_t> PressureOnBodies::write_closed(const ProjectionSystem& 
         solids.push_back(surface.solid);
         const Body body = rows_of(walls, surface, around, particles_at(around, surface.solid), role);
         const Wrench6 pressed = static_cast<double>(around.step.dt) * sum(body, p);
-        around.solids.all[surface.solid].ledger[Push::pressure] = {pressed.head<3>(), pressed.tail<3>()};
+        Solid& solid = around.solids.all[surface.solid];
+        solid.receive(Push::pressure, Wrench{pressed.head<3>(), pressed.tail<3>()} + -1 * solid.ledger[Push::pressure]);
     }
     return solids;
 }

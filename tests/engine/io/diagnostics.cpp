@@ -83,13 +83,13 @@ TEST_CASE("diagnostics.csv has the documented columns, and a cell for each in ev
           "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,"
           "gravity_work,torque_work,pressure_work,boundary_work,viscous_dissipation,exchange_dissipation,smoothing_dissipation,surface_"
-          "tension_work");
+          "tension_work,solid_work,force_work,moves_work,emitted_energy,drained_energy,energy_error,emitted_particles,drained_particles");
     RunTotals before, now;
     before.steps = 10, now.steps = 14;
     before.pressure_iterations = 100, now.pressure_iterations = 150;
-    now.viscosity_iterations = 8, now.lost_particles = 3, now.last_step = 0.25;
+    now.viscosity_iterations = 8, now.lost_particles = 3, now.last_step = 0.25, now.drained_particles = 7;
     CHECK(diagnostics_row(2, 0.125, Measures{}, before, now, 1.5, 2.5) ==
-          "2,0.125,14,0,0.25,0,0,0,0,0,0,0,0,0,0,0,0,12.5,2,3,1.5,2.5,,,,,,,,\n");
+          "2,0.125,14,0,0.25,0,0,0,0,0,0,0,0,0,0,0,0,12.5,2,3,1.5,2.5,,,,,,,,,,,,,,,0,7\n");
 }
 
 TEST_CASE("a region probe counts, weighs and averages what is inside its box", "[io][probe]") {

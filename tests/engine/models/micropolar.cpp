@@ -269,6 +269,7 @@ TEST_CASE("a micropolar run has the same bits with one thread and with two", "[m
         const int before = threads();
         set_threads(count);
         Simulation simulation = simulation_of(eddies);
+        simulation.count_energy();
         for (int k = 0; k < 5; ++k) simulation.step(1);
         set_threads(before);
         const auto w = simulation.world().fluid.column<field::spin>();

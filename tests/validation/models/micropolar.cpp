@@ -204,8 +204,9 @@ TEST_CASE("the energy budget closes to 1 % with both pressure models, explicit a
             return all.kinetic_energy + all.spin_energy;
         };
         const double start = energy();
+        simulation.count_energy();
         while (simulation.time() < scene.time.end) REQUIRE(!simulation.step(scene.time.end).diverged);
-        const EnergyWork& work = simulation.totals().work;
+        const EnergyBudget& work = simulation.totals().work;
         CHECK(std::abs(energy() - start - work.total()) < 0.01 * start);
         // Every cause is at work; what dissipates does so.
         CHECK(work.gravity > 0);
