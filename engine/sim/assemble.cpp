@@ -396,7 +396,7 @@ private:
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
         const double tension = scene_.fluid.surface_tension;
-        SurfaceTensionOptions options{tension, {}, std::move(internal)};
+        SurfaceTensionOptions options{tension, {}, std::move(internal), constraint_};
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
         work_is(&EnergyBudget::surface_tension);

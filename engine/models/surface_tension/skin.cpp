@@ -16,9 +16,9 @@ double Skin::flat_tension() {
     return sum / 2;
 }
 
-double Skin::strength() {
-    static const double strength = 1 / (packed * flat_tension());
-    return strength;
+double Skin::strength(bool spread) {
+    static const double flat = flat_tension();
+    return 1 / ((spread ? packed_spread : packed) * flat);
 }
 
 }  // namespace whorl

@@ -70,6 +70,34 @@ void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solid
     });
 }
 
+void SurfaceTension::spread_pulls(const Cohesion& cohesion, Read<field::role> role) {
+    constexpr int times = 5;
+    constexpr double part = 0.2;  // that a full neighbourhood takes of a difference, the mean over its directions (1/3) and distances
+    constexpr double weights = 4 * pi * Cohesion::range * Cohesion::range * Cohesion::range / 30;
+    constexpr Real K = static_cast<Real>(3 * part / weights / 2);
+    const Real over_length = 1 / cohesion.length;
+    spread_.resize(change_.size());
+    for (int k = 0; k < times; ++k) {
+        parallel_for(static_cast<Index>(change_.size()), [&](Index i) {
+            spread_[i] = change_[i];
+            if (role[i] != 0) return;
+            Vec3 sum = Vec3::Zero();
+            pairs_.groups_of(i, [&](const Pairs::Group& group) {
+                for (Index l = 0; l < group.count; ++l) {
+                    const Index j = group.other[l];
+                    const Real shares = share_[i] + share_[j];
+                    if (!(shares > 0) || role[j] != 0) continue;
+                    const Vec3 r(group.r[0][l], group.r[1][l], group.r[2][l]);
+                    const Real p = std::max(Real(0), 1 - group.distance[l] * over_length);
+                    sum += shares * p * p * (change_[j] - change_[i]).dot(r) / std::max(r.squaredNorm(), smallest) * r;
+                }
+            });
+            spread_[i] += K * sum;
+        });
+        std::swap(change_, spread_);
+    }
+}
+
 void SurfaceTension::operator()(const Surroundings& around, Read<field::position> x, Read<field::role> role, Update<field::velocity> u) {
     Solids& solids = around.solids;
     const StepContext& step = around.step;
@@ -77,7 +105,7 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
     const Cohesion cohesion(options_.tension, d);
     search_.find(x.values, cohesion.length, step.domain, pairs_);
     if (skin_pulls()) find_shares(cohesion, x.size(), d);
-    const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength()) : 1, impulse = strength * step.dt / step.mass;
+    const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength(options_.spread)) : 1, impulse = strength * step.dt / step.mass;
     const Real slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
     /// Change of the velocity of i by the pull of a solid.
     const auto wetted = [&](Index i, std::size_t k) {
@@ -85,7 +113,9 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
         if (!(z < cohesion.length)) return Vec3(Vec3::Zero());
         return Vec3(-(impulse * share * options_.wetting[k] * cohesion.half_space_pull(z) * solids.all[k].normal(x[i])));
     };
+    change_.resize(x.size());
     parallel_for(x.size(), [&](Index i) {
+        change_[i].setZero();
         if (role[i] != 0) return;
         Real sum[3] = {0, 0, 0};
         const auto add = [&](const Pairs::Group& group, Index l, Real share) {
@@ -102,9 +132,12 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
                 for (Index l = 0; l < group.count; ++l) add(group, l, 1);
             });
         }
-        Vec3 du = slope * Vec3(sum[0], sum[1], sum[2]);
-        for (std::size_t k = 0; k < solids.all.size(); ++k) du += wetted(i, k);
-        u[i] += du;
+        change_[i] = slope * Vec3(sum[0], sum[1], sum[2]);
+        for (std::size_t k = 0; k < solids.all.size(); ++k) change_[i] += wetted(i, k);
+    });
+    if (options_.spread) spread_pulls(cohesion, role);
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] == 0) u[i] += change_[i];
     });
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         Solid& solid = solids.all[k];

@@ -25,6 +25,7 @@ struct SurfaceTensionOptions {
     /// Where to put each particle's share of the internal pressure [Pa]: what the pulls press it with where the surface is flat. nullptr:
     /// the skin alone pulls.
     std::shared_ptr<std::vector<Real>> internal_pressure;
+    bool spread = false;  ///< the skin's pulls: without it skin whose densities are a constraint jams, with .7 to .9 of the tension
 };
 
 /// The pull, with its integrals in closed form.
@@ -63,11 +64,15 @@ private:
     Real potential(const Cohesion& cohesion, Index i) const;
     void set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x);
     void find_shares(const Cohesion& cohesion, Index count, double spacing);
+    /// a_i += K sum_j (s_i + s_j)/2 (1 - q)^2 ((a_j - a_i).r_ij) r_ij/r^2 of the changes a of the velocity, `times` times: along the pairs,
+    /// so momentum and angular momentum stay. Less is left of what presses the layers of the skin onto each other.
+    void spread_pulls(const Cohesion& cohesion, Read<field::role> role);
 
     SurfaceTensionOptions options_;
     NeighbourSearch search_;
     Pairs pairs_;
-    std::vector<Real> share_;  ///< of surface, of each particle
+    std::vector<Real> share_;            ///< of surface, of each particle
+    std::vector<Vec3> change_, spread_;  ///< of the velocity in a step [m/s]
 };
 
 /// p_int = 2.84 sigma/d [Pa].

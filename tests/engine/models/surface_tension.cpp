@@ -16,9 +16,9 @@ namespace {
 
 constexpr double sigma = 0.07;
 
-TestWorld body_of(const ShapeKeys& keys, double d, double tension, Sampling sampling = Sampling::blue_noise) {
+TestWorld body_of(const ShapeKeys& keys, double d, double tension, Sampling sampling = Sampling::blue_noise, bool spread = true) {
     TestWorld w(d, 2, Domain{Vec3::Constant(Real(-20 * d)), Vec3::Constant(Real(20 * d)), {}});
-    w.use({make_stage("surface tension", "surface tension", SurfaceTension{{tension, {}, nullptr}})});
+    w.use({make_stage("surface tension", "surface tension", SurfaceTension{{tension, {}, nullptr, spread}})});
     const std::vector<Vec3> x = sample_shape(*make_shape(keys), sampling, Real(d), w.world.step.domain, 1);
     w.world.fluid.resize(static_cast<Index>(x.size()));
     std::copy(x.begin(), x.end(), w.column<field::position>().begin());
@@ -36,14 +36,16 @@ ShapeKeys brick(double d) {
 
 TEST_CASE("surface tension keeps momentum and angular momentum of a body of any shape to round-off", "[surface_tension]") {
     const double d = 0.01;
-    TestWorld w = body_of(brick(d), d, sigma);
-    w.step(1);
-    double sizes = 0;
-    for (const Vec3& u : w.column<field::velocity>()) sizes += static_cast<double>(w.world.step.mass * u.norm());
-    REQUIRE(sizes > 0);
-    const double rounding = 100 * std::numeric_limits<Real>::epsilon();  // a hundred terms a particle, of either sign
-    CHECK(w.momentum().norm() < rounding * sizes);
-    CHECK(w.angular_momentum().norm() < rounding * sizes * 8 * d);
+    for (const bool spread : {false, true}) {
+        TestWorld w = body_of(brick(d), d, sigma, Sampling::blue_noise, spread);
+        w.step(1);
+        double sizes = 0;
+        for (const Vec3& u : w.column<field::velocity>()) sizes += static_cast<double>(w.world.step.mass * u.norm());
+        REQUIRE(sizes > 0);
+        const double rounding = 100 * std::numeric_limits<Real>::epsilon();  // a hundred terms a particle, of either sign
+        CHECK(w.momentum().norm() < rounding * sizes);
+        CHECK(w.angular_momentum().norm() < rounding * sizes * 8 * d);
+    }
 }
 
 TEST_CASE("a half-space's pull and potential in closed form are those of its particles, one by one", "[surface_tension]") {
