@@ -102,7 +102,7 @@ std::string diagnostics_row(int frame, double time, const Measures& m, const Run
     const EnergyBudget& work = now.work;
     const double error = work.error(m.kinetic_energy + m.potential_energy + m.spin_energy);
     for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing,
-                         work.surface_tension, work.solids, work.forces, work.moves, work.emitted, -work.drained, error})
+                         work.surface_tension, work.solids, work.forces + work.lifted, work.moves, work.emitted, -work.drained, error})
         row += now.any_work ? "," + number(value) : ",";
     return row + "," + number(now.emitted_particles) + "," + number(now.drained_particles) + "\n";
 }

@@ -51,7 +51,8 @@ struct EnergyWork {
 /// by which they act.
 struct EnergyBudget : EnergyWork {
     double solids = 0;    ///< work of solids that move, from their ledgers
-    double forces = 0;    ///< work of fluid.force and streams; potential energy from a gravity that changes and from periodic axes
+    double forces = 0;    ///< work of fluid.force and streams
+    double lifted = 0;    ///< potential energy from a gravity that changes and from periodic axes
     double moves = 0;     ///< kinetic and potential energy from moves that are not a velocity: crowding, shifting, push-out
     double emitted = 0;   ///< energy of the fluid that has come in
     double drained = 0;   ///< less the energy of the fluid that drains took or that left the domain
@@ -60,7 +61,7 @@ struct EnergyBudget : EnergyWork {
     /// Change of `energy` (kinetic, potential and spin) since the start that no physical cause accounts for: numerical.
     double error(double energy) const {
         return energy - at_start -
-               (torque + viscosity + exchange + smoothing + surface_tension + solids + forces + moves + emitted + drained);
+               (torque + viscosity + exchange + smoothing + surface_tension + solids + forces + lifted + moves + emitted + drained);
     }
 };
 

@@ -509,6 +509,7 @@ private:
         const bool asks = scene_.micropolar.curl_velocity || scene_.micropolar.curl_spin || n.central_viscosity != 0;
         if (projection && !asks) stage("micropolar", "micropolar", CorrectedMicropolar{projection, options});
         else stage("micropolar", "micropolar", Micropolar{options});
+        push_is(&EnergyBudget::viscosity);
 
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
@@ -527,10 +528,8 @@ private:
 
     /// The energy that the last stage gives or takes, or a share of it, is of this cause.
     void work_is(double EnergyBudget::*cause, double share = 1) { made_.stages.back().cause = cause, made_.stages.back().share = share; }
-    /// The same of a force that adds to the acceleration; a micropolar model adds these up itself.
-    void push_is(double EnergyBudget::*cause) {
-        if (!facts_.micropolar.spins) work_is(cause);
-    }
+    /// The same of a force that adds to the acceleration. A micropolar model adds these up itself, with the work of solids.
+    void push_is(double EnergyBudget::*cause) { work_is(cause, facts_.micropolar.spins ? 0 : 1); }
 
     const Scene& scene_;
     const Plan& plan_;

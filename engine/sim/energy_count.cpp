@@ -57,7 +57,7 @@ void EnergyCount::after(const Stage& stage, const World& world, EnergyBudget& bu
     const double work = work_of(world.solids), by_solids = work - work_;
     budget.solids += by_solids;
     if (stage.cause != nullptr) {
-        budget.*stage.cause += stage.share * (now.kinetic - last_.kinetic - by_solids);
+        budget.*stage.cause += stage.share * (now.kinetic - last_.kinetic) - by_solids;
         const auto cause = stage.cause == &EnergyBudget::boundary ? &EnergyBudget::moves : stage.cause;
         budget.*cause += now.potential - last_.potential;
     }

@@ -129,7 +129,7 @@ struct Simulation::State {
 
     void set_gravity() {
         const Vec3 now = scene.domain.gravity(time).cast<Real>();
-        if (now != world.step.gravity) changing(&EnergyBudget::forces, [&] { world.step.gravity = now; });
+        if (now != world.step.gravity) changing(&EnergyBudget::lifted, [&] { world.step.gravity = now; });
     }
 
     /// What f does to the fluid's energy is of this cause.
@@ -267,7 +267,7 @@ struct Simulation::State {
         const auto role = world.fluid.column<field::role>();
         const Domain& domain = world.step.domain;
         if (domain.any_periodic())
-            changing(&EnergyBudget::forces, [&] { parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); }); });
+            changing(&EnergyBudget::lifted, [&] { parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); }); });
         const Index n = world.fluid.size();
         const auto inside = [&](Index i) { return role[i] < 0 || domain.contains(x[i]); };
         world.report.lost_particles = static_cast<Index>(parallel_sum(n, [&](Index i) { return inside(i) ? 0 : 1; }));

@@ -25,7 +25,7 @@ struct Stage {
     std::vector<FieldAccess> accesses;
     std::function<void(World&)> run = {};
     double EnergyBudget::*cause = nullptr;  ///< of the energy that the stage gives or takes; null: it has no column
-    double share = 1;                       ///< of that energy, which the cause has
+    double share = 1;                       ///< of that kinetic energy, which the cause has
     bool writes(const FieldInfo& field) const {
         return std::any_of(accesses.begin(), accesses.end(),
                            [&](const FieldAccess& a) { return a.field == &field && a.access != Access::read; });
