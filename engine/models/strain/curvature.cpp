@@ -58,8 +58,10 @@ void VelocityGradient::operator()(const Surroundings& around, Read<field::role> 
                     const auto whose = static_cast<std::size_t>(layer.solid[s]);
                     const Real w = -factor * layer.volume[s] * kernel.slope(distance);
                     if (slip[whose] || !(w > 0)) return;
-                    const Vec3 wall = around.solids.all[whose].pose.velocity_at(layer.position[s] + r);
-                    differences += (shear.stretch(r, layer.normal[s]) * (u[i] - wall) + (wall - layer.velocity[s])) * (w * r).transpose();
+                    const Pose& pose = around.solids.all[whose].pose;
+                    const Vec3 wall = pose.velocity_over(-step.dt, layer.position[s] + r),
+                               there = pose.velocity_over(-step.dt, layer.position[s]);
+                    differences += (shear.stretch(r, layer.normal[s]) * (u[i] - wall) + (wall - there)) * (w * r).transpose();
                     moments += (w * r * r.transpose()).template cast<double>();
                 });
             }

@@ -147,8 +147,11 @@ void AssembledOperator::set_known_force(const Gradients& g, const Surroundings& 
         Q[i] = before.empty() ? Mat3(Mat3::Zero()) : Mat3(2 * g.stress[i] * curvature_strain(before[i], around.step.dt));
         if (!touches_wall_) return;
         Mat3 gradient = Mat3::Zero();
-        for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k)
-            gradient += around.layer.velocity[around.solid_pairs.other[k]] * g.solid_a(i, k).transpose();
+        for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k) {
+            const Index s = around.solid_pairs.other[k];
+            const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
+            gradient += pose.velocity_over(around.step.dt, around.layer.position[s]) * g.solid_a(i, k).transpose();
+        }
         Q[i] -= g.stress[i] * (gradient + gradient.transpose());
     });
     known_force_.resize(n);

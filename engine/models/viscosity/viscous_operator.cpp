@@ -103,9 +103,10 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sur
                 const bool body = around.solids.all[whose].body.has_value();
                 touches[i] |= !body;
                 const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
-                // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall
-                const Vec3 here = around.solids.all[whose].pose.velocity_at(layer.position[s] + r);
-                const Vec3 velocity = (stretch - 1) * here + layer.velocity[s];
+                // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall in the step's middle
+                const Pose& pose = around.solids.all[whose].pose;
+                const Vec3 here = pose.velocity_over(step.dt, layer.position[s] + r);
+                const Vec3 velocity = (stretch - 1) * here + pose.velocity_over(step.dt, layer.position[s]);
                 wall_moment_[i] += (w * r * r.transpose()).template cast<double>();
                 wall.near.wr += stretch * w * r;
                 wall.near.spring += stretch * stretch * w;

@@ -88,8 +88,9 @@ void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u
                     const Real w =
                         -factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
                     const Real stretch = options_.correction ? shear.stretch(r, layer.normal[s]) : 1;
-                    const Vec3 here = around.solids.all[layer.solid[s]].pose.velocity_at(layer.position[s] + r);
-                    const Vec3 V = (stretch - 1) * here + layer.velocity[s];
+                    const Pose& pose = around.solids.all[layer.solid[s]].pose;
+                    const Vec3 here = pose.velocity_over(around.step.dt, layer.position[s] + r);
+                    const Vec3 V = (stretch - 1) * here + pose.velocity_over(around.step.dt, layer.position[s]);
                     return PushAt(-stretch * w * (Q * r + 2 * c_[i] * (stretch * u[i] - V)), r / stretch);
                 };
             },
