@@ -416,7 +416,9 @@ const StepReport& Simulation::step(double until) { return state_->step(until); }
 void Simulation::count_energy() {
     State& s = *state_;
     s.energy.emplace();
-    for (Solid& solid : s.world.solids.all) solid.probed |= s.world.solids.any_moving();
+    // Where a solver's residual is shared among the solids, those at rest must have their part of it.
+    const bool shares = s.plan.facts.viscous_implicitly() || s.plan.facts.pressure.source == PressureSource::velocity;
+    for (Solid& solid : s.world.solids.all) solid.probed |= shares ? s.world.solids.any_moving() : solid.moves();
     if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = energy_of(s.world, s.plan.spin.micro_inertia).total();
 }
 
