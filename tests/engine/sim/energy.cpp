@@ -186,4 +186,34 @@ TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice 
     }
 }
 
+TEST_CASE("two drops that merge keep their momentum within 1e-6, and their surface does work on them", "[sim][energy]") {
+    Simulation drops = simulation_of(R"toml([time]
+end = 1
+[domain]
+min = [-0.03, -0.03, -0.03]
+max = [0.03, 0.03, 0.03]
+gravity = [0, 0, 0]
+[fluid]
+spacing = 1e-3
+viscosity = 0.01
+surface_tension = 0.07
+[[block]]
+shape = "sphere"
+position = [-5e-3, 0, 0]
+radius = 4e-3
+velocity = [0.12, 0.02, 0]
+[[block]]
+shape = "sphere"
+position = [5e-3, 0, 0]
+radius = 4e-3
+velocity = [-0.1, 0.02, 0]
+)toml");
+    drops.count_energy();
+    const Measures start = measure(drops.world(), Vec3d::Zero(), 1);
+    run_until(drops, 0.05);
+    const Vec3d gained = measure(drops.world(), Vec3d::Zero(), 1).momentum - start.momentum;
+    CHECK(gained.norm() < 1e-6 * std::sqrt(2 * start.kinetic_energy * start.particles * 1e-6));  // of sum m |u|
+    CHECK(drops.totals().work.surface_tension > 0.1 * start.kinetic_energy);
+}
+
 }  // namespace energy_test
