@@ -1,6 +1,7 @@
 #include "engine/sim/energy_count.h"
 
 #include <numeric>
+#include <utility>
 
 #include "engine/core/parallel.h"
 
@@ -32,36 +33,32 @@ double potential_energy(const World& w) {
 
 }  // namespace
 
-Energy energy_of(const World& w, double micro_inertia, bool accelerated) {
-    Energy all{kinetic_energy(w, accelerated), potential_energy(w), 0};
-    if (!w.fluid.has<field::spin>()) return all;
+double energy_of(const World& w, double micro_inertia) {
+    const double moving = kinetic_energy(w, false) + potential_energy(w);
+    if (!w.fluid.has<field::spin>()) return moving;
     const auto spin = w.fluid.column<field::spin>();
     const auto role = w.fluid.column<field::role>();
-    all.spin = 0.5 * static_cast<double>(w.step.mass) * micro_inertia *
-               parallel_sum(w.fluid.size(), [&](Index i) { return role[i] < 0 ? 0.0 : spin[i].cast<double>().squaredNorm(); });
-    return all;
+    return moving + 0.5 * static_cast<double>(w.step.mass) * micro_inertia *
+                        parallel_sum(w.fluid.size(), [&](Index i) { return role[i] < 0 ? 0.0 : spin[i].cast<double>().squaredNorm(); });
 }
 
 void EnergyCount::begin(const World& world) {
     accelerated_ = false, work_ = 0;
-    last_ = {kinetic_energy(world, false), potential_energy(world), 0};
+    kinetic_ = kinetic_energy(world, false), potential_ = potential_energy(world);
 }
 
 void EnergyCount::after(const Stage& stage, const World& world, EnergyBudget& budget) {
-    const bool accelerates = stage.writes(field_info<field::acceleration>()), moves = stage.writes(field_info<field::position>());
-    if (!accelerates && !moves && !stage.writes(field_info<field::velocity>())) return;
-    accelerated_ = accelerates || (accelerated_ && !stage.writes(field_info<field::velocity>()));
-    Energy now = last_;
-    if (accelerates || stage.writes(field_info<field::velocity>())) now.kinetic = kinetic_energy(world, accelerated_);
-    if (moves) now.potential = potential_energy(world);
-    const double work = work_of(world.solids), by_solids = work - work_;
+    const bool kicks = stage.writes(field_info<field::velocity>()), accelerates = stage.writes(field_info<field::acceleration>()),
+               moves = stage.writes(field_info<field::position>());
+    if (!kicks && !accelerates && !moves) return;
+    accelerated_ = accelerates || (accelerated_ && !kicks);
+    const double kinetic = std::exchange(kinetic_, kicks || accelerates ? kinetic_energy(world, accelerated_) : kinetic_),
+                 potential = std::exchange(potential_, moves ? potential_energy(world) : potential_),
+                 work = std::exchange(work_, work_of(world.solids)), by_solids = work_ - work;
     budget.solids += by_solids;
-    if (stage.cause != nullptr) {
-        budget.*stage.cause += stage.share * (now.kinetic - last_.kinetic) - by_solids;
-        const auto cause = stage.cause == &EnergyBudget::boundary ? &EnergyBudget::moves : stage.cause;
-        budget.*cause += now.potential - last_.potential;
-    }
-    work_ = work, last_ = now;
+    if (stage.cause == nullptr) return;
+    budget.*stage.cause += stage.share * (kinetic_ - kinetic) - by_solids;
+    budget.*(stage.cause == &EnergyBudget::boundary ? &EnergyBudget::moves : stage.cause) += potential_ - potential;
 }
 
 }  // namespace whorl

@@ -136,7 +136,7 @@ struct Simulation::State {
     template <class F>
     void changing(double EnergyBudget::*cause, F&& f) {
         if (!energy) return f();
-        const auto now = [&] { return energy_of(world, plan.spin.micro_inertia).total(); };
+        const auto now = [&] { return energy_of(world, plan.spin.micro_inertia); };
         const double before = now();
         f();
         totals.work.*cause += now() - before;
@@ -419,7 +419,7 @@ void Simulation::count_energy() {
     // Where a solver's residual is shared among the solids, those at rest must have their part of it.
     const bool shares = s.plan.facts.viscous_implicitly() || s.plan.facts.pressure.source == PressureSource::velocity;
     for (Solid& solid : s.world.solids.all) solid.probed |= shares ? s.world.solids.any_moving() : solid.moves();
-    if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = energy_of(s.world, s.plan.spin.micro_inertia).total();
+    if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = energy_of(s.world, s.plan.spin.micro_inertia);
 }
 
 void Simulation::change(const Scene& scene, const Plan& plan, double when) {
