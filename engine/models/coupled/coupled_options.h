@@ -40,8 +40,8 @@ struct CoupledOptions {
     double closest = 0.3;          ///< distance from a solid that the fluid sticks to, below which no particle goes
     double sliding_closest = 0.5;  ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
 
-    int aggregate = 64;           ///< particles in an aggregate of the coarse level
-    int many = 10'000;            ///< in fluids of n > many particles an aggregate has aggregate sqrt(n/many)
+    int aggregate = 48;           ///< particles in an aggregate of the coarse level
+    int many = 5600;              ///< in fluids of n > many particles an aggregate has aggregate sqrt(n/many)
     int refresh_every = 5;        ///< steps between two set-ups of the coarse level
     bool diagonal = true;         ///< the diagonal blocks precondition; false: nothing does (to compare)
     int fewest_for_coarse = 150;  ///< free particles below which the diagonal alone preconditions
