@@ -24,12 +24,29 @@ std::string solved_apart() {
     return setting("models.pressure", pressure->name) + " with " + setting("models.viscosity", viscosity->name);
 }
 
+/// Angles of contact were measured (docs/physics.md 10). The constraint has them; the projection has its own check.
+void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+    const PressureFacts& pressure = plan.facts.pressure;
+    if (scene.fluid.surface_tension == 0 || pressure.form) return;
+    for (std::size_t k = 0; k < scene.solids.size(); ++k) {
+        const double wetting = scene.solids[k].wetting;
+        const bool no_angle = !pressure.solves_viscosity || scene.solids[k].slip != Slip::no;
+        if (wetting != 0.5 && (no_angle || wetting > 0.5))
+            report(entry_name("solid", k) + ".wetting",
+                   "drops do not meet solids at the angle asked" +
+                       (no_angle ? " with " + setting("models.pressure", pressure.name) : std::string(": they spread farther")) +
+                       (no_angle && pressure.solves_viscosity ? " where the solid does not hold the fluid" : ""),
+                   "take models.pressure = \"ppe\", or leave wetting out", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
+    }
+}
+
 void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const KeyProblems& report) {
     const PressureFacts& pressure = plan.facts.pressure;
     const std::string chosen = setting("models.pressure", pressure.name);
     if (scene.fluid.surface_tension > 0 && !pressure.keeps_apart)
         report("fluid.surface_tension", "surface tension pulls particles together, and " + chosen + " keeps none apart",
                "choose a pressure");
+    check_wetting(scene, plan, report);
     const bool between_walls = !plan.free_surface && !scene.domain.box().all_periodic();
     if (pressure.form == PressureForm::constraint && between_walls && plan.viscosity == ViscosityModel::none && !scene.any_free_solid())
         report(

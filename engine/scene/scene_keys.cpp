@@ -315,7 +315,7 @@ KeyTable solid_keys() {
         .at_most(1);
     t.key("wetting", &SolidKeys::wetting, "",
           "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 "
-          "degrees, which the projection has alone, 0 repels")
+          "degrees, 0 repels; ppe takes all, coupled up to 0.5 where the fluid sticks, the projection and wcsph 0.5 alone")
         .at_least(0)
         .at_most(1)
         .live();

@@ -278,6 +278,14 @@ TEST_CASE("the projection is refused where fluid splashes, and taken by itself w
     CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
     CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]"))
               .find("a surface stands at 90 degrees on solids") != std::string::npos);
+    const auto drop = [&](const std::string& pressure, double wetting) {
+        return message("surface_tension = 0.1\nviscosity = 10\n[models]\npressure = \"" + pressure + "\"\n" + tank +
+                       fmt::format("wetting = {}\n", wetting) + block("[0.4, 0.2, 0.2]"));
+    };
+    CHECK(drop("ppe", 0.9).empty());
+    CHECK(drop("wcsph", 0.9).find("drops do not meet solids at the angle asked") != std::string::npos);
+    CHECK(drop("coupled", 0.1).empty());
+    CHECK(drop("coupled", 0.9).find("they spread farther") != std::string::npos);
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
