@@ -344,7 +344,7 @@ private:
             if (const double part = part_inside_solids(shapes_, i, 0); part > 0.1)
                 add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
             for (std::size_t k = 0; k < i; ++k)
-                if (const double part = part_inside_block(shapes_, i, k, d_ / 2); part > 0)
+                if (const double part = part_inside_block(shapes_, i, k, d_ / 2); part > 0.05)
                     add_warning(
                         fmt::format("{:.2g} % of block[{}] lies inside block[{}]: there are particles of both there, more than have "
                                     "room; let the blocks meet without an overlap",

