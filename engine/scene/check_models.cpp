@@ -54,6 +54,10 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
             "pressure.form = \"constraint\" gains energy in fluid without viscosity that fills the space between solids: where nothing can "
             "give way, what it corrects in every step sets the fluid in motion",
             "take pressure.form = \"projection\" or \"auto\", or models.viscosity = \"xsph\"");
+    if (pressure.has_sound && plan.free_surface && scene.pressure.gradient == GradientForm::difference)
+        report("pressure.gradient",
+               "pressure.gradient = \"difference\" does not hold a free surface: fluid at rest in a tank starts to move",
+               "take \"symmetric\"", "allowed with a free surface: symmetric");
     if (!pressure.solves_viscosity) return;
     if (plan.viscosity != ViscosityModel::none)
         report("models.viscosity", chosen + " solves for the viscosity itself",

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -21,12 +22,49 @@ double length_of_spin(const Scene& scene) { return scene.micropolar.spin_length 
 
 bool given(const Scene& scene, const std::string& key) { return scene.places.count(key) > 0; }
 
+/// The larger eigenvalue of ((-p, q), (r, -s)), 0 if negative [1/s].
+double growth(double p, double q, double r, double s) { return std::max(0.0, (std::hypot(p - s, 2 * std::sqrt(q * r)) - p - s) / 2); }
+
+/// Flat walls have no torque on fluid that slides along them.
+bool slides(const Scene& scene, const Plan& plan) {
+    return plan.free_surface || std::any_of(scene.solids.begin(), scene.solids.end(), [](const SolidKeys& s) {
+               return s.slip == Slip::free && s.shape.kind != "box" && s.shape.kind != "plane";
+           });
+}
+
+/// Kinematic viscosity of XSPH of the velocity at steps of dt [m^2/s].
+double smoothing_viscosity(const MicropolarKeys& keys, double support, double dt) {
+    return keys.xsph_velocity * 0.075 * support * support / (2 * (keys.xsph_time > 0 ? keys.xsph_time : dt));
+}
+
+constexpr double most_growth = 10;  ///< in speed: that fast, the flow is as fast as the sound that the plan gives it
+
 }  // namespace
 
 double MicropolarNumbers::growing_length() const {
     if (!grows()) return infinity;
     const double k2 = coupling * (coupling - 2 * viscosity) / (viscosity * spin_viscosity);
     return 2 * std::numbers::pi / std::sqrt(k2);
+}
+
+double MicropolarNumbers::wave_growth(double shortest, double longest, double smoothing) const {
+    constexpr int lengths = 100;
+    double most = 0;
+    for (int l = 0; l < lengths; ++l) {
+        const double k = 2 * std::numbers::pi / (longest * std::pow(shortest / longest, l / (lengths - 1.0)));
+        const double kappa = coupling / density, exchange = kappa * k * std::sqrt(1 / micro_inertia);
+        most = std::max(most, growth((viscosity / density + smoothing) * k * k, exchange, exchange,
+                                     (2 * kappa + spin_viscosity / density * k * k) / micro_inertia));
+    }
+    return most;
+}
+
+double MicropolarNumbers::growth_of_turning(double radius, int dimensions, double smoothing) const {
+    const double over_inertia = (dimensions + 2) / (radius * radius), answers = 2 * coupling / (density * micro_inertia);
+    const double torque = (pair_viscosity + composed_coupling) / density + smoothing;
+    // Equal torques conserve angular momentum: 0 but for round-off.
+    return torque >= (1 - 1e-9) * coupling / density ? 0
+                                                     : growth(over_inertia * torque, over_inertia * coupling / density, answers, answers);
 }
 
 double MicropolarNumbers::spin_length() const {
@@ -45,7 +83,7 @@ Scene calibrated(const Scene& scene) {
     return chosen;
 }
 
-MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& viscosity) {
+MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& viscosity, bool slides) {
     const MicropolarKeys& keys = scene.micropolar;
     const double mu = scene.fluid.viscosity(0), transfer = keys.transfer_viscosity, l = length_of_spin(scene);
     const MicropolarFacts& facts = facts_of(scene.models.micropolar);
@@ -55,24 +93,40 @@ MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& v
     n.coupling = facts.coupling_by_mu * mu + transfer;
     const double own = (explicit_mu ? mu : 0) + facts.viscosity_by_transfer * transfer;
     n.viscosity = own + (viscosity.implicit ? mu : 0);
-    const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian : LaplacianForm::brookshaw;
-    n.pair_viscosity = form == LaplacianForm::brookshaw ? own : form == LaplacianForm::split ? n.coupling : 0;
-    n.central_viscosity = own - n.pair_viscosity;
+    n.slides = slides;
+    const LaplacianForm automatic = slides && !n.grows() ? LaplacianForm::split : LaplacianForm::brookshaw;
+    const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian.value_or(automatic) : automatic;
+    n.pair_viscosity = form == LaplacianForm::monaghan ? 0 : own;
+    if (form == LaplacianForm::split) {
+        // What the coupling lacks of its torque is composed. That brings half as much viscosity, which the rest gives up.
+        if (!viscosity.implicit) n.pair_viscosity = std::min(n.coupling, 2 * own - n.coupling);
+        n.composed_coupling = n.coupling - n.pair_viscosity;
+        if (viscosity.implicit && n.composed_coupling > 0) n.implicit_share = 1 - n.composed_coupling / (2 * mu);
+    }
+    n.central_viscosity = n.composed_coupling > 0 ? 0 : own - n.pair_viscosity;
     n.spin_viscosity = keys.spin_viscosity.value_or((mu + facts.viscosity_by_transfer * transfer) * l * l);
     n.micro_inertia = keys.micro_inertia;
     return n;
 }
 
-void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, double flow_step) {
+void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, double flow_step, double radius) {
     const auto choose = [&](const char* key, std::string value, bool automatic, std::string reason) {
         plan.choices.push_back({key, std::move(value), automatic, std::move(reason)});
     };
-    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.facts.viscosity);
+    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.facts.viscosity, slides(scene, plan));
+    if (n.slides && std::isfinite(radius))
+        n.turning_growth = n.growth_of_turning(radius, plan.dimensions(), smoothing_viscosity(scene.micropolar, plan.support, flow_step));
     const double d = plan.spacing;
     const auto length = [&](double l) { return std::isfinite(l) ? fmt::format("{:.3g} m ({:.2g} d)", l, l / d) : std::string("infinite"); };
     choose("models.micropolar", name_of(plan.micropolar), false,
            fmt::format("slow flows feel {:.3g} Pa s (viscosity {:.3g} - coupling {:.3g}/2); the spin answers in {:.3g} s, over {}",
                        n.effective_viscosity(), n.viscosity, n.coupling, n.response_time(), length(n.spin_length())));
+    if (n.slides && std::abs(n.pair_viscosity + n.composed_coupling - n.coupling) < 1e-9 * n.coupling)
+        choose(
+            "micropolar viscosity", n.composed_coupling > 0 ? "split, with a composed curl" : "split", !scene.viscosity.laplacian,
+            fmt::format("feeds no energy in where fluid turns freely: {:.3g} Pa s along u_i - u_j, {:.3g} without torque, {:.3g} through "
+                        "the curl of curl u - 2 w",
+                        n.pair_viscosity, n.viscosity - n.pair_viscosity - n.composed_coupling / 2, n.composed_coupling / 2));
     if (asked.micropolar.effective_viscosity) {
         const std::string wanted = fmt::format("calibrated for {:g} Pa s", *asked.micropolar.effective_viscosity);
         choose("fluid.viscosity", scene.fluid.viscosity.text(), true, wanted + ": viscosity = coupling = twice that");
@@ -97,19 +151,39 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
                        stable < flow_step ? "shorter" : "longer", flow_step));
 }
 
+namespace {
+
+/// The growth of fluid that turns freely, and its remedy.
+std::pair<std::string, std::string> turning_text(const MicropolarNumbers& n, const Scene& scene) {
+    return {fmt::format("where fluid can turn freely, at a free surface or along a round wall that it does not stick to, the coupling of "
+                        "{:.3g} Pa s with a torque of the viscosity of {:.3g} Pa s makes it turn faster by exp({:.3g}) or more in the run",
+                        n.coupling, n.pair_viscosity, n.turning_growth * scene.time.end),
+            n.grows() ? "take \"eringen\", or a fluid.viscosity of at least micropolar.transfer_viscosity with a model that applies it"
+                      : "take viscosity.laplacian = \"split\" or \"auto\""};
+}
+
+}  // namespace
+
 void warn_micropolar(Plan& plan, const Scene& scene) {
     const MicropolarNumbers& n = plan.spin;
     const auto add = [&](std::string text) { plan.warnings.push_back(std::move(text)); };
     if (n.grows()) {
         const double from = n.growing_length();
-        add(
-            fmt::format("the micropolar system feeds energy in: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so "
-                        "that slow flows feel "
-                        "{:.3g} Pa s and {} grow. No time step and no exchange scheme bounds that; XSPH smoothing only damps short waves. "
-                        "models.micropolar = "
-                        "\"eringen\" always dissipates, and so does \"seed\" with fluid.viscosity >= micropolar.transfer_viscosity",
-                        n.coupling, n.viscosity, n.effective_viscosity(),
-                        from > 0 ? fmt::format("waves longer than {:.3g} m", from) : std::string("waves of every length")));
+        const double rate = n.wave_growth(2 * plan.spacing, (scene.domain.max - scene.domain.min).maxCoeff(),
+                                          smoothing_viscosity(scene.micropolar, plan.support, scene.time.max_step));
+        add(fmt::format(
+            "the micropolar system feeds energy in: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so "
+            "that slow flows feel "
+            "{:.3g} Pa s and {} grow, the fastest by exp({:.3g}) in the run. No time step and no exchange scheme bounds that; XSPH "
+            "smoothing only damps short waves. "
+            "models.micropolar = "
+            "\"eringen\" always dissipates, and so does \"seed\" with fluid.viscosity >= micropolar.transfer_viscosity",
+            n.coupling, n.viscosity, n.effective_viscosity(),
+            from > 0 ? fmt::format("waves longer than {:.3g} m", from) : std::string("waves of every length"), rate * scene.time.end));
+    }
+    if (n.turning_growth > 0) {
+        const auto [growth, remedy] = turning_text(n, scene);
+        add(growth + "; " + remedy);
     }
     if (n.coupling > 0 && n.response_time() > scene.time.end)
         add(
@@ -132,13 +206,23 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
                    "", "allowed: brookshaw or monaghan");
         return;
     }
-    if (plan.spin.central_viscosity < 0)
+    if (plan.spin.grows() && plan.spin.composed_coupling > 0)
+        report("viscosity.laplacian",
+               fmt::format("viscosity.laplacian = \"split\" leaves {:.3g} Pa s for the strain (viscosity {:.3g} less half of the coupling "
+                           "{:.3g}), and that feeds energy in",
+                           plan.spin.effective_viscosity(), plan.spin.viscosity, plan.spin.coupling),
+               "take \"eringen\" or a smaller micropolar.transfer_viscosity", "allowed: auto, brookshaw or monaghan");
+    if (std::exp(plan.spin.turning_growth * scene.time.end) > most_growth) {
+        const auto [growth, remedy] = turning_text(plan.spin, scene);
+        report(scene.viscosity.laplacian ? "viscosity.laplacian" : "models.micropolar", growth, remedy);
+    }
+    if (plan.spin.slides && scene.micropolar.curl_velocity == CurlForm::symmetric &&
+        scene.micropolar.curl_spin.value_or(CurlForm::symmetric) != CurlForm::symmetric)
         report(
-            "viscosity.laplacian",
-            fmt::format("viscosity.laplacian = \"split\" leaves {:.3g} Pa s for the form along the pairs (viscosity {:.3g} less coupling "
-                        "{:.3g}), and that feeds energy into compression",
-                        plan.spin.central_viscosity, plan.spin.viscosity, plan.spin.coupling),
-            "take \"eringen\" or a smaller micropolar.transfer_viscosity", "allowed: brookshaw or monaghan");
+            "micropolar.curl_spin",
+            "micropolar.curl_velocity = \"symmetric\" turns particles at a free surface that only move along with it, and a difference as "
+            "curl_spin does not take that energy from the flow: it tears fluid apart",
+            "take curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"");
     if (!plan.facts.pressure.has_micropolar)
         report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " has no micropolar terms",
                "take \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");

@@ -245,7 +245,8 @@ private:
         if (scene_.time.fixed_step > 0) n_.step = scene_.time.fixed_step;
         n_.viscous_number = n_.nu * n_.step / (d_ * d_);
         n_.least_viscous_number = n_.least_viscosity > 0 ? 0.4 * n_.least_viscosity / (scene_.fluid.density * n_.speed * d_) : 0;
-        const double stiffness = scene_.viscosity.laplacian == LaplacianForm::monaghan ? monaghan_stiffness(scene_.domain.dimensions) : 1;
+        const double stiffness =
+            scene_.viscosity.without_spin() == LaplacianForm::monaghan ? monaghan_stiffness(scene_.domain.dimensions) : 1;
         n_.explicit_step = n_.nu > 0 ? viscous_step(support, stiffness * n_.nu) : std::numeric_limits<double>::infinity();
     }
 

@@ -62,8 +62,8 @@ public:
         choose_viscosity();
         plan_.micropolar = scene_.models.micropolar;
         plan_.facts.micropolar = facts_of(plan_.micropolar);
+        if (plan_.facts.micropolar.spins) choose_micropolar(plan_, scene_, given_, step_, n_.across * d_ / 2);
         choose_artificial_viscosity();
-        if (plan_.facts.micropolar.spins) choose_micropolar(plan_, scene_, given_, step_);
         choose_preconditioner();
         choose_boundary();
         tell_surface_tension();
@@ -173,7 +173,7 @@ private:
         const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > 0.02;
         if (facts_of(scene_.models.micropolar).spins) return 0;               // there the rotation goes into spin
         if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has a Laplacian of its own
-        if (!free_surface || scene_.viscosity.laplacian != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
+        if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
         const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
         return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
     }
@@ -190,7 +190,9 @@ private:
         std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
         if (!plan_.facts.viscosity.viscous) own = 0, reason = "no viscosity of its own: particles come to rest";
         if (plan_.facts.viscosity.smooths) own = enough, reason = "XSPH smooths";
-        if (plan_.facts.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
+        if (const MicropolarNumbers& n = plan_.spin; n.composed_coupling > 0)
+            own *= (n.viscosity - n.composed_coupling / 2) / n.viscosity, reason = "what the composed curl does not damp between particles";
+        else if (plan_.facts.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
         plan_.artificial_viscosity = scene_.pressure.artificial_viscosity.value_or(std::max(0.0, enough - own));
         tell("pressure.artificial_viscosity", fmt::format("{:.2g}", plan_.artificial_viscosity), !scene_.pressure.artificial_viscosity,
              reason);
@@ -299,7 +301,7 @@ private:
 
     /// Forces along pairs take their isotropy from the neighbours' fourth moments, which few neighbours on a lattice do not have.
     void warn_of_lattice() {
-        if (plan_.viscosity != ViscosityModel::explicit_laplacian || scene_.viscosity.laplacian != LaplacianForm::monaghan) return;
+        if (plan_.viscosity != ViscosityModel::explicit_laplacian || scene_.viscosity.without_spin() != LaplacianForm::monaghan) return;
         const LatticeStiffness stiff = monaghan_lattice_stiffness(plan_.kernel, plan_.support, d_);
         if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
             add_warning(

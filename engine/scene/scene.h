@@ -104,9 +104,10 @@ struct ViscosityKeys {
     double tolerance = 1e-4;
     int max_iterations = 500;
     ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
-    LaplacianForm laplacian = LaplacianForm::brookshaw;                       ///< explicit
-    double alpha = 0.002;                                                     ///< xsph
-    bool correction = true;                                                   ///< full: corrected gradients; false: as in the note
+    std::optional<LaplacianForm> laplacian;  ///< explicit; none: "auto", split for spinning fluid that turns freely, else brookshaw
+    LaplacianForm without_spin() const { return laplacian.value_or(LaplacianForm::brookshaw); }
+    double alpha = 0.002;    ///< xsph
+    bool correction = true;  ///< full: corrected gradients; false: as in the note
 };
 
 struct MicropolarKeys {

@@ -197,7 +197,7 @@ KeyTable viscosity_keys() {
         .only_with(model, {"full"});
     t.key("laplacian", &ViscosityKeys::laplacian, "",
           "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
-          "second")
+          "second, so that no energy is fed in; auto: split for spinning fluid with a free surface, else brookshaw")
         .only_with(model, {"explicit"})
         .live();
     t.key("alpha", &ViscosityKeys::alpha, "", "share of the difference to the neighbours' mean velocity that a step takes away")
@@ -225,7 +225,8 @@ KeyTable micropolar_keys() {
               "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
-              "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written"));
+              "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written, with the "
+              "projection in place of corrected gradients"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take these shares; 0: in every step, as in the notes")

@@ -215,7 +215,7 @@ private:
         push_is(&EnergyBudget::gravity);
         if (facts_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
-            if (scene_.viscosity.laplacian == LaplacianForm::brookshaw) {
+            if (scene_.viscosity.without_spin() == LaplacianForm::brookshaw) {
                 stage("corrected viscosity", "viscosity", CorrectedViscosity{system});
                 work_is(&EnergyBudget::viscosity);
                 viscous_limits();
@@ -433,7 +433,7 @@ private:
 
     void explicit_viscosity() {
         ExplicitOptions options;
-        options.monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
+        options.monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
@@ -442,7 +442,7 @@ private:
     }
 
     void viscous_limits() {
-        const bool monaghan = scene_.viscosity.laplacian == LaplacianForm::monaghan;
+        const bool monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
         const double stiffness = monaghan ? monaghan_stiffness(plan_.dimensions()) : 1;
         const double nu = stiffness * plan_.largest_viscosity / scene_.fluid.density;
         const double step = nu > 0 ? viscous_step(plan_.support, nu) : never;
@@ -459,6 +459,7 @@ private:
         if (plan_.viscosity == ViscosityModel::full) {
             FullViscosityOptions options;
             options.limits = limits;
+            options.share = static_cast<Real>(plan_.spin.implicit_share);
             options.solid_factor = solid_factor_;
             options.gate = gate_;
             const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
@@ -471,6 +472,7 @@ private:
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             AssembledViscosityOptions options;
             options.limits = limits;
+            options.share = static_cast<Real>(plan_.spin.implicit_share);
             options.solid_factor = solid_factor_;
             options.gate = gate_;
             stage("assembled viscosity", "viscosity", AssembledViscosity(options));
@@ -485,6 +487,7 @@ private:
         options.coupling = n.coupling;
         options.pair_viscosity = n.pair_viscosity;
         options.central_viscosity = n.central_viscosity;
+        options.composed_coupling = n.composed_coupling;
         options.spin_viscosity = n.spin_viscosity;
         options.micro_inertia = n.micro_inertia;
         options.curl_velocity = keys.curl_velocity.value_or(options.curl_velocity);
@@ -506,7 +509,9 @@ private:
     void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
         const MicropolarNumbers& n = plan_.spin;
         const MicropolarOptions options = micropolar_options();
-        const bool asks = scene_.micropolar.curl_velocity || scene_.micropolar.curl_spin || n.central_viscosity != 0;
+        const MicropolarKeys& keys = scene_.micropolar;
+        const bool asks =
+            keys.curl_velocity || keys.curl_spin || !keys.co_rotating || n.central_viscosity != 0 || n.composed_coupling > 0 || n.slides;
         if (projection && !asks) stage("micropolar", "micropolar", CorrectedMicropolar{projection, options});
         else stage("micropolar", "micropolar", Micropolar{options});
         push_is(&EnergyBudget::viscosity);
@@ -514,14 +519,23 @@ private:
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
         const double nu =
-            std::max({n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity), n.coupling / 2}) / rho;
+            std::max(n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity) + n.composed_coupling / 2,
+                     n.coupling / 2) /
+            rho;
         limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
         const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
+        const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
+        const double exchange = n.coupling > 0 ? exchange_step(n.coupling / rho, n.micro_inertia, k) : never;
         limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",
               [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
+        // The rates of decay add up: 1.1 over the limits at most (R = 3 d), 2 over the step.
+        if (n.composed_coupling > 0) {
+            const double together =
+                1.5 / (1 / viscous_step(R, nu) + diffusion / viscous_step(R, 1) + (n.implicit_exchange ? 0 : 1 / exchange));
+            limit("spin", "1.5 / (sum of 1/limits of viscosity, spin diffusion and explicit exchange)",
+                  [=](const World&, double) { return together; });
+        }
         if (n.implicit_exchange || n.coupling == 0) return;
-        const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
-        const double exchange = exchange_step(n.coupling / rho, n.micro_inertia, k);
         limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d",
               [=](const World&, double) { return exchange; });
     }

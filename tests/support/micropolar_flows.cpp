@@ -82,7 +82,7 @@ std::pair<double, double> exact_vortex(const Micropolar2& c, double t, double k)
 
 MicropolarOptions with_coefficients(MicropolarOptions options, const Micropolar2& c, bool central) {
     options.coupling = rho_0 * c.kappa;
-    (central ? options.central_viscosity : options.pair_viscosity) = rho_0 * c.a;
+    (central ? options.central_viscosity : options.pair_viscosity) = rho_0 * c.a - options.composed_coupling / 2;
     options.spin_viscosity = rho_0 * c.g;
     options.micro_inertia = c.theta;
     return options;

@@ -25,23 +25,33 @@ struct Sums {
     Sum3 smooth_u, smooth_w;  ///< sum 2/(rho_i + rho_j) (u_j - u_i) W_ij
 };
 
-/// What a pair needs of particle i.
+/// Quantities of particle i that its pairs need.
 struct Own {
-    Vec3 u, w, turning;  ///< turning: w where co_rotating, else 0
-    Real b;              ///< 1/rho
+    Vec3 u, w, push, turning;  ///< push: whose curl pushes the flow, w where not composed; turning: push where co_rotating, else 0
+    Real share, b;             ///< share of u in the velocity's curl, 1 where not composed; 1/rho
     CurlWeights of_u, of_w;
 };
 
-template <bool central, class Kernel>
+/// The forms of a pass that are decided when it is compiled.
+template <bool central_, bool composed_>
+struct Forms {
+    static constexpr bool central = central_, composed = composed_;
+};
+
+template <class Form, class Kernel>
 void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, Real softening, const Real* rho, const Vec3* u,
-               const Vec3* w) {
+               const Vec3* w, const Vec3* push) {
     const Real ux = own.u.x(), uy = own.u.y(), uz = own.u.z(), wx = own.w.x(), wy = own.w.y(), wz = own.w.z();
+    const Vec3& pushing = Form::composed ? own.push : own.w;
+    const Real sx = pushing.x(), sy = pushing.y(), sz = pushing.z(), share = Form::composed ? own.share : Real(1);
     const Real tx = own.turning.x(), ty = own.turning.y(), tz = own.turning.z(), b_i = own.b;
     const CurlWeights of_u = own.of_u, of_w = own.of_w;
     Sums s = all;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
-        Real density[Pairs::Group::most], u_j[3][Pairs::Group::most], w_j[3][Pairs::Group::most];
+        Real density[Pairs::Group::most], u_j[3][Pairs::Group::most], w_j[3][Pairs::Group::most], push_j[3][Pairs::Group::most];
         group.gather(rho, density), group.gather(u, u_j), group.gather(w, w_j);
+        if constexpr (Form::composed) group.gather(push, push_j);
+        const auto& s_j = Form::composed ? push_j : w_j;
         for (Index l = 0; l < group.padded(); ++l) {
             const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
             const Real b = 1 / density[l], slope = W.slope(r);
@@ -52,17 +62,17 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
             s.diffuse.x += even * dwx, s.diffuse.y += even * dwy, s.diffuse.z += even * dwz;
             s.smooth_u.x -= near * dux, s.smooth_u.y -= near * duy, s.smooth_u.z -= near * duz;
             s.smooth_w.x -= near * dwx, s.smooth_w.y -= near * dwy, s.smooth_w.z -= near * dwz;
-            if constexpr (central) {
+            if constexpr (Form::central) {
                 const Real along = static_cast<Real>(W.dimensions + 2) * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
                 s.central.x += along * rx, s.central.y += along * ry, s.central.z += along * rz;
             }
             // (P u_i - Q (u_j + w_i x r)) x grad W
-            const Real p = slope * of_u.own(b), q = slope * of_u.other(b);
-            const Real ax = p * ux - q * (vx + ty * rz - tz * ry), ay = p * uy - q * (vy + tz * rx - tx * rz),
-                       az = p * uz - q * (vz + tx * ry - ty * rx);
+            const Real p = slope * of_u.own(b) * share, q = slope * of_u.other(b);
+            const Real ax = p * ux - q * (share * vx + ty * rz - tz * ry), ay = p * uy - q * (share * vy + tz * rx - tx * rz),
+                       az = p * uz - q * (share * vz + tx * ry - ty * rx);
             s.curl_u.x += ay * rz - az * ry, s.curl_u.y += az * rx - ax * rz, s.curl_u.z += ax * ry - ay * rx;
             const Real g = slope * of_w.own(b), h = slope * of_w.other(b);
-            const Real cx = g * wx - h * ox, cy = g * wy - h * oy, cz = g * wz - h * oz;
+            const Real cx = g * sx - h * s_j[0][l], cy = g * sy - h * s_j[1][l], cz = g * sz - h * s_j[2][l];
             s.curl_w.x += cy * rz - cz * ry, s.curl_w.y += cz * rx - cx * rz, s.curl_w.z += cx * ry - cy * rx;
         }
     });
@@ -71,7 +81,7 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
 
 /// A solid particle that the fluid sticks to, as a neighbour with the volume V_s for m/rho_j. Velocity and spin are continued behind the
 /// surface, so that on it the fluid has those of the solid.
-template <bool central, class Kernel>
+template <class Form, class Kernel>
 void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, const Own& own, Real softening,
                Real gate, Index s, const Vec3& r, Real distance) {
     const SolidParticles& layer = around.layer;
@@ -87,18 +97,29 @@ void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, con
     const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
     add(all.viscous, even * u_is);
     add(all.diffuse, even * w_is);
-    if constexpr (central)
+    if constexpr (Form::central)
         add(all.central, static_cast<Real>(W.dimensions + 2) * even * u_is.dot(r) / (distance * distance + softening) * r);
-    const Vec3 u_s = own.u - u_is + own.turning.cross(r), w_s = own.w - w_is;
-    add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * own.u - u_s).cross(r));
-    add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.w - w_s).cross(r));
+    const Vec3 u_i = own.share * own.u, u_s = u_i - own.share * u_is + own.turning.cross(r);
+    // The composed part of the push is the transpose of u_is.
+    const Vec3 push_s = own.push - own.share * w_is - (2 - stretch) * (own.push - own.share * own.w);
+    add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * u_i - u_s).cross(r));
+    add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.push - push_s).cross(r));
 }
 
-template <bool central, class Kernel>
+template <class Form, class Kernel>
 void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i, const Own& own,
                 Real softening, Real gate) {
-    around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-        add_solid<central>(all, W, options, around, own, softening, gate, s, r, distance);
+    around.solid_pairs.of(
+        i, [&](Index s, const Vec3& r, Real distance) { add_solid<Form>(all, W, options, around, own, softening, gate, s, r, distance); });
+}
+
+/// The velocity's curl alone.
+template <class Kernel>
+void add_curl(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, const Real* rho, const Vec3* u) {
+    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+        const Real b = 1 / rho[j], slope = W.slope(distance);
+        const Vec3 c = slope * (own.of_u.own(b) * own.u - own.of_u.other(b) * (u[j] + own.turning.cross(r))).cross(r);
+        all.curl_u.x += c.x(), all.curl_u.y += c.y(), all.curl_u.z += c.z();
     });
 }
 
@@ -106,10 +127,10 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
 
 Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)), torque_(options_.torque) {}
 
-template <class Kernel, bool central>
+template <class Kernel, class Form>
 EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                                Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
-                               Read<field::spin> w) const {
+                               Read<field::spin> w) {
     const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
     const Real lattice = 1 / lattice_gradient(step.kernel, step.support, step.spacing),
@@ -122,17 +143,33 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
                gamma = static_cast<Real>(o.spin_viscosity);
     const bool any_torque = !torque_.is_zero(), any_solids = around.layer.size() > 0;
 
-    const auto own_of = [&](Index i) {
+    const auto own_of = [&](Index i, Real share, const Vec3& push) {
         const Real b = 1 / rho[i];
-        return Own{
-            u[i], w[i], o.co_rotating ? w[i] : Vec3(Vec3::Zero()), b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
+        const Vec3 turning = o.co_rotating ? push : Vec3(Vec3::Zero());
+        return Own{u[i], w[i], push, turning, share, b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
     };
     const auto gate_of = [&](Index i) { return o.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, o.solid_factor); };
+    // With c = curl u - 2 w, the part q of the coupling that is composed pushes the flow by -q/2 curl c and the spin by q/2 times what c
+    // loses for w: minus the derivatives of sum V q |c|^2/4. Both are linear: w becomes w (lambda - q)/lambda - c q/(2 lambda).
+    const Real part = Form::composed ? static_cast<Real>(o.composed_coupling / o.coupling) : Real(0), share = 1 - part;
+    Span<const Vec3> push = w.values;
+    if constexpr (Form::composed) {
+        push_.resize(u.size());
+        parallel_for(u.size(), [&](Index i) {
+            const Own own = own_of(i, 1, w[i]);
+            Sums s;
+            add_curl(s, kernel, around.pairs, i, own, rho.data(), u.data());
+            if (any_solids && around.solid_pairs.count(i) > 0) add_solids<Form>(s, kernel, o, around, i, own, softening, gate_of(i));
+            const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
+            push_[i] = share * own.w - part / 2 * (s.curl_u.times(m * lattice) - decay);
+        });
+        push = push_;
+    }
     react(around, Push::viscous, role, m * m * dt, [&](Index i) {
         return [&, i, gate = gate_of(i)](Index q, const Vec3& r, Real distance) {
-            const Own own = own_of(i);
+            const Own own = own_of(i, share, push[i]);
             Sums s;
-            add_solid<central>(s, kernel, o, around, own, softening, gate, q, r, distance);
+            add_solid<Form>(s, kernel, o, around, own, softening, gate, q, r, distance);
             return Vec3(s.viscous.times(lattice * mu) + s.central.times(along_pairs * mu_central) +
                         s.curl_w.times(lattice * lambda * own.b));
         };
@@ -143,21 +180,21 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
             change[i].setZero();
             return {};
         }
-        const Own own = own_of(i);
+        const Own own = own_of(i, share, push[i]);
         const Real b = own.b;
         Sums s;
-        add_fluid<central>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data());
-        if (any_solids && around.solid_pairs.count(i) > 0) add_solids<central>(s, kernel, o, around, i, own, softening, gate_of(i));
+        add_fluid<Form>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data(), push.data());
+        if (any_solids && around.solid_pairs.count(i) > 0) add_solids<Form>(s, kernel, o, around, i, own, softening, gate_of(i));
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
-        if constexpr (central) viscous += s.central.times(m * along_pairs * mu_central);
+        if constexpr (Form::central) viscous += s.central.times(m * along_pairs * mu_central);
         const Vec3 spin_push = s.curl_w.times(m * lattice * lambda * b), smoothing = s.smooth_u.times(m * alpha);
         const Vec3 before = a[i];
         a[i] += viscous + spin_push + smoothing;
 
         // theta dw/dt; the decay -2 lambda/rho w at the end of the step where implicit: one division.
         const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
-        const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
+        const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.push);
         const Vec3 exchanged = lambda * b * (s.curl_u.times(m * lattice) - decay), diffused = s.diffuse.times(m * lattice * gamma);
         const Real ahead = o.implicit_exchange ? 1 / (1 + 2 * lambda * b * dt * over_theta) : 1;
         const Vec3 spin_smoothing = s.smooth_w.times(m * beta), rate = ahead * over_theta * (exchanged + diffused + tau);
@@ -186,8 +223,12 @@ void Micropolar::operator()(const Surroundings& around, StepReport& report, Read
     const Read<field::spin> spin{w.values};
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
-        return options_.central_viscosity != 0 ? advance<Kernel, true>(kernel, around, role, rho, u, a, change, spin)
-                                               : advance<Kernel, false>(kernel, around, role, rho, u, a, change, spin);
+        const bool composed = options_.composed_coupling > 0;
+        if (options_.central_viscosity != 0)
+            return composed ? advance<Kernel, Forms<true, true>>(kernel, around, role, rho, u, a, change, spin)
+                            : advance<Kernel, Forms<true, false>>(kernel, around, role, rho, u, a, change, spin);
+        return composed ? advance<Kernel, Forms<false, true>>(kernel, around, role, rho, u, a, change, spin)
+                        : advance<Kernel, Forms<false, false>>(kernel, around, role, rho, u, a, change, spin);
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }

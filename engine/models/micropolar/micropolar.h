@@ -24,6 +24,7 @@ struct spin_change {
 /// with lambda the coupling. Which of the published systems this is, is a matter of mu and lambda (engine/scene/micropolar_coefficients.h).
 struct MicropolarOptions {
     double coupling = 0;           ///< lambda [Pa s]
+    double composed_coupling = 0;  ///< the part of it that acts through -(1/2) curl (curl u - 2 w) [Pa s]
     double pair_viscosity = 0;     ///< mu of the first Laplacian, along the difference of velocities [Pa s]
     double central_viscosity = 0;  ///< mu of the second Laplacian, along the pair: no torque [Pa s]
     double spin_viscosity = 0;     ///< gamma [Pa s m^2]
@@ -59,11 +60,12 @@ public:
                     Update<field::spin> w);
 
 private:
-    template <class Kernel, bool central>
+    template <class Kernel, class Form>
     EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
-                       Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w) const;
+                       Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w);
     MicropolarOptions options_;
     ExpressionField torque_;
+    Column<Vec3> push_;  ///< of the composed part, within a step
 };
 
 /// The longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest curl on the lattice, exchange alone has the

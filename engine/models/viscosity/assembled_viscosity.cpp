@@ -43,6 +43,7 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
     parallel_for(mu.size(), [&](Index i) {
         g.volume[i] = step.mass / rho[i];
         g.stress[i] = step.mass * step.dt * mu[i] / (rho[i] * rho[i]);
+        if (options.share != 1) g.stress[i] *= options.share;
     });
     const bool walls = around.layer.size() > 0;
     if (walls) g.solid_gradW.resize(around.solid_pairs.other.size());

@@ -15,6 +15,7 @@ namespace whorl {
 
 struct AssembledViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
+    Real share = 1;                 ///< of mu
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
     /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix

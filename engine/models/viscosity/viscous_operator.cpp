@@ -56,6 +56,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             if (!wall_.empty()) M += wall_moment_[i], wr_[i].wr += wall_[i].near.wr;
             free_[i] = role[i] == 0;
             K_[i] = step.dt * mu[i] / step.rest_density;
+            if (options.share != 1) K_[i] *= options.share;
             if (friction_.acts()) dt_nu_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
             c_[i] = 0;
             P_[i].set(Mat3::Identity());

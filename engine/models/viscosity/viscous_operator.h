@@ -12,6 +12,7 @@ namespace whorl {
 
 struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
+    Real share = 1;                 ///< of mu
     bool correction = true;         ///< gradients exact for linear fields; false: as in the note, which slows free rotation down
     /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
     /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.

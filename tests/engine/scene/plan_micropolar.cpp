@@ -111,12 +111,38 @@ TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
     CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
     CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"})
               .find("splits by the coupling of a micropolar model") != std::string::npos);
-    CHECK(eddy_messages({"viscosity.laplacian=split", "micropolar.transfer_viscosity=1"})
-              .find("viscosity.laplacian = \"split\" leaves -1 Pa s for the form along the pairs (viscosity 4 less coupling 5), and that "
-                    "feeds energy into compression") != std::string::npos);
+    CHECK(eddy_messages({"viscosity.laplacian=split", "micropolar.transfer_viscosity=5"})
+              .find("viscosity.laplacian = \"split\" leaves -0.5 Pa s for the strain (viscosity 4 less half of the coupling 9), and that "
+                    "feeds energy in") != std::string::npos);
+    const std::string surface = "block[0].max=[1,0.5,1]", form = "viscosity.laplacian=brookshaw";
+    CHECK(eddy_messages({surface, form, "micropolar.transfer_viscosity=3", "micropolar.micro_inertia=1e-3", "time.end=100"})
+              .find("in the run; take viscosity.laplacian = \"split\" or \"auto\"") != std::string::npos);
+    CHECK(eddy_messages({surface, "micropolar.curl_velocity=symmetric", "micropolar.curl_spin=difference"})
+              .find("take curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"") != std::string::npos);
+    CHECK(eddy_messages({surface, "pressure.gradient=difference"}).find("\"difference\" does not hold a free surface") !=
+          std::string::npos);
     CHECK(eddy_messages({"viscosity.laplacian=split", "models.micropolar=eringen"}) == "no error");
     CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") !=
           std::string::npos);
+}
+
+TEST_CASE("where fluid can turn freely its viscosity and coupling are split so that no torque is left over", "[plan][micropolar]") {
+    const auto numbers = [](std::vector<std::string> changes) {
+        changes.insert(changes.begin(), {"models.viscosity=explicit", "block[0].max=[1,0.5,1]", "micropolar.micro_inertia=1e-3"});
+        return make_plan(scene_with(changes, eddies)).spin;
+    };
+    const MicropolarNumbers half = numbers({"micropolar.transfer_viscosity=2"});  // viscosity 4, coupling 6
+    CHECK(half.pair_viscosity == Approx(2));
+    CHECK(half.composed_coupling == Approx(4));
+    CHECK(half.central_viscosity == 0);
+    const MicropolarNumbers less = numbers({"micropolar.transfer_viscosity=2", "models.micropolar=eringen"});  // viscosity 6, coupling 2
+    CHECK(less.pair_viscosity == Approx(2));
+    CHECK(less.composed_coupling == 0);
+    CHECK(less.central_viscosity == Approx(4));
+    const MicropolarNumbers implicit = numbers({"micropolar.transfer_viscosity=2", "models.viscosity=full"});
+    CHECK(implicit.composed_coupling == Approx(6));
+    CHECK(implicit.implicit_share == Approx(0.25));
+    CHECK(numbers({"micropolar.transfer_viscosity=2", "block[0].max=[1,1,1]"}).pair_viscosity == Approx(4));
 }
 
 TEST_CASE("the exchange is explicit where its stable step is long enough, else implicit", "[plan][micropolar]") {
