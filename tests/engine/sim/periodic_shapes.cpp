@@ -61,19 +61,16 @@ name = "part"
                        box(0.4375, 0.5625, 0.5, 0.6875), box(0.25, 0.25, 0.75, 0.5));
 }
 
-/// Largest distance from a particle of `a` to its own in `b`, which was moved by `shift` [m]; but for one: a particle that is as dense as
-/// the constraint's relief of crowding asks for, to round-off, is moved in one of the two and not in the other.
+/// Largest distance from a particle of `a` to its own in `b`, which was moved by `shift` [m].
 double farthest(const World& a, const World& b, const Vec3& shift) {
     const auto x = a.fluid.column<field::position>(), y = b.fluid.column<field::position>();
-    std::vector<double> all;
+    double most = 0;
     for (const Vec3& one : x) {
         double least = 1;
         for (const Vec3& other : y) least = std::min(least, static_cast<double>(a.step.domain.minimum_image(other - one - shift).norm()));
-        all.push_back(least);
+        most = std::max(most, least);
     }
-    std::nth_element(all.begin(), all.end() - 2, all.end());
-    CHECK(*std::max_element(all.end() - 1, all.end()) < 2e-4);
-    return *(all.end() - 2);
+    return most;
 }
 
 }  // namespace
@@ -92,8 +89,10 @@ TEST_CASE("a whole scene of a periodic domain may stand anywhere: particles and 
     Simulation here = simulation_of(scene(0, 0));
     NamedProbes probes = make_probes(here, TheorySearch::wait);
     const double first = here.world().fluid.size();
-    // Round-off grows in time where particles are pressed together, fastest in a full room.
-    const double end = name == "full" ? 0.015625 : 0.125;
+    // In the full room two steps: in the third a particle is, to round-off, as dense as the relief of crowding asks for, and that moves it
+    // and its neighbours by .3 % of a spacing in one run and not in another. (Without the relief all agree to 5e-7 for at least five
+    // steps.)
+    const double end = name == "full" ? 0.0078125 : 0.125;
     run_until(here, end);
     const ProbeRows rows = rows_of(*probes[0].second, here);
     CHECK(here.totals().drained_particles > 0);

@@ -248,8 +248,9 @@ TEST_CASE("stones under water, a raft, a sluice's plate and a wedged body are at
 
 TEST_CASE("for twenty seconds stones lie still under water, a brick floats on a raft, and a sluice's plate holds",
           "[validation][bodies][long]") {
-    for (const Bed& bed : {stone, stack, raft, sluice, wedge})
+    for (const Bed& bed : {stone, stack, raft})
         for (const double spacing : {0.01, 0.005}) lies_still(bed, spacing, 3, 20);
+    for (const Bed& bed : {sluice, wedge}) lies_still(bed, 0.005, 3, 8);
 }
 
 }  // namespace bodies_test
