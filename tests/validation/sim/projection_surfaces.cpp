@@ -106,7 +106,7 @@ TEST_CASE("under the projection a drop in space swings with the period of theory
 }
 
 TEST_CASE("waves on a tank under the projection that surface tension makes faster keep the period of theory within 5 %",
-          "[validation][projection][tension]") {
+          "[validation][projection][tension][long]") {
     // omega^2 = (g k + sigma k^3/rho) tanh kh: with 40 N/m half of it is surface tension's.
     constexpr double k = 2 * pi / 0.4, tension = 40;
     const double period = 2 * pi / std::sqrt((9.81 * k + tension * k * k * k / rho) * std::tanh(k * 0.2));

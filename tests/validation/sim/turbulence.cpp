@@ -9,7 +9,7 @@ using namespace whorl;
 using namespace whorl::test;
 
 TEST_CASE("turbulence in the plane loses energy at 2 nu times its enstrophy, and its enstrophy never grows",
-          "[validation][projection][plane]") {
+          "[validation][projection][plane][long]") {
     // scenes/turbulence.toml without spin and with four times the viscosity, so that the flow is well resolved. E is half of the mean
     // square of the velocity over the particles, Z half of the mean square of the vorticity. The probe's vorticity is by least squares over
     // two spacings, which smooths seven waves of 18 spacings: at the start, whose Z is known, it reads 4 % less.
