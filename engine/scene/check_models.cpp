@@ -24,13 +24,12 @@ std::string solved_apart() {
     return setting("models.pressure", pressure->name) + " with " + setting("models.viscosity", viscosity->name);
 }
 
-/// Angles of contact were measured (docs/physics.md 10). The constraint has them; the projection has its own check.
 void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     const PressureFacts& pressure = plan.facts.pressure;
-    if (scene.fluid.surface_tension == 0 || pressure.form) return;
+    if (scene.fluid.surface_tension == 0 || pressure.form) return;  // the projection has its own check
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         const double wetting = scene.solids[k].wetting;
-        const bool no_angle = !pressure.solves_viscosity || scene.solids[k].slip != Slip::no;
+        const bool no_angle = loses_angle(pressure, scene.solids[k]);
         if (wetting != 0.5 && (no_angle || wetting > 0.5))
             report(entry_name("solid", k) + ".wetting",
                    "drops do not meet solids at the angle asked" +

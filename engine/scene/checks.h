@@ -33,6 +33,11 @@ double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size
 /// Share of the domain outside the solids where no block puts fluid at the start.
 double part_left_empty(const Scene& scene, const SceneShapes& shapes);
 
+/// Whether drops do not meet this solid at the angle of its wetting; measured (docs/physics.md 10).
+inline bool loses_angle(const PressureFacts& pressure, const SolidKeys& solid) {
+    return !pressure.form && (!pressure.solves_viscosity || solid.slip != Slip::no);
+}
+
 void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems);
 
 void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems);

@@ -226,9 +226,8 @@ private:
                                  fmt::format("{}; without viscosity the step must stay below {:.3g} s",
                                              curves ? "the pressure on the surface is that times its curvature" : pulls,
                                              surface_tension_step(scene_.fluid.density, d_, tension, 0))});
-        if (plan_.facts.pressure.form || curves) return;
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (!presses || scene_.solids[k].slip != Slip::no)
+            if (loses_angle(plan_.facts.pressure, scene_.solids[k]))
                 add_warning(fmt::format(
                     "with models.pressure = \"{}\" drops meet solid[{}] at about {} degrees, not at 90; models.pressure = \"ppe\" has 90",
                     plan_.facts.pressure.name, k, presses ? 124 : 108));

@@ -177,11 +177,14 @@ TEST_CASE("import reads parameters in a method's section, with that format's num
     CHECK(has(standard, "tolerance = 0.0005"));
     CHECK(has(standard, "max_step = 0.002"));
     CHECK(has(made(R"("viscosityMethod": 6, "Weiler et al. 2018": {"viscosity": 5, "viscosityBoundary": 4})"), "viscosity = 6000.0"));
+    CHECK(has(made(R"("viscosityMethod": 6, "Standard viscosity": {"viscosity": 1}, "Weiler et al. 2018": {"viscosity": 5})"),
+              "viscosity = 6000.0"));  // the section of the chosen method
     const std::string bender = made(R"("viscosityMethod": 2, "Bender and Koschier 2017": {"viscosity": 0.5})");  // 2 was XSPH before
     CHECK(has(bender, "viscosity = 0.0"));
     CHECK_FALSE(has(bender, "viscosity = \"xsph\""));
     const std::string thin = made(
-        R"("viscosityMethod": 1, "Standard viscosity": {"viscosity": 1e-6}, "vorticityMethod": 1, "Bender et al. 2017": {"vorticity": 0.1, "viscosityOmega": 0.2, "inertiaInverse": 0.5})");
+        R"("viscosityMethod": 1, "Standard viscosity": {"viscosity": 1e-6}, "vorticityMethod": 1,
+ "Bender et al. 2017": {"vorticity": 0.1, "viscosityOmega": 0.2, "inertiaInverse": 0.5})");
     CHECK(has(thin, "transfer_viscosity = 120.0"));
     CHECK(has(thin, "micro_inertia = 2.0"));
     CHECK(has(thin, "xsph_spin = 0.1"));

@@ -45,18 +45,26 @@ TriangleMesh unit_box() {
     return box;
 }
 
-/// Since version 2.16 the parameters of a method stand in a section with its name, and the numbers of methods differ from those before.
-struct Method {
-    const char* section;
-    int number, number_before;  ///< -1: the version has no such method
-};
-constexpr Method standard_viscosity{"Standard viscosity", 1, 1}, takahashi{"Takahashi et al. 2015 (improved)", 5, 6},
-    weiler{"Weiler et al. 2018", 6, 7}, xsph{"XSPH", -1, 2}, bender_vorticity{"Bender et al. 2017", 1, 1};
-constexpr const char *of_viscosity[] = {standard_viscosity.section, takahashi.section,  weiler.section,
-                                        "Bender and Koschier 2017", "Peer et al. 2015", "Peer et al. 2016"},
-                     *of_pressure[] = {"WCSPH", "PCISPH", "PBF", "IISPH", "DFSPH", "Projective Fluids", "ICSPH"},
-                     *of_tension[] = {"Becker & Teschner 2007", "Akinci et al. 2013", "He et al. 2014", "Jeske et al. 2023",
-                                      "Zorilla, Ritter, et al. 2020"};
+/// Since version 2.16 the parameters of a method stand in a section with its name. Names by the methods' numbers, from 1 on (pressure: 0).
+using Methods = std::vector<std::string_view>;
+constexpr std::string_view standard = "Standard viscosity", takahashi = "Takahashi et al. 2015 (improved)", weiler = "Weiler et al. 2018",
+                           xsph = "XSPH", zorilla = "Zorilla, Ritter, et al. 2020";
+const Methods viscosities{standard, "Bender and Koschier 2017", "Peer et al. 2015", "Peer et al. 2016", takahashi, weiler},
+    viscosities_before{standard, xsph, "Bender and Koschier 2017", "Peer et al. 2015", "Peer et al. 2016", takahashi, weiler},
+    pressures{"WCSPH", "PCISPH", "PBF", "IISPH", "DFSPH", "Projective Fluids", "ICSPH"}, vorticities{"Bender et al. 2017"},
+    tensions{"Becker & Teschner 2007", "Akinci et al. 2013", "He et al. 2014", "Jeske et al. 2023", zorilla};
+
+/// Empty where the number is none of theirs.
+std::string_view name_of(const Methods& methods, double number, int first = 1) {
+    const double k = number - first;
+    return k >= 0 && k < static_cast<double>(methods.size()) ? methods[static_cast<std::size_t>(k)] : std::string_view();
+}
+
+/// Where a method's parameters stand: in its section or, as before 2.16, beside its number.
+const JsonNode& section_of(const JsonNode& node, std::string_view method) {
+    const JsonNode* found = node.find(std::string(method));
+    return found && found->kind == JsonNode::Kind::object ? *found : node;
+}
 
 class Converter {
 public:
@@ -97,18 +105,6 @@ private:
         if (!of) return;
         for (const JsonNode& one : of->list) find_sections(&one);
         for (const JsonNode& one : of->members) has_sections_ |= one.kind == JsonNode::Kind::object;
-    }
-    bool is(double number, const Method& method) const { return number == (has_sections_ ? method.number : method.number_before); }
-    /// Where a method's parameter stands: in one of these sections or, as before 2.16, beside the method's number.
-    template <std::size_t n>
-    static const JsonNode& section_with(const JsonNode& of, const char* const (&sections)[n], const std::string& key) {
-        for (const char* name : sections)
-            if (const JsonNode* found = of.find(name); found && found->find(key)) return *found;
-        return of;
-    }
-    static const JsonNode& section_with(const JsonNode& of, const char* section, const std::string& key) {
-        const char* const one[] = {section};
-        return section_with(of, one, key);
     }
     void line(std::string& to, const std::string& key, const std::string& value) { to += key + " = " + value + "\n"; }
     static std::string number(double value) {
@@ -191,15 +187,16 @@ void Converter::configuration() {
 }
 
 void Converter::pressure(const JsonNode& of) {
-    const bool weakly = of.number_of("simulationMethod").value_or(4) == 0;
+    const double method = of.number_of("simulationMethod").value_or(4);
+    const bool weakly = method == 0;
+    const JsonNode& given = section_of(of, name_of(pressures, method, 0));
     models_ = fmt::format("\n[models]\npressure = \"{}\"\n", weakly ? "wcsph" : "ppe");
     if (!weakly) note(of, "simulationMethod", "is taken as models.pressure = \"ppe\", our solver of incompressible fluids");
-    const auto given = [&](const char* key) { return section_with(of, of_pressure, key).number_of(key); };
     if (weakly) {
-        if (const auto exponent = given("exponent")) line(pressure_, "gamma", number(*exponent));
+        if (const auto exponent = given.number_of("exponent")) line(pressure_, "gamma", number(*exponent));
     } else {
-        if (const auto error = given("maxError")) line(pressure_, "tolerance", number(*error / 100));  // per cent
-        if (const auto most = given("maxIterations"))
+        if (const auto error = given.number_of("maxError")) line(pressure_, "tolerance", number(*error / 100));  // per cent
+        if (const auto most = given.number_of("maxIterations"))
             line(pressure_, "max_iterations", fmt::format("{:.0f}", std::clamp(*most, -1e9, 1e9)));
     }
 }
@@ -220,10 +217,11 @@ void Converter::materials() {
                          number(first.viscosity));
     if (!first.node) return;
     if (first.viscosity < 0.1 && micropolar_.empty()) look_ = "\n[look]\nmaterial = \"water\"\n";
-    const JsonNode& of = section_with(*first.node, of_tension, "surfaceTension");
+    const double method = first.node->number_of("surfaceTensionMethod").value_or(0);
+    const JsonNode& of = section_of(*first.node, name_of(tensions, method));
     const auto tension = of.number_of("surfaceTension");
-    if (first.node->number_of("surfaceTensionMethod").value_or(0) == 0 || !tension) return;
-    if (&of == first.node || of.name == of_tension[4]) {
+    if (method == 0 || !tension) return;
+    if (&of == first.node || of.name == zorilla) {
         line(fluid_, "surface_tension", number(*tension));
         note(of, "surfaceTension", "is a coefficient of their model: taken as fluid.surface_tension in N/m; check it");
     } else
@@ -232,21 +230,22 @@ void Converter::materials() {
 
 /// @param is_scene it is the scene's fluid: its model is the scene's
 void Converter::viscosity(Fluid& fluid, bool is_scene) {
-    const double method = fluid.node->number_of("viscosityMethod").value_or(0);
-    const JsonNode& of = section_with(*fluid.node, of_viscosity, "viscosity");
+    const double number_of_method = fluid.node->number_of("viscosityMethod").value_or(0);
+    const std::string_view method = name_of(has_sections_ ? viscosities : viscosities_before, number_of_method);
+    const JsonNode& of = section_of(*fluid.node, method);
     const double value = of.number_of("viscosity").value_or(0);
-    if (is(method, xsph) && is_scene) {
+    if (method == xsph && is_scene) {
         models_ += "viscosity = \"xsph\"\n";
         viscosity_ = fmt::format("\n[viscosity]\nalpha = {}\n", number(value));
         note(of, "viscosity", "is the share of XSPH: taken as viscosity.alpha");
-    } else if (is(method, standard_viscosity) || is(method, takahashi) || is(method, weiler)) {
+    } else if (method == standard || method == takahashi || method == weiler) {
         fluid.viscosity = value * fluid.density;
         note(of, "viscosity", fmt::format("is taken as a kinematic viscosity in m^2/s: {} Pa s", number(fluid.viscosity)));
-    } else if (method != 0) {
+    } else if (number_of_method != 0) {
         note(of, "viscosity", "is a coefficient without unit of their model: fluid.viscosity is 0; choose one in Pa s");
     }
-    if (!is_scene || fluid.node->number_of("vorticityMethod").value_or(0) != bender_vorticity.number) return;
-    const JsonNode& spin = section_with(*fluid.node, bender_vorticity.section, "vorticity");
+    if (!is_scene || fluid.node->number_of("vorticityMethod").value_or(0) != 1) return;
+    const JsonNode& spin = section_of(*fluid.node, vorticities[0]);
     const double inverse = spin.number_of("inertiaInverse").value_or(0.5);  // their default
     models_ += "micropolar = \"bender\"\n";
     micropolar_ = "\n[micropolar]\n";
