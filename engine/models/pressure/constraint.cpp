@@ -182,8 +182,11 @@ bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext&
 bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
     const auto n = static_cast<Index>(q.size());
     const Real most = step.spacing * step.spacing / (16 * step.rest_density * step.dt);  // usual steps stay as long: pressure_step()
+    const double mean = parallel_sum(n, [&](Index i) { return static_cast<double>(q[i]); }) / std::max(n, Index(1));
+    // Without a surface no pressure is far below the mean: an opening shows, however narrow.
+    const double side = std::pow(n, 1 - 1.0 / step.dimensions()), low = parallel_sum(n, [&](Index i) { return q[i] < 0.1 * mean; });
     const double above = parallel_sum(n, [&](Index i) { return q[i] > most; });
-    if (n == 0 || above < 0.95 * n) return false;
+    if (n == 0 || above < 0.95 * n || low >= std::max(1.0, 0.02 * side)) return false;
     parallel_for(n, [&](Index i) { q[i] = std::min(q[i], most); });
     return true;
 }
@@ -265,7 +268,7 @@ Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, co
     const double size = std::pow(n * static_cast<double>(step.volume), 1.0 / step.dimensions());
     const double most = slow * (std::sqrt(g * size) + std::sqrt(sums.squares / n)) / size;
     const double rate = options_.correction * sums.excess / (n * rho_0 * static_cast<double>(step.dt));
-    return g > 0 && rate > most ? static_cast<Real>(most / rate) : Real(1);
+    return most > 0 && rate > most ? static_cast<Real>(most / rate) : Real(1);
 }
 
 void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,

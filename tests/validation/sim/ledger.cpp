@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
+#include "engine/particles/largest_speed.h"
 #include "engine/probes/probes.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
@@ -322,6 +323,65 @@ position = ["{} * t", {}, 0]
         const std::vector<Wrench> on = mean_forces(simulation, 0.03, 0.04);
         CHECK(on[1].force.x() == Approx(-mu * U / h * 0.1).epsilon(0.03));
         CHECK(on[0].force.x() == Approx(-on[1].force.x()).epsilon(0.005));
+    }
+}
+
+TEST_CASE("a piston that presses thick fluid through a slit feels the force of lubrication within 8 %", "[validation][ledger]") {
+    // A chamber 24 spacings wide, a slit of 8 spacings and twice as long: 12 mu Q L/h^3, half of Hasimoto's loss at a slit in a thin plate,
+    // 16 mu Q/(pi h^2), and 12 mu Q l/H^3 in the chamber. From 10 ms on the flow is steady. The slit is an opening of 8 particles: the rest
+    // of the fluid is enclosed.
+    constexpr double d = 1e-3, H = 24 * d, l = 30 * d, h = 8 * d, L = 16 * d, U = 0.01, Q = U * H;
+    for (const double mu : {1.0, 10.0}) {
+        INFO(mu);
+        Simulation simulation =
+            simulation_of(fmt::format(R"toml([time]
+end = 1
+[domain]
+dimensions = 2
+min = [-0.05, -0.02]
+max = [0.06, 0.02]
+gravity = [0, 0]
+[fluid]
+spacing = {d}
+viscosity = {mu}
+[models]
+pressure = "ppe"
+viscosity = "full"
+[[block]]
+shape = "box"
+min = [-{l}, -{y}]
+max = [0, {y}]
+[[block]]
+shape = "box"
+min = [0, -{s}]
+max = [{L}, {s}]
+[[solid]]
+shape = "box"
+min = [-0.05, -{y}]
+max = [-{l}, {y}]
+position = ["{U}*t", 0]
+[[solid]]
+shape = "box"
+min = [-0.05, {y}]
+max = [{L}, 0.02]
+[[solid]]
+shape = "box"
+min = [-0.05, -0.02]
+max = [{L}, -{y}]
+[[solid]]
+shape = "box"
+min = [0, {s}]
+max = [{L}, {y}]
+[[solid]]
+shape = "box"
+min = [0, -{y}]
+max = [{L}, -{s}]
+{probe})toml",
+                                      fmt::arg("d", d), fmt::arg("mu", mu), fmt::arg("l", l), fmt::arg("y", H / 2), fmt::arg("s", h / 2),
+                                      fmt::arg("L", L), fmt::arg("U", U), fmt::arg("probe", probe)));
+        const double exact = mu * Q * H * (12 * L / (h * h * h) + 16 / (std::numbers::pi * h * h) + 12 * l / (H * H * H));
+        CHECK(mean_forces(simulation, 0.01, 0.02)[0].force.x() == Approx(-exact).epsilon(0.08));
+        CHECK(largest_speed(simulation.world().fluid.column<field::velocity>()) < 8 * U);
     }
 }
 
