@@ -127,6 +127,7 @@ struct CoupledStep {
     SolveLimits limits() const;
     SolveReport solve(double reference);
     void descend_along_last_change();
+    void keep_volume(SolveReport& report);
     void keep_momentum();
     void take_over();
     void write_ledgers();
@@ -283,6 +284,55 @@ void CoupledStep::descend_along_last_change() {
     });
 }
 
+/// Where fluid has little room to leave by (a piston before a slit, the first steps under weight), one update of the multiplier a step is
+/// far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the multiplier, preconditioned by
+/// lambda, with a solve for the velocities each.
+void CoupledStep::keep_volume(SolveReport& report) {
+    constexpr double tolerated = 5e-4;  // mean change of volume in a step
+    constexpr double as_a_whole = 0.5;  // of the root of the mean square: otherwise it is local, and goes by itself
+    constexpr int most = 4;
+    struct Sums {
+        double missing = 0, squares = 0, weighted = 0;
+        void operator+=(const Sums& o) { missing += o.missing, squares += o.squares, weighted += o.weighted; }
+    };
+    Column<Real> more;
+    Column<Vec3> way;
+    double last = 0;
+    for (int round = 0;; ++round) {
+        parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+        form.gradient(work, G.values);
+        const auto missing = [&](Index i) { return role[i] == 0 ? divergence[i] - form.divergence(i, G[i]) : Real(0); };
+        const Sums all = parallel_sum(n, Sums{}, [&](Index i) {
+            const double m = missing(i);
+            return Sums{m, m * m, static_cast<double>(form.coefficients(i).bulk * d) * m * m};
+        });
+        if (dt * all.missing < tolerated * n || round == most) return;
+        if (round == 0 && all.missing < as_a_whole * std::sqrt(all.squares * n)) return;
+        const Real kept = last > 0 ? static_cast<Real>(all.weighted / last) : Real(0);
+        last = all.weighted;
+        more.resize(n, 0);
+        way.assign(n, Vec3::Zero());
+        load.assign(n, Vec3::Zero());
+        parallel_for(n, [&](Index i) { more[i] = form.coefficients(i).bulk * d * missing(i) + kept * more[i]; });
+        const auto along = [&] { return parallel_sum(n, [&](Index i) { return static_cast<double>(more[i]) * missing(i); }); };
+        const double before = along();
+        form.add_stress(more, {}, load);
+        unknowns.restrict_to(load);
+        report.iterations += conjugate_gradients<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); },
+                                                       system.preconditioner, load, way, limits(), ResidualNorm::preconditioned)
+                                 .iterations;
+        parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i] + way[i]; });
+        form.gradient(work, G.values);
+        const double after = along();
+        const Real far = before > after ? static_cast<Real>(before / (before - after)) : Real(0);
+        parallel_for(n, [&](Index i) {
+            solved[i] += far * way[i];
+            p[i] += far * more[i] * step.rest_density * d / (dt * system.rows.neighbourhood[i].volume);
+            if (!pressure.empty()) pressure[i] += far * more[i];
+        });
+    }
+}
+
 void CoupledStep::keep_momentum() {
     if (!nothing_held) return;
     parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]); });
@@ -292,8 +342,6 @@ void CoupledStep::keep_momentum() {
 /// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched thread
 /// together and makes it thin is p < 0.
 void CoupledStep::take_over() {
-    parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
-    form.gradient(work, G.values);
     parallel_for(n, [&](Index i) {
         const Vec3& solution = work[i];
         change[i] = solution - u[i];
@@ -371,6 +419,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     now.let_go();
     report.solves.push_back({"coupled", now.solve(reference)});
     now.keep_momentum();
+    now.keep_volume(report.solves.back().report);
     now.take_over();
     now.write_ledgers();
     now.release_slipping();
