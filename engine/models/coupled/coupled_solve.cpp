@@ -286,7 +286,8 @@ void CoupledStep::descend_along_last_change() {
 
 /// Where fluid has little room to leave by (a piston before a slit, the first steps under weight), one update of the multiplier a step is
 /// far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the multiplier, preconditioned by
-/// lambda, with a solve for the velocities each.
+/// lambda, with a solve for the velocities each. If they do not halve what is missing, or only move it about,
+/// there is no way out, and all stays as it was.
 void CoupledStep::keep_volume(SolveReport& report) {
     constexpr double tolerated = 5e-4;  // mean change of volume in a step
     constexpr double as_a_whole = 0.5;  // of the root of the mean square: otherwise it is local, and goes by itself
@@ -295,8 +296,10 @@ void CoupledStep::keep_volume(SolveReport& report) {
         double missing = 0, squares = 0, weighted = 0;
         void operator+=(const Sums& o) { missing += o.missing, squares += o.squares, weighted += o.weighted; }
     };
-    Column<Real> more;
-    Column<Vec3> way;
+    system.no_way_out &= !step.at_frame_time;
+    Column<Real> more, old_p, old_pressure;
+    Column<Vec3> way, old_solved;
+    Sums first;
     double last = 0;
     for (int round = 0;; ++round) {
         parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
@@ -306,8 +309,19 @@ void CoupledStep::keep_volume(SolveReport& report) {
             const double m = missing(i);
             return Sums{m, m * m, static_cast<double>(form.coefficients(i).bulk * d) * m * m};
         });
-        if (dt * all.missing < tolerated * n || round == most) return;
-        if (round == 0 && all.missing < as_a_whole * std::sqrt(all.squares * n)) return;
+        const bool kept_it = dt * all.missing < tolerated * n;
+        if (round == 0) {
+            if (kept_it || system.no_way_out || all.missing < as_a_whole * std::sqrt(all.squares * n)) return;
+            first = all, old_solved = solved, old_pressure = pressure;
+            old_p.assign(p.values.begin(), p.values.end());
+        } else if (kept_it || round == most) {
+            if (all.missing < first.missing / 2 && all.squares < 4 * first.squares) return;
+            system.no_way_out = true;
+            solved.swap(old_solved), pressure.swap(old_pressure);
+            std::copy(old_p.begin(), old_p.end(), p.values.begin());
+            parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+            return form.gradient(work, G.values);
+        }
         const Real kept = last > 0 ? static_cast<Real>(all.weighted / last) : Real(0);
         last = all.weighted;
         more.resize(n, 0);

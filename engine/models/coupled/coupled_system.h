@@ -27,6 +27,7 @@ struct CoupledSystem {
     ContactFriction friction;
     TwoLevel preconditioner;
     int steps_since_refresh = 0;
+    bool no_way_out = false;  ///< since the last frame time no pressure could keep the volume of fluid that solids enclose
     /// Pressures [Pa] that are known beforehand, besides the multiplier: those that surface tension presses the fluid with. Empty: none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
 };
