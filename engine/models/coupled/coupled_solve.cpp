@@ -112,7 +112,8 @@ struct CoupledStep {
     Column<Mat3> curvature{};   ///< T [1/s]
     Column<Real> divergence{};  ///< s, that the step asks for [1/s]
     Column<Real> pressure{};    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
-    Column<Vec3> load{};        ///< right-hand side, then the residual [m/s]
+    Column<Vec3> load{};        ///< right-hand side, then the residual, to the end of the step [m/s]
+    Column<Real> held{};        ///< see find_held()
     Column<Vec3> work{};
 
     void set_up_form();
@@ -130,6 +131,7 @@ struct CoupledStep {
     void keep_volume(SolveReport& report);
     void keep_momentum();
     void take_over();
+    void find_held();
     void write_ledgers();
     void release_slipping();
 
@@ -236,7 +238,7 @@ double CoupledStep::set_load() {
     return std::max(reference, 0.03 * preconditioned_norm(load));
 }
 
-/// Of what has become part of the load, unless release_slipping() wants it again.
+/// Of what has become part of the load, unless find_held() or a ledger needs it.
 void CoupledStep::let_go() {
     if (!unknowns.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
 }
@@ -365,6 +367,17 @@ void CoupledStep::take_over() {
     });
 }
 
+/// slip.(A u - b) [m/s]: the part of the velocity that particles keep because a solid that slips holds them.
+void CoupledStep::find_held() {
+    if (!unknowns.any_slip) return;
+    Column<Vec3> brought(n);
+    form.apply(u.values, work, true);
+    parallel_for(n, [&](Index i) { brought[i] = loaded(i, u[i] - change[i]); });
+    form.add_stress(pressure, curvature, brought);
+    held.resize(n);
+    parallel_for(n, [&](Index i) { held[i] = slip[i].dot(work[i] - brought[i]); });
+}
+
 /// Of the momentum that the fluid lost: walls take what they do to their rows, by strain and by pressure; those that it slides along the
 /// friction, and what holds their particles along the normal. The residual of the solve is shared.
 void CoupledStep::write_ledgers() {
@@ -377,40 +390,34 @@ void CoupledStep::write_ledgers() {
         form.each_wall_force([&](const WallPoint& wall, const Vec3& f) { push(solids.all[wall.solid], kind, wall.position, sign * f); });
     };
     const Remainder rest(solids, Push::viscous);
-    form.apply(u.values, work, true);
+    form.find_wall_forces(u.values);
     walls_take(Push::viscous, -1);
-    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
-    form.add_stress(pressure, curvature, load);
+    Column<Real> part(n);  // of the pressure: that of the bulk term, then all
+    parallel_for(n, [&](Index i) { part[i] = form.coefficients(i).bulk * d * form.divergence(i, G[i]); });
+    form.find_wall_forces(part, curvature);
     walls_take(Push::viscous, 1);
-    Column<Real> whole(n);
-    Column<Vec3> unused(n, Vec3::Zero());
-    parallel_for(n, [&](Index i) { whole[i] = pressure[i] - form.coefficients(i).bulk * d * form.divergence(i, G[i]); });
-    form.add_stress(whole, {}, unused);
+    parallel_for(n, [&](Index i) { part[i] = pressure[i] - part[i]; });
+    form.find_wall_forces(part, {});
     walls_take(Push::pressure, 1);
-    walls_take(Push::viscous, -1);
-    const auto held = [&](Index i) { return Vec3(slip[i] * slip[i].dot(work[i] - load[i])); };
     for (Index i = 0; i < n; ++i) {
         if (role[i] != 0) continue;
         Real distance = 0;
         if (slip[i] != Vec3::Zero())
-            if (const int k = solids.nearest(x[i], distance); k >= 0) push(solids.all[k], Push::pressure, x[i], -held(i));
+            if (const int k = solids.nearest(x[i], distance); k >= 0) push(solids.all[k], Push::pressure, x[i], -held[i] * slip[i]);
         if (!system.friction.acts()) continue;
         for (Solid& solid : solids.all)
             if (const auto share = ContactFriction::share_of(solid, x[i], mu[i], step);
                 share.counted > 0 || share.coefficient != Mat3::Zero())
                 push(solid, Push::viscous, x[i], share.coefficient * (u[i] - share.wall));
     }
-    rest.share(solids, step, -m * momentum_of(role, x.values, [&](Index i) { return Vec3(work[i] - load[i] - held(i)); }));
+    rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
 }
 
 /// A solid that slips can push, not pull: where it would have to pull, it lets go.
 void CoupledStep::release_slipping() {
     if (!unknowns.any_slip) return;
-    form.apply(u.values, work, true);
-    parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i] - change[i]); });
-    form.add_stress(pressure, curvature, load);
     parallel_for(n, [&](Index i) {
-        if (slip[i].dot(work[i] - load[i]) < 0) slip[i] = Vec3::Zero();
+        if (held[i] < 0) slip[i] = Vec3::Zero();
     });
 }
 
@@ -435,6 +442,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     now.keep_momentum();
     now.keep_volume(report.solves.back().report);
     now.take_over();
+    now.find_held();
     now.write_ledgers();
     now.release_slipping();
 }

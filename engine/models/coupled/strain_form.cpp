@@ -67,10 +67,11 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
     });
 }
 
-void StrainForm::find_forces(Span<const Vec3> u, bool moving) const {
+void StrainForm::find_forces(Span<const Vec3> u, bool moving, bool at_walls) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
+        if (at_walls && block.walls.empty()) return;
         KeptPair* const kept = room_for_pairs(rows);
         const Vec4* at = rows.positions(block, u, moving);
         Vec4* out = forces_.data() + block.place;
@@ -110,10 +111,11 @@ Lanes33 StrainForm::resolved_part(const RowBlock& block, const RowSlice& slice, 
     return product;
 }
 
-void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const {
+void StrainForm::find_stress(Span<const Real> q, Span<const Mat3> T, bool at_walls) const {
     const CoupledRows& rows = *rows_;
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = rows.blocks[begin / CoupledRows::block_size];
+        if (at_walls && block.walls.empty()) return;
         Vec4* out = forces_.data() + block.place;
         std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
         const Vec4* at = rows.positions(block);
@@ -138,8 +140,12 @@ void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y
             scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
     });
-    parallel_for(rows.size(), [&](Index i) {
-        const Vec4 f = rows.gathered(forces_, i)[0];
+}
+
+void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const {
+    find_stress(q, T, false);
+    parallel_for(rows_->size(), [&](Index i) {
+        const Vec4 f = rows_->gathered(forces_, i)[0];
         y[i] += Vec3(f.v[0], f.v[1], f.v[2]);
     });
 }

@@ -40,25 +40,19 @@ public:
     /// y_i = free(i, ((1 + K) u)_i): free takes out what is prescribed. @param y not u itself @returns u.y
     template <class F>
     double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
-        find_forces(u, false);
+        find_forces(u);
         return parallel_sum(rows_->size(), [&](Index i) {
             y[i] = free(i, applied(u, i));
             return dot_entry(u[i], y[i]);
         });
     }
-    /// Calls f(wall, v) for what walls have in the last product, or in the last add_stress(): what v is to a particle's y [m/s].
-    template <class F>
-    void each_wall(const F& f) const {
-        for (const RowBlock& block : rows_->blocks)
-            for (std::size_t k = 0; k < block.walls.size(); ++k) {
-                const Real* v = forces_[block.place + block.touched.size() + k].v;
-                f(block.walls[k], Vec3(v[0], v[1], v[2]));
-            }
-    }
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
     void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
-    /// Calls f(wall, force on it) for what the last apply() or add_stress() found [m/s].
+    /// The forces on walls alone, without a y: of apply(u, y, true) and of add_stress().
+    void find_wall_forces(Span<const Vec3> u) const { find_forces(u, true, true); }
+    void find_wall_forces(Span<const Real> q, Span<const Mat3> T) const { find_stress(q, T, true); }
+    /// Calls f(wall, force on it) for what the last of these four found [m/s].
     template <class F>
     void each_wall_force(const F& f) const {
         for (const RowBlock& block : rows_->blocks)
@@ -84,7 +78,9 @@ public:
     const CoupledRows& rows() const { return *rows_; }
 
 private:
-    void find_forces(Span<const Vec3> u, bool moving) const;
+    /// Forces of the product and of stresses. @param at_walls only those of blocks with walls
+    void find_forces(Span<const Vec3> u, bool moving = false, bool at_walls = false) const;
+    void find_stress(Span<const Real> q, Span<const Mat3> T, bool at_walls) const;
     /// (1 + K) u of particle i, given the forces.
     Vec3 applied(Span<const Vec3> u, Index i) const {
         const Vec4 f = rows_->gathered(forces_, i)[0];

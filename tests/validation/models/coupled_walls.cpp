@@ -197,7 +197,7 @@ TEST_CASE(
         std::vector<Vec3> y(w.velocity().size());
         w.system->form.apply(w.velocity(), y, true);
         double pull[2] = {0, 0};
-        w.system->form.each_wall([&](const WallPoint& wall, const Vec3& v) { pull[wall.solid] -= 1000 * d * d * d / dt * v[along]; });
+        w.system->form.each_wall_force([&](const WallPoint& wall, const Vec3& v) { pull[wall.solid] -= 1000 * d * d * d / dt * v[along]; });
         const double drag = 100 * U / H * 6 * d * (plane ? d : 6 * d);  // the plane's is that of a depth of d
         CHECK(pull[0] == Approx(drag).epsilon(0.03));
         CHECK(pull[1] == Approx(-drag).epsilon(0.03));
