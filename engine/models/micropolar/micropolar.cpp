@@ -32,11 +32,12 @@ struct Own {
     CurlWeights of_u, of_w;
 };
 
-/// The forms of a pass that are decided when it is compiled.
-template <bool central_, bool composed_>
+/// The forms of a pass that are decided when it is compiled. @tparam curl_alone the velocity's curl and nothing else
+template <bool central_, bool composed_, bool curl_alone_ = false>
 struct Forms {
-    static constexpr bool central = central_, composed = composed_;
+    static constexpr bool central = central_, composed = composed_, curl_alone = curl_alone_;
 };
+using CurlAlone = Forms<false, false, true>;
 
 template <class Form, class Kernel>
 void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, Real softening, const Real* rho, const Vec3* u,
@@ -49,13 +50,21 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
     Sums s = all;
     pairs.groups_of(i, [&](const Pairs::Group& group) {
         Real density[Pairs::Group::most], u_j[3][Pairs::Group::most], w_j[3][Pairs::Group::most], push_j[3][Pairs::Group::most];
-        group.gather(rho, density), group.gather(u, u_j), group.gather(w, w_j);
+        group.gather(rho, density), group.gather(u, u_j);
+        if constexpr (!Form::curl_alone) group.gather(w, w_j);
         if constexpr (Form::composed) group.gather(push, push_j);
         const auto& s_j = Form::composed ? push_j : w_j;
         for (Index l = 0; l < group.padded(); ++l) {
             const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l], r = group.distance[l];
             const Real b = 1 / density[l], slope = W.slope(r);
-            const Real vx = u_j[0][l], vy = u_j[1][l], vz = u_j[2][l], ox = w_j[0][l], oy = w_j[1][l], oz = w_j[2][l];
+            const Real vx = u_j[0][l], vy = u_j[1][l], vz = u_j[2][l];
+            // (P u_i - Q (u_j + w_i x r)) x grad W
+            const Real p = slope * of_u.own(b) * share, q = slope * of_u.other(b);
+            const Real ax = p * ux - q * (share * vx + ty * rz - tz * ry), ay = p * uy - q * (share * vy + tz * rx - tx * rz),
+                       az = p * uz - q * (share * vz + tx * ry - ty * rx);
+            s.curl_u.x += ay * rz - az * ry, s.curl_u.y += az * rx - ax * rz, s.curl_u.z += ax * ry - ay * rx;
+            if constexpr (Form::curl_alone) continue;
+            const Real ox = w_j[0][l], oy = w_j[1][l], oz = w_j[2][l];
             const Real dux = ux - vx, duy = uy - vy, duz = uz - vz, dwx = wx - ox, dwy = wy - oy, dwz = wz - oz;
             const Real even = slope * (b_i * b_i + b * b), near = W.value(r) * 2 * b_i * b / (b_i + b);
             s.viscous.x += even * dux, s.viscous.y += even * duy, s.viscous.z += even * duz;
@@ -66,11 +75,6 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
                 const Real along = static_cast<Real>(W.dimensions + 2) * even * (dux * rx + duy * ry + duz * rz) / (r * r + softening);
                 s.central.x += along * rx, s.central.y += along * ry, s.central.z += along * rz;
             }
-            // (P u_i - Q (u_j + w_i x r)) x grad W
-            const Real p = slope * of_u.own(b) * share, q = slope * of_u.other(b);
-            const Real ax = p * ux - q * (share * vx + ty * rz - tz * ry), ay = p * uy - q * (share * vy + tz * rx - tx * rz),
-                       az = p * uz - q * (share * vz + tx * ry - ty * rx);
-            s.curl_u.x += ay * rz - az * ry, s.curl_u.y += az * rx - ax * rz, s.curl_u.z += ax * ry - ay * rx;
             const Real g = slope * of_w.own(b), h = slope * of_w.other(b);
             const Real cx = g * sx - h * s_j[0][l], cy = g * sy - h * s_j[1][l], cz = g * sz - h * s_j[2][l];
             s.curl_w.x += cy * rz - cz * ry, s.curl_w.y += cz * rx - cx * rz, s.curl_w.z += cx * ry - cy * rx;
@@ -92,17 +96,18 @@ void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, con
     const Real stretch = WallShear{around.step.spacing / 2}.stretch(r, layer.normal[s]);
     const Vec3 wall = solid.pose.velocity_at(layer.position[s] + r);
     const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[s]);
+    const Real slope = W.slope(distance), b = gate * options.solid_factor * layer.volume[s] / around.step.mass;
+    const Vec3 u_i = own.share * own.u, u_s = u_i - own.share * u_is + own.turning.cross(r);
+    add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * u_i - u_s).cross(r));
+    if constexpr (Form::curl_alone) return;
     const Vec3 w_is = options.free_spin_walls ? Vec3(Vec3::Zero()) : Vec3(stretch * (own.w - solid.pose.angular_velocity));
-    const Real slope = W.slope(distance);
-    const Real b = gate * options.solid_factor * layer.volume[s] / around.step.mass, even = 2 * own.b * b * slope;
+    const Real even = 2 * own.b * b * slope;
     add(all.viscous, even * u_is);
     add(all.diffuse, even * w_is);
     if constexpr (Form::central)
         add(all.central, static_cast<Real>(W.dimensions + 2) * even * u_is.dot(r) / (distance * distance + softening) * r);
-    const Vec3 u_i = own.share * own.u, u_s = u_i - own.share * u_is + own.turning.cross(r);
     // The composed part of the push is the transpose of u_is.
     const Vec3 push_s = own.push - own.share * w_is - (2 - stretch) * (own.push - own.share * own.w);
-    add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * u_i - u_s).cross(r));
     add(all.curl_w, slope * b * Vec3((both_w ? -1 : 1) * own.push - push_s).cross(r));
 }
 
@@ -111,16 +116,6 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
                 Real softening, Real gate) {
     around.solid_pairs.of(
         i, [&](Index s, const Vec3& r, Real distance) { add_solid<Form>(all, W, options, around, own, softening, gate, s, r, distance); });
-}
-
-/// The velocity's curl alone.
-template <class Kernel>
-void add_curl(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, const Own& own, const Real* rho, const Vec3* u) {
-    pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        const Real b = 1 / rho[j], slope = W.slope(distance);
-        const Vec3 c = slope * (own.of_u.own(b) * own.u - own.of_u.other(b) * (u[j] + own.turning.cross(r))).cross(r);
-        all.curl_u.x += c.x(), all.curl_u.y += c.y(), all.curl_u.z += c.z();
-    });
 }
 
 }  // namespace
@@ -158,8 +153,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         parallel_for(u.size(), [&](Index i) {
             const Own own = own_of(i, 1, w[i]);
             Sums s;
-            add_curl(s, kernel, around.pairs, i, own, rho.data(), u.data());
-            if (any_solids && around.solid_pairs.count(i) > 0) add_solids<Form>(s, kernel, o, around, i, own, softening, gate_of(i));
+            add_fluid<CurlAlone>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data(), nullptr);
+            if (any_solids && around.solid_pairs.count(i) > 0) add_solids<CurlAlone>(s, kernel, o, around, i, own, softening, gate_of(i));
             const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
             push_[i] = share * own.w - part / 2 * (s.curl_u.times(m * lattice) - decay);
         });
