@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/variables.h"
-
 namespace whorl {
 namespace {
 

@@ -28,6 +28,15 @@
 
 namespace whorl {
 
+inline std::string variable_name(char letter) { return letter == 'a' ? "age" : std::string(1, letter); }
+
+/// "x, y, z, age"
+inline std::string variable_names(const std::string& letters) {
+    std::string all;
+    for (const char c : letters) all += (all.empty() ? "" : ", ") + variable_name(c);
+    return all;
+}
+
 /// A value as it stands in a file, with its place. No kind at all: something that no key takes (a date).
 struct Value {
     using List = std::vector<Value>;

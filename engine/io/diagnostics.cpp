@@ -10,8 +10,8 @@
 namespace whorl {
 namespace {
 
-/// The sums that one pass over the particles makes: count, u.u, x (3), u (3), x cross u (3), w.w, w (3), compression.
-using Sums = Eigen::Array<double, 16, 1>;
+/// The sums that one pass over the particles makes: u (3), x cross u (3), w (3), count, compression.
+using Sums = Eigen::Array<double, 11, 1>;
 
 }  // namespace
 
@@ -19,10 +19,10 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     const ParticleStore& fluid = world.fluid;
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
-    const Span<const std::int16_t> role = fluid.has<field::role>() ? fluid.column<field::role>() : Span<const std::int16_t>();
+    const auto role = fluid.column<field::role>();
     const Span<const Vec3> spin = fluid.has<field::spin>() ? fluid.column<field::spin>() : Span<const Vec3>();
     const Span<const Real> density = fluid.has<field::density>() ? fluid.column<field::density>() : Span<const Real>();
-    const auto counts = [&](std::size_t k) { return role.empty() || role[k] >= 0; };
+    const auto counts = [&](std::size_t k) { return role[k] >= 0; };
     const auto compression = [&](std::size_t k) {
         return density.empty() ? 0.0 : std::max(0.0, static_cast<double>(density[k]) / static_cast<double>(world.step.rest_density) - 1);
     };
@@ -32,17 +32,10 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
         Sums s = Sums::Zero();
         if (!counts(k)) return s;
         const Vec3d xi = x[k].cast<double>(), ui = u[k].cast<double>();
-        s[0] = 1;
-        s[1] = ui.squaredNorm();
-        s.segment<3>(2) = xi.array();
-        s.segment<3>(5) = ui.array();
-        s.segment<3>(8) = xi.cross(ui).array();
-        if (!spin.empty()) {
-            const Vec3d wi = spin[k].cast<double>();
-            s[11] = wi.squaredNorm();
-            s.segment<3>(12) = wi.array();
-        }
-        s[15] = compression(k);
+        s.segment<3>(0) = ui.array();
+        s.segment<3>(3) = xi.cross(ui).array();
+        if (!spin.empty()) s.segment<3>(6) = spin[k].cast<double>().array();
+        s[9] = 1, s[10] = compression(k);
         return s;
     });
     const double fastest = parallel_max(fluid.size(), 0, [&](Index i) {
@@ -51,15 +44,12 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     });
 
     const double m = static_cast<double>(world.step.mass);
-    Measures all;
-    all.particles = static_cast<Index>(sums[0]);
+    Measures all{energies_of(world, gravity, micro_inertia)};
+    all.particles = static_cast<Index>(sums[9]);
     all.max_speed = std::sqrt(fastest);
-    all.kinetic_energy = m * sums[1] / 2;
-    all.potential_energy = -m * gravity.dot(Vec3d(sums.segment<3>(2).matrix()));
-    all.spin_energy = m * micro_inertia * sums[11] / 2;
-    all.momentum = m * sums.segment<3>(5).matrix();
-    all.angular_momentum = m * (sums.segment<3>(8) + micro_inertia * sums.segment<3>(12)).matrix();
-    all.density_error_mean = sums[0] > 0 ? sums[15] / sums[0] : 0;
+    all.momentum = m * sums.segment<3>(0).matrix();
+    all.angular_momentum = m * (sums.segment<3>(3) + micro_inertia * sums.segment<3>(6)).matrix();
+    all.density_error_mean = sums[9] > 0 ? sums[10] / sums[9] : 0;
     all.density_error_max = parallel_max(fluid.size(), 0, [&](Index i) { return counts(i) ? compression(i) : 0.0; });
     return all;
 }
@@ -100,7 +90,7 @@ std::string diagnostics_row(int frame, double time, const Measures& m, const Run
                          cpu})
         row += "," + number(value);
     const EnergyBudget& work = now.work;
-    const double error = work.error(m.kinetic_energy + m.potential_energy + m.spin_energy);
+    const double error = work.error(m.energy());
     for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing,
                          work.surface_tension, work.solids, work.forces + work.lifted, work.moves, work.emitted, -work.drained, error})
         row += now.any_work ? "," + number(value) : ",";

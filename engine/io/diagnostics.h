@@ -2,18 +2,15 @@
 /// diagnostics.csv: what is conserved, what is bounded, what it cost; a row a frame.
 #include <string>
 
+#include "engine/sim/energy_count.h"
 #include "engine/sim/simulation.h"
-#include "engine/sim/world.h"
 
 namespace whorl {
 
 /// Sums over the particles that are out of the nozzles (role >= 0), in double, the same bits for any number of threads.
-struct Measures {
+struct Measures : Energies {
     Index particles = 0;
     double max_speed = 0;                                  ///< m/s
-    double kinetic_energy = 0;                             ///< J, sum m u^2/2
-    double potential_energy = 0;                           ///< J, -sum m g . x
-    double spin_energy = 0;                                ///< J, sum m theta w^2/2
     Vec3d momentum = Vec3d::Zero();                        ///< kg m/s
     Vec3d angular_momentum = Vec3d::Zero();                ///< kg m^2/s about the origin, sum m (x cross u + theta w)
     double density_error_mean = 0, density_error_max = 0;  ///< compression, max(0, rho/rho_0 - 1); 0 where no density is kept

@@ -9,8 +9,8 @@
 #include <bit>
 #include <limits>
 
+#include "engine/core/column.h"
 #include "engine/core/parallel.h"
-#include "engine/core/resize_tightly.h"
 
 namespace whorl {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/variables.h"
+#include "engine/core/keys.h"
 #include "engine/scene/read.h"
 #include "engine/scene/scene_keys.h"
 #include "engine/scene/write.h"

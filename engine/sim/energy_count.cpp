@@ -22,8 +22,7 @@ double kinetic_energy(const World& w, bool accelerated) {
            });
 }
 
-double potential_energy(const World& w) {
-    const Vec3d g = w.step.gravity.cast<double>();
+double potential_energy(const World& w, const Vec3d& g) {
     if (g.isZero(0)) return 0;
     const auto x = w.fluid.column<field::position>();
     const auto role = w.fluid.column<field::role>();
@@ -33,18 +32,19 @@ double potential_energy(const World& w) {
 
 }  // namespace
 
-double energy_of(const World& w, double micro_inertia) {
-    const double moving = kinetic_energy(w, false) + potential_energy(w);
-    if (!w.fluid.has<field::spin>()) return moving;
+Energies energies_of(const World& w, const Vec3d& gravity, double micro_inertia) {
+    Energies all{kinetic_energy(w, false), potential_energy(w, gravity), 0};
+    if (!w.fluid.has<field::spin>()) return all;
     const auto spin = w.fluid.column<field::spin>();
     const auto role = w.fluid.column<field::role>();
-    return moving + 0.5 * static_cast<double>(w.step.mass) * micro_inertia *
-                        parallel_sum(w.fluid.size(), [&](Index i) { return role[i] < 0 ? 0.0 : spin[i].cast<double>().squaredNorm(); });
+    all.spin_energy = 0.5 * static_cast<double>(w.step.mass) * micro_inertia *
+                      parallel_sum(w.fluid.size(), [&](Index i) { return role[i] < 0 ? 0.0 : spin[i].cast<double>().squaredNorm(); });
+    return all;
 }
 
 void EnergyCount::begin(const World& world) {
     accelerated_ = false, work_ = 0;
-    kinetic_ = kinetic_energy(world, false), potential_ = potential_energy(world);
+    kinetic_ = kinetic_energy(world, false), potential_ = potential_energy(world, world.step.gravity.cast<double>());
 }
 
 void EnergyCount::after(const Stage& stage, const World& world, EnergyBudget& budget) {
@@ -53,7 +53,7 @@ void EnergyCount::after(const Stage& stage, const World& world, EnergyBudget& bu
     if (!kicks && !accelerates && !moves) return;
     accelerated_ = accelerates || (accelerated_ && !kicks);
     const double kinetic = std::exchange(kinetic_, kicks || accelerates ? kinetic_energy(world, accelerated_) : kinetic_),
-                 potential = std::exchange(potential_, moves ? potential_energy(world) : potential_),
+                 potential = std::exchange(potential_, moves ? potential_energy(world, world.step.gravity.cast<double>()) : potential_),
                  work = std::exchange(work_, work_of(world.solids)), by_solids = work_ - work;
     budget.solids += by_solids;
     if (stage.cause == nullptr) return;

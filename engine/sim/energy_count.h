@@ -4,8 +4,13 @@
 
 namespace whorl {
 
-/// Kinetic, potential and spin energy of the particles outside nozzles [J]. @param micro_inertia theta, m^2
-double energy_of(const World& world, double micro_inertia);
+/// Energies of the particles outside nozzles [J]: sum m u^2/2, -sum m g . x, sum m theta w^2/2.
+struct Energies {
+    double kinetic_energy = 0, potential_energy = 0, spin_energy = 0;
+    double energy() const { return kinetic_energy + potential_energy + spin_energy; }
+};
+/// @param gravity m/s^2 @param micro_inertia theta, m^2
+Energies energies_of(const World& world, const Vec3d& gravity, double micro_inertia);
 
 /// Sees the stages of a step in order. A stage's change of kinetic energy, less the work of solids in it, goes to its cause, and so does
 /// its change of potential energy, but that of a push-out, which is a move. Forces that add to the acceleration have the kinetic energy

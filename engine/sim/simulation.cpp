@@ -17,11 +17,10 @@
 #include "engine/particles/sort.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
-#include "engine/sim/check.h"
 #include "engine/sim/energy_count.h"
 #include "engine/sim/place.h"
 #include "engine/sim/sleep.h"
-#include "engine/sim/time_step.h"
+#include "engine/sim/stage.h"
 
 namespace whorl {
 namespace {
@@ -65,6 +64,15 @@ void each_number(Totals& t, F&& f) {
     f(t.steps), f(t.particle_steps), f(t.pressure_iterations), f(t.viscosity_iterations);
     f(t.unconverged_solves), f(t.lost_particles), f(t.emitted_particles), f(t.drained_particles), f(t.last_step);
     f(t.work), f(t.any_work);
+}
+
+/// Cuts a wanted step so that `remaining` is reached exactly and the last two steps before it are made equal.
+/// @param wanted s, the smallest limit of the models @param remaining s, until the next frame time
+double fitted_step(double wanted, double remaining) {
+    // A sliver of a step (round-off) is worth no step of its own.
+    if (wanted >= remaining * (1 - 1e-9)) return remaining;
+    if (wanted > remaining / 2) return remaining / 2;
+    return wanted;
 }
 
 std::string text_of(const VectorExpression& e) {
@@ -132,14 +140,13 @@ struct Simulation::State {
         if (now != world.step.gravity) changing(&EnergyBudget::lifted, [&] { world.step.gravity = now; });
     }
 
+    double energy_now() const { return energies_of(world, world.step.gravity.cast<double>(), plan.spin.micro_inertia).energy(); }
     /// What f does to the fluid's energy is of this cause.
     template <class F>
     void changing(double EnergyBudget::*cause, F&& f) {
-        if (!energy) return f();
-        const auto now = [&] { return energy_of(world, plan.spin.micro_inertia); };
-        const double before = now();
+        const double before = energy ? energy_now() : 0;
         f();
-        totals.work.*cause += now() - before;
+        if (energy) totals.work.*cause += energy_now() - before;
     }
 
     void change(const Scene& now, const Plan& new_plan, double when) {
@@ -266,8 +273,9 @@ struct Simulation::State {
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
         const Domain& domain = world.step.domain;
-        if (domain.any_periodic())
-            changing(&EnergyBudget::lifted, [&] { parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); }); });
+        const auto wrap = [&] { parallel_for(world.fluid.size(), [&](Index i) { x[i] = domain.wrapped(x[i]); }); };
+        if (!domain.period().cwiseProduct(world.step.gravity).isZero(0)) changing(&EnergyBudget::lifted, wrap);
+        else if (domain.any_periodic()) wrap();
         const Index n = world.fluid.size();
         const auto inside = [&](Index i) { return role[i] < 0 || domain.contains(x[i]); };
         world.report.lost_particles = static_cast<Index>(parallel_sum(n, [&](Index i) { return inside(i) ? 0 : 1; }));
@@ -419,7 +427,7 @@ void Simulation::count_energy() {
     // Where a solver's residual is shared among the solids, those at rest must have their part of it.
     const bool shares = s.plan.facts.viscous_implicitly() || s.plan.facts.pressure.source == PressureSource::velocity;
     for (Solid& solid : s.world.solids.all) solid.probed |= shares ? s.world.solids.any_moving() : solid.moves();
-    if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = energy_of(s.world, s.plan.spin.micro_inertia);
+    if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = s.energy_now();
 }
 
 void Simulation::change(const Scene& scene, const Plan& plan, double when) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/core/variables.h"
+#include "engine/core/keys.h"
 
 namespace whorl {
 namespace {

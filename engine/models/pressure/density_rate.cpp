@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/column.h"
 #include "engine/core/parallel.h"
-#include "engine/core/resize_tightly.h"
 
 namespace whorl {
 
