@@ -1,7 +1,6 @@
-#include "engine/geometry/box.h"
-
 #include <Eigen/Geometry>
 
+#include "engine/geometry/shape.h"
 #include "engine/geometry/surface_layer.h"
 
 namespace whorl {

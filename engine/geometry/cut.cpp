@@ -1,11 +1,9 @@
-#include "engine/geometry/cut.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
-#include "engine/geometry/box.h"
-#include "engine/geometry/cylinder.h"
+#include "engine/geometry/shape.h"
 #include "engine/geometry/surface_layer.h"
 
 namespace whorl {

@@ -1,8 +1,7 @@
-#include "engine/geometry/cylinder.h"
-
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "engine/geometry/shape.h"
 #include "engine/geometry/surface_layer.h"
 
 namespace whorl {

@@ -1,5 +1,3 @@
-#include "engine/geometry/mesh_parts.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -9,6 +7,7 @@
 #include <numeric>
 
 #include "engine/core/errors.h"
+#include "engine/geometry/mesh_file.h"
 
 namespace whorl {
 namespace {

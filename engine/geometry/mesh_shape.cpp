@@ -1,5 +1,3 @@
-#include "engine/geometry/mesh_shape.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -10,7 +8,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/triangle.h"
 #include "engine/geometry/mesh_file.h"
-#include "engine/geometry/mesh_parts.h"
+#include "engine/geometry/shape.h"
 
 namespace whorl {
 namespace {

@@ -1,12 +1,7 @@
 #include "engine/geometry/shape.h"
 
 #include "engine/core/errors.h"
-#include "engine/geometry/box.h"
-#include "engine/geometry/cut.h"
-#include "engine/geometry/cylinder.h"
-#include "engine/geometry/mesh_shape.h"
 #include "engine/geometry/plane.h"
-#include "engine/geometry/sphere.h"
 
 namespace whorl {
 

@@ -78,4 +78,20 @@ public:
 /// @throws InputError where a mesh file is missing, unreadable or not closed
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys);
 
+std::shared_ptr<const Shape> make_box(const Vec3d& min, const Vec3d& max);
+
+std::shared_ptr<const Shape> make_sphere(const Vec3d& centre, double radius);
+
+std::shared_ptr<const Shape> make_cylinder(const Vec3d& from, const Vec3d& to, double radius);
+
+/// Whether the plane cuts the shape, and in a rectangle or a disc; else why not, in words that go on after the shape's name.
+std::string why_no_cut(const ShapeKeys& keys);
+/// A rectangle or a disc. Distances and normals lie in the plane, whatever z. @param keys why_no_cut() is empty
+std::shared_ptr<const Shape> make_cut(const ShapeKeys& keys);
+
+/// The mesh in `file`, times scale, then moved by `position`. @throws InputError
+std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position);
+/// The same for a mesh in memory; `name` stands in the error message. @throws InputError where it is empty or not closed
+std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& name);
+
 }  // namespace whorl

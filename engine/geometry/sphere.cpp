@@ -1,7 +1,6 @@
-#include "engine/geometry/sphere.h"
-
 #include <numbers>
 
+#include "engine/geometry/shape.h"
 #include "engine/geometry/surface_layer.h"
 
 namespace whorl {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
-#include "engine/geometry/mesh_parts.h"
+#include "engine/geometry/mesh_file.h"
 #include "engine/io/columns.h"
 #include "engine/particles/search.h"
 

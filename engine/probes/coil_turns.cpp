@@ -1,9 +1,9 @@
-#include "engine/probes/coil_turns.h"
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "engine/probes/coil_probe.h"
 
 namespace whorl {
 namespace {

@@ -26,14 +26,14 @@ std::unique_ptr<Probe> make_extent_probe(const ProbeKeys& keys);
 /// all but the energy where the box is empty.
 std::unique_ptr<Probe> make_flow_probe(const ProbeKeys& keys);
 
-/// Force of the fluid on a solid, from the ledger of momentum (geometry/ledger.h). pressure_*, viscous_* and contact_* are means since the
+/// Force of the fluid on a solid, from the ledger of momentum (Ledger). pressure_*, viscous_* and contact_* are means since the
 /// row before: impulse over time. torque_* is that of all three about the solid's centre: a free body's centre of mass, else the middle of
 /// the shape's bounds. peak is the largest size of the total force of a single step. In two dimensions forces are those on a metre of
 /// depth. Empty cells: no time has passed.
 std::unique_ptr<Probe> make_solid_probe(const ProbeKeys& keys);
 
 /// Pressure on a disc of a solid's surface, with which it moves; in two dimensions on a line. The mean over disc and time since the row
-/// before, from the impulses of all steps (geometry/ledger.h), so discs that tile a wall add up to the pressure's part of its `solid`
+/// before, from the impulses of all steps (Ledger), so discs that tile a wall add up to the pressure's part of its `solid`
 /// probe; and the peak, the largest mean over the disc in a step. Fluid that pulls makes them negative.
 std::unique_ptr<Probe> make_gauge_probe(const ProbeKeys& keys, const World& world);
 

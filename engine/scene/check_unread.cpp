@@ -2,7 +2,7 @@
 
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/read.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {

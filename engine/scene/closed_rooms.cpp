@@ -1,10 +1,9 @@
-#include "engine/scene/closed_rooms.h"
-
 #include <fmt/format.h>
 
 #include <limits>
 
 #include "engine/scene/numbers.h"
+#include "engine/scene/plan.h"
 #include "engine/scene/scene_shapes.h"
 #include "engine/scene/tree.h"
 

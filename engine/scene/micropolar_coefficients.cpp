@@ -1,4 +1,3 @@
-#include "engine/scene/micropolar_coefficients.h"
 
 #include <fmt/format.h>
 

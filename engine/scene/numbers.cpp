@@ -12,6 +12,7 @@
 #include "engine/scene/tree.h"
 
 namespace whorl {
+
 namespace {
 
 /// Of a mesh [m^2].

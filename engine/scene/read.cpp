@@ -7,11 +7,10 @@
 #include <filesystem>
 
 #include "engine/core/utf8.h"
-#include "engine/geometry/cut.h"
+#include "engine/geometry/shape.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/names.h"
 #include "engine/scene/reader.h"
-#include "engine/scene/scene_keys.h"
 
 namespace whorl {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 /// Scene files: reading with every mistake in one go.
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -35,5 +36,14 @@ Scene read_scene_text(const std::string& text, const std::string& file, const Re
 std::string json_schema(const std::vector<Section>& sections = {});
 /// The same keys as a page of Markdown tables.
 std::string markdown_reference(const std::vector<Section>& sections = {});
+
+/// Every value used, as a scene file that reads back as the same scene.
+std::string resolved_toml(const Scene& scene, const std::vector<Section>& sections = {});
+
+nlohmann::ordered_json json_of(const Value& value);
+
+const KeyTable& scene_keys();
+/// What output.export may ask for; each is the name of a folder in the run folder, too.
+const std::vector<std::string>& export_kinds();
 
 }  // namespace whorl

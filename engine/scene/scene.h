@@ -1,6 +1,7 @@
 #pragma once
 /// A scene file as checked data: what the user asked for, every default filled in, nothing decided yet (that is plan.h's part).
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,10 +13,50 @@
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/sample.h"
-#include "engine/scene/inks.h"
+#include "engine/scene/expression_keys.h"
 #include "engine/sph/curl.h"
 
 namespace whorl {
+
+struct Inks {
+    static constexpr std::size_t most = 3;
+    std::vector<Expression> of;  ///< concentrations; those that are not given are 0
+    bool any() const { return !of.empty(); }
+    VectorExpression vector() const {
+        VectorExpression all;
+        for (std::size_t k = 0; k < of.size(); ++k) all.component[k] = of[k];
+        return all;
+    }
+};
+
+template <>
+struct KeyCodec<Inks> {
+    using One = KeyCodec<Expression>;
+    static void describe(Key& k) { k.type = KeyType::expressions; }
+    static Value write(const Inks& inks) {
+        Value::List list;
+        for (const Expression& e : inks.of) list.push_back(One::write(e));
+        return Value(std::move(list));
+    }
+    static Inks read(const Value& v) {
+        const Value::List& list = *v.as<Value::List>();
+        if (list.size() > Inks::most) throw KeyFault(list[Inks::most].place, "there are at most three inks");
+        Inks inks;
+        for (const Value& e : list) inks.of.push_back(One::read(e));
+        return inks;
+    }
+    static std::vector<double> constants(const Inks& inks) {
+        std::vector<double> all;
+        for (const Expression& e : inks.of)
+            if (e.is_constant()) all.push_back(e(0));
+        return all;
+    }
+    static std::string variables(const Inks& inks) {
+        std::string all;
+        for (const Expression& e : inks.of) all += e.variables();
+        return all;
+    }
+};
 
 enum class PressureModel { automatic, none, wcsph, ppe, coupled };
 enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, full, full_assembled };
@@ -290,5 +331,12 @@ struct Scene {
     /// Where `key` stands, or the nearest enclosing table that was given.
     Place place(const std::string& key) const;
 };
+
+/// Frame k shows the time (k - 1) frame_interval(); frame 1 the start.
+inline double frame_time(const Scene& scene, int frame) { return (frame - 1) * scene.time.frame_interval(); }
+/// The last frame that is not past time.end. A hair more than the product, for ends that are a whole number of frames up to rounding.
+inline int frame_count(const Scene& scene) {
+    return static_cast<int>(std::floor(scene.time.end / scene.time.frame_interval() * (1 + 1e-12) + 1e-9)) + 1;
+}
 
 }  // namespace whorl

@@ -2,9 +2,11 @@
 
 #include <map>
 
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/names.h"
+#include "engine/scene/read.h"
 
 namespace whorl {
+
 namespace {
 
 void add_used_keys(const Described& here, const Described& root, const std::string& path, bool decides, std::vector<UsedKey>& all) {
@@ -55,6 +57,23 @@ std::vector<std::string> texts_of(const std::vector<Difference>& differences) {
 
 std::vector<std::string> differences(const Scene& before, const Scene& now) {
     return texts_of(differences(deciding_settings(before), deciding_settings(now)));
+}
+
+namespace {
+
+/// What cannot change while a run goes on, as a scene file would have it.
+NamedTexts models_of(const Plan& plan) {
+    const auto number = [](double value) { return Expression(value).text(); };
+    return {{"models.pressure", name_of(plan.pressure)},     {"models.viscosity", name_of(plan.viscosity)},
+            {"models.micropolar", name_of(plan.micropolar)}, {"models.boundary", name_of(plan.boundary)},
+            {"models.shifting", name_of(plan.shifting)},     {"fluid.kernel", name_of(plan.kernel.kind)},
+            {"fluid.spacing", number(plan.spacing)},         {"fluid.support", number(plan.support)}};
+}
+
+}  // namespace
+
+std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted) {
+    return texts_of(differences(models_of(running), models_of(wanted)));
 }
 
 }  // namespace whorl

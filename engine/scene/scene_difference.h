@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/scene/plan.h"
 #include "engine/scene/scene.h"
 #include "engine/scene/tree.h"
 
@@ -38,5 +39,8 @@ std::vector<std::string> texts_of(const std::vector<Difference>& differences);
 /// What differs between the settings that decide what two simulations do (not what is drawn, named, probed or written). Empty: a run of one
 /// can go on as the other.
 std::vector<std::string> differences(const Scene& before, const Scene& now);
+
+/// A line each: "models.viscosity: none, now full".
+std::vector<std::string> changes_of_models(const Plan& running, const Plan& wanted);
 
 }  // namespace whorl

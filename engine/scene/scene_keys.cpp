@@ -1,7 +1,6 @@
-#include "engine/scene/scene_keys.h"
-
 #include "engine/scene/expression_keys.h"
 #include "engine/scene/names.h"
+#include "engine/scene/read.h"
 
 namespace whorl {
 namespace {

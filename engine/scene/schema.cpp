@@ -5,8 +5,6 @@
 
 #include "engine/core/keys.h"
 #include "engine/scene/read.h"
-#include "engine/scene/scene_keys.h"
-#include "engine/scene/write.h"
 
 namespace whorl {
 namespace {

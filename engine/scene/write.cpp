@@ -1,10 +1,8 @@
-#include "engine/scene/write.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/read.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {

@@ -4,8 +4,8 @@
 
 #include "engine/core/clock.h"
 #include "engine/particles/emitter.h"
+#include "engine/scene/scene_difference.h"
 #include "engine/sim/assemble.h"
-#include "engine/sim/model_changes.h"
 
 namespace whorl {
 

@@ -1,12 +1,16 @@
 #pragma once
 /// What stands around the fluid, over a film, as one glTF 2.0 file (.glb): solids and nozzles as meshes that move, emitters as nodes
 /// without a mesh, the camera, and the studio's lamp (KHR_lights_punctual).
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/io/frame.h"
+#include "render/export/attributes.h"
+#include "render/flow/flow_grid.h"
 #include "render/look/camera.h"
 #include "render/look/look_options.h"
 
@@ -53,5 +57,24 @@ private:
     std::optional<Frame> stage_;  ///< the first frame without its fluid
     LookOptions look_;            ///< the first
 };
+
+/// A .vtp file: points, each a cell of its own, or a mesh. Whole or not at all. @throws EnvironmentError
+/// @param time s @param triangles null: points
+void write_vtp(const std::filesystem::path& file, double time, const Attributes& points,
+               const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr);
+
+/// A .vti file of the flow on a grid: means of the particles' attributes about each node (flow_grid.h), and "cover", 0 where no fluid is
+/// near to 1 within it. A flow of two dimensions is one layer of nodes in the plane z = 0. Periodic axes end on the node that they began
+/// with. @throws EnvironmentError
+/// @param particles attributes of the frame's particles; whole numbers and the radius are left out
+void write_vti(const std::filesystem::path& file, const Frame& frame, const Attributes& particles);
+
+/// One file of a .pvd collection.
+struct TimedFile {
+    double time = 0;   ///< s
+    std::string part;  ///< "points"; files of the same part follow each other in time
+    std::string file;  ///< beside the .pvd
+};
+void write_pvd(const std::filesystem::path& file, const std::vector<TimedFile>& files);
 
 }  // namespace whorl

@@ -1,8 +1,9 @@
 #pragma once
-/// Particles and meshes as PLY.
+/// Particles and meshes as PLY, meshes as Wavefront OBJ.
 #include <array>
 #include <filesystem>
 
+#include "engine/core/mesh.h"
 #include "render/export/attributes.h"
 
 namespace whorl {
@@ -20,5 +21,8 @@ inline FrameNote note_of(const Frame& frame) { return {frame.number, frame.time,
 /// @param triangles null: points, no faces
 void write_ply(const std::filesystem::path& file, const FrameNote& note, const Attributes& vertices,
                const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr);
+
+/// With normals where the mesh has them, and nothing else: OBJ has no place for it. Whole or not at all. @throws EnvironmentError
+void write_obj_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace whorl

@@ -1,11 +1,10 @@
-#include "render/export/vtk.h"
-
 #include <fmt/format.h>
 
 #include <numeric>
 
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
+#include "render/export/gltf.h"
 
 namespace whorl {
 namespace {

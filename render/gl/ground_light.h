@@ -1,11 +1,13 @@
 #pragma once
 /// Light that reaches the ground and the solids: through the fluid (coloured, gathered), past the solids, and from the open sky.
 #include <functional>
+#include <vector>
 
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/look/look_options.h"
 #include "render/look/material.h"
+#include "render/surface/surface.h"
 
 namespace whorl {
 
@@ -70,5 +72,21 @@ private:
     Eigen::Matrix4f light_matrix_ = Eigen::Matrix4f::Identity();
     Vec3f area_ = Vec3f(0, 0, 1e-9f);  ///< centre x, z, half-width [m]
 };
+
+/// The light that a hot fluid throws on what stands about it: its surface as a few flat patches.
+struct HotPatch {
+    Vec3f place = Vec3f::Zero();   ///< m, where its light comes from in the mean
+    Vec3f normal = Vec3f::Zero();  ///< mean over its area: shorter than 1 where it is curved
+    Vec3f light = Vec3f::Zero();   ///< mean radiance
+    float area = 0;                ///< m^2
+};
+
+constexpr int most_patches = 32;
+
+/// Cells of a lattice that holds the surface; of more than most_patches the brightest. None where nothing glows.
+std::vector<HotPatch> hot_patches(const Surface& surface, const Material& material);
+
+/// Sets the uniforms of hot.glsl.
+void bind_patches(gl::Program& program, const std::vector<HotPatch>& patches);
 
 }  // namespace whorl

@@ -8,12 +8,10 @@
 #include <set>
 
 #include "render/flow/plate.h"
-#include "render/gl/backdrop.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
 #include "render/gl/ground_light.h"
-#include "render/gl/hot_patches.h"
 #include "render/gl/layer_pass.h"
 #include "render/gl/objects.h"
 #include "render/gl/samples.h"

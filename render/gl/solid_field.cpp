@@ -6,7 +6,7 @@
 
 #include "engine/core/parallel.h"
 #include "render/gl/setup.h"
-#include "render/surface/distance.h"
+#include "render/surface/surface.h"
 
 namespace whorl {
 namespace {

@@ -1,4 +1,3 @@
-#include "render/image/arrange.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float age;     // s, of the fluid; 0 where nothing says
-layout(location = 3) in vec4 crust;    // of the fluid (render/surface/crust.h)
+layout(location = 3) in vec4 crust;    // of the fluid (render/surface/vertex_values.h)
 layout(location = 4) in vec3 velocity;  // m/s, of the fluid
 uniform float moment;       // s after the frame's time
 uniform mat4 view_projection;

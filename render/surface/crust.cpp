@@ -1,4 +1,3 @@
-#include "render/surface/crust.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "render/surface/distance.h"
-
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -7,6 +5,7 @@
 #include <memory>
 
 #include "engine/core/parallel.h"
+#include "render/surface/surface.h"
 
 namespace whorl {
 namespace {

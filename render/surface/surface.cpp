@@ -5,7 +5,6 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "render/surface/distance.h"
 #include "render/surface/march.h"
 #include "render/surface/smooth.h"
 #include "render/surface/vertex_values.h"

@@ -11,7 +11,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
-#include "render/surface/distance.h"
+#include "render/surface/surface.h"
 
 namespace whorl {
 namespace {

@@ -1,6 +1,6 @@
 // What `whorl import` reads: JSON of another program. The scene that comes of it is one that the scene reader has words for.
 #include "engine/scene/plan.h"
-#include "render/export/obj.h"
+#include "render/export/ply.h"
 #include "tests/fuzz/target.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/scene_file/scene_file.h"

@@ -3,7 +3,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/mesh_file.h"
-#include "engine/geometry/mesh_shape.h"
+#include "engine/geometry/shape.h"
 #include "tests/fuzz/target.h"
 
 using namespace whorl;

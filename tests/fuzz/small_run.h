@@ -2,7 +2,6 @@
 /// Runs that are small enough for thousands of them a minute.
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
-#include "engine/scene/frame_times.h"
 #include "engine/scene/numbers.h"
 #include "render/surface/surface.h"
 #include "tests/fuzz/target.h"

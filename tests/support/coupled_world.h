@@ -1,7 +1,6 @@
 #pragma once
 /// A free-standing world for tests of the coupled solve: particles, its five stages, no scene.
 #include "engine/core/clock.h"
-#include "engine/models/coupled/coupled_motion.h"
 #include "engine/models/coupled/coupled_solve.h"
 #include "engine/sim/stage.h"
 

@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "engine/scene/read.h"
-#include "engine/scene/write.h"
 #include "tools/scene_file/options.h"
 #include "tools/scene_file/scene_file.h"
 

@@ -10,7 +10,6 @@
 #include "engine/theory/falling_thread.h"
 #include "tests/support/scratch.h"
 #include "tools/cost/estimate.h"
-#include "tools/cost/pace.h"
 #include "tools/cost/sample_run.h"
 #include "tools/film/progress.h"
 

@@ -9,7 +9,7 @@
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/film/first_pass.h"
-#include "tools/film/redraw.h"
+#include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 
 using namespace whorl;

@@ -1,5 +1,3 @@
-#include "tools/film/governor.h"
-
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -10,6 +8,7 @@
 #include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
+#include "tools/film/frame_loop.h"
 
 using namespace whorl;
 using test::Outcome;

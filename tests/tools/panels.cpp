@@ -1,6 +1,4 @@
 // Several runs of one scene side by side in one film.
-#include "tools/film/panels.h"
-
 #include <signal.h>
 
 #include <catch2/catch.hpp>
@@ -12,6 +10,7 @@
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/film/panel_scenes.h"
+#include "tools/film/run.h"
 
 using namespace whorl;
 using test::Outcome;

@@ -1,3 +1,5 @@
+#include "tools/film/run.h"
+
 #include <signal.h>
 
 #include <catch2/catch.hpp>
@@ -11,7 +13,6 @@
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
 #include "tools/film/report.h"
-#include "tools/film/resume_run.h"
 
 using namespace whorl;
 using test::Outcome;

@@ -12,7 +12,7 @@
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/study/front.h"
-#include "tools/study/judge.h"
+#include "tools/study/point.h"
 
 using namespace whorl;
 using namespace whorl::test;

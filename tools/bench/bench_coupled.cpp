@@ -4,7 +4,6 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "engine/models/coupled/coupled_motion.h"
 #include "engine/models/coupled/coupled_solve.h"
 #include "engine/particles/sort.h"
 

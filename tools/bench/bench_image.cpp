@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "render/image/arrange.h"
 #include "render/image/image.h"
 
 namespace {

@@ -3,9 +3,9 @@
 
 #include "engine/core/clock.h"
 #include "render/surface/colour_grid.h"
-#include "render/surface/distance.h"
 #include "render/surface/march.h"
 #include "render/surface/smooth.h"
+#include "render/surface/surface.h"
 #include "tests/support/surface_measures.h"
 
 namespace {

@@ -22,7 +22,7 @@
 #include "render/look/field_values.h"
 #include "tools/cost/estimate.h"
 #include "tools/cost/sample_run.h"
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "engine/io/snapshot.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
-#include "engine/scene/frame_times.h"
 #include "engine/scene/numbers.h"
 #include "tools/scene_file/scene_changes.h"
 

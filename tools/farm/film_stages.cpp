@@ -1,12 +1,11 @@
-#include "tools/farm/film_stages.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/scene/frame_times.h"
+#include "engine/scene/scene.h"
 #include "tools/cost/estimate.h"
+#include "tools/farm/stages.h"
 #include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/process/process.h"

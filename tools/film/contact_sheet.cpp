@@ -7,8 +7,8 @@
 
 #include "engine/core/errors.h"
 #include "engine/io/frame_file.h"
-#include "render/image/arrange.h"
 #include "render/image/exr.h"
+#include "render/image/image.h"
 
 namespace whorl {
 

@@ -8,7 +8,6 @@
 #include "engine/io/columns.h"
 #include "engine/io/frame_file.h"
 #include "engine/scene/model_facts.h"
-#include "render/export/obj.h"
 #include "render/export/ply.h"
 #include "render/flow/cloud.h"
 #include "render/look/field_values.h"

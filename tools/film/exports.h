@@ -8,7 +8,6 @@
 #include "engine/particles/store.h"
 #include "engine/scene/scene.h"
 #include "render/export/gltf.h"
-#include "render/export/vtk.h"
 #include "render/look/camera.h"
 #include "render/look/look_options.h"
 #include "render/surface/surface.h"

@@ -6,7 +6,7 @@
 #include "render/image/exr.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 Film::Film(FilmOptions options)

@@ -1,6 +1,9 @@
 #include "tools/film/frame_loop.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace whorl {
@@ -79,6 +82,73 @@ Scene with_models_of(const Plan& plan, const Scene& scene) {
     if (plan.facts.micropolar.spins)
         s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
     return s;
+}
+
+namespace {
+
+/// From a to b on a logarithmic scale as s goes from `begin` to `begin` + 1; a where b does not give up anything.
+double between(double a, double b, double s, double begin) { return a * std::pow(b / a, std::clamp(s - begin, 0.0, 1.0)); }
+
+/// How strongly the governor answers, in units of sacrifice a factor of e in time; and how far a frame may be under the budget before it
+/// takes back.
+constexpr double answer = 0.6, slack = 0.8;
+
+}  // namespace
+
+Governor::Governor(const SceneFile& given, int frames) : given_(given), frames_(frames) {}
+
+void Governor::set_scene(const SceneFile& given) { given_ = given; }
+
+Sacrifice Governor::now() const {
+    const BudgetKeys& most = given_.scene.budget;
+    Sacrifice s;
+    s.amount = applied_;
+    s.tolerance = between(1, std::max(1.0, most.tolerance), applied_, 0);
+    s.cfl = between(given_.scene.time.cfl, std::max(given_.scene.time.cfl, most.cfl), applied_, 1);
+    const double coarsest = std::min(most.voxel, 0.95 * given_.surface.radius);  // a voxel must be finer than the kernel
+    s.voxel = between(given_.surface.voxel, std::max(given_.surface.voxel, coarsest), applied_, 2);
+    s.samples = static_cast<int>(std::lround(between(given_.look.samples, std::min(given_.look.samples, most.samples), applied_, 3)));
+    return s;
+}
+
+SceneFile Governor::governed() const {
+    const Sacrifice s = now();
+    SceneFile file = given_;
+    constexpr double loosest = 0.5;
+    for (double* tolerance : {&file.scene.pressure.tolerance, &file.scene.viscosity.tolerance})
+        *tolerance = std::max(*tolerance, std::min(*tolerance * s.tolerance, loosest));
+    file.scene.time.cfl = s.cfl;
+    file.surface.voxel = s.voxel;
+    file.look.samples = s.samples;
+    return file;
+}
+
+std::optional<SceneFile> Governor::after_frame(double seconds, int frame, double spent) {
+    const BudgetKeys& keys = given_.scene.budget;
+    if (!keys.any()) {
+        if (applied_ == 0) return std::nullopt;
+        amount_ = applied_ = 0;
+        return governed();
+    }
+    allowed_ = keys.seconds_per_frame > 0 ? keys.seconds_per_frame : 1e300;
+    if (keys.seconds > 0) allowed_ = std::min(allowed_, std::max(1e-3, keys.seconds - spent) / std::max(1, frames_ - frame));
+    const double ratio = seconds / allowed_;
+    if (ratio > 1 || ratio < slack)
+        amount_ = std::clamp(amount_ + answer * std::log(std::clamp(ratio > 1 ? ratio : ratio / slack, 0.3, 3.0)), 0.0, 4.0);
+    if (std::abs(amount_ - applied_) < 0.03 && !(amount_ == 0 && applied_ > 0)) return std::nullopt;
+    applied_ = amount_;
+    return governed();
+}
+
+std::string budget_header() {
+    return "frame,time,wall_seconds,allowed_seconds,given_up,tolerance_factor,cfl,voxel,samples,largest_residual,unconverged_solves,"
+           "density_error_mean,density_error_max";
+}
+
+std::string budget_row(const BudgetRow& r) {
+    return fmt::format("{},{:.6g},{:.4g},{:.4g},{:.3f},{:.4g},{:.4g},{:.4g},{},{:.3g},{},{:.4g},{:.4g}\n", r.frame, r.time, r.seconds,
+                       r.allowed, r.given_up.amount, r.given_up.tolerance, r.given_up.cfl, r.given_up.voxel, r.given_up.samples,
+                       r.largest_residual, r.unconverged, r.density_error_mean, r.density_error_max);
 }
 
 }  // namespace whorl

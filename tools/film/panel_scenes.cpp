@@ -9,7 +9,7 @@
 #include "engine/probes/comparison.h"
 #include "tools/film/exports.h"
 #include "tools/film/first_pass.h"
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 #include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
 

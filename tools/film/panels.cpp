@@ -1,5 +1,3 @@
-#include "tools/film/panels.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,16 +8,16 @@
 #include "engine/io/csv.h"
 #include "engine/io/files.h"
 #include "engine/io/frame_file.h"
-#include "engine/scene/frame_times.h"
+#include "engine/scene/scene.h"
 #include "render/flow/plate.h"
-#include "render/image/arrange.h"
+#include "render/image/image.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/curves.h"
 #include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
-#include "tools/film/resume_run.h"
+#include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"

@@ -1,4 +1,3 @@
-#include "tools/film/redraw.h"
 
 #include <fmt/format.h>
 

@@ -10,8 +10,8 @@
 #include "engine/core/version.h"
 #include "engine/io/checkpoint.h"
 #include "engine/models/pressure/crowding.h"
-#include "engine/scene/frame_times.h"
-#include "tools/process/usage.h"
+#include "engine/scene/scene.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 

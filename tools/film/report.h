@@ -10,7 +10,7 @@
 #include "engine/particles/step_context.h"
 #include "engine/scene/scene.h"
 #include "engine/sim/simulation.h"
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 

@@ -1,17 +1,15 @@
-#include "tools/film/resume_run.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
-#include "engine/scene/frame_times.h"
 #include "engine/scene/plan.h"
 #include "engine/scene/read.h"
+#include "engine/scene/scene.h"
 #include "engine/scene/scene_difference.h"
-#include "engine/scene/write.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/progress.h"
+#include "tools/film/run.h"
 
 namespace whorl {
 namespace {

@@ -13,7 +13,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/comparison.h"
-#include "engine/scene/frame_times.h"
+#include "engine/scene/scene.h"
 #include "render/look/field_values.h"
 #include "render/video/encoder.h"
 #include "tools/cost/estimate.h"

@@ -2,6 +2,8 @@
 /// A run from its scene to its run folder: what `whorl render` and `whorl resume` share.
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "engine/io/checkpoint.h"
 #include "tools/film/run_folder.h"
@@ -24,11 +26,56 @@ const char* without_video(bool goes_on);
 /// Before a film is begun that is to have a video. @throws InputError where a video cannot have so few frames a second
 void check_video_rate(const Scene& scene);
 
-/// Simulates, measures, draws, writes; the scene's panels are left out (panels.h runs them). Interrupted by SIGINT or SIGTERM it completes
-/// the frames that are on their way, saves the state of the newest one and says how to resume.
+/// Simulates, measures, draws, writes; the scene's panels are left out (run_panels() runs them). Interrupted by SIGINT or SIGTERM it
+/// completes the frames that are on their way, saves the state of the newest one and says how to resume.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted
 /// @throws InputError before anything is written; EnvironmentError where a video is wanted and there is no ffmpeg, before anything is
 /// written, too; or (no EGL device, disk full) with all that was made kept
 int run_scene(const RunRequest& request);
+
+/// Several runs of one scene, with keys of their own, side by side in one film ([[panel]]).
+///
+/// Each panel is a run like any other, in panels/1, panels/2, ... of the run folder, one after the other; their pictures of the same time,
+/// with their labels, then make one picture, over a chart where the scene asks for one. A difference of two panels is drawn when both are
+/// there. A run that stops goes on with the panel where it stopped.
+enum class PanelRuns { fresh, resumed };
+/// @return as run_scene(); where a panel diverged the film ends with its last picture
+int run_panels(const RunRequest& request, PanelRuns how);
+
+/// Draws into `folder` (frames/) from the frames that both runs exported (raw/). The colour map's range holds 99 % of the fluid in every
+/// frame of the film. Where raw/ is gone, pictures that stand there already stay.
+/// @param file of the first run @param title of the pictures @throws InputError where a frame is missing or damaged
+void draw_differences(const SceneFile& file, const std::string& title, const std::filesystem::path& one, const std::filesystem::path& other,
+                      const std::filesystem::path& folder, int frames);
+
+/// Completes a request for the run in its folder, whose scene is request.file as it stands there now: the newest checkpoint, and where to
+/// end (request.frames, where nothing was asked, is what the run was to make). Where no checkpoint was written yet, the run begins again;
+/// frames that stand there are kept under another name. Tells on standard error which checkpoints are damaged.
+/// @throws InputError where there is none that is sound, or none of a run that is over, or it is another build's or of other settings (with
+/// each of them)
+void resume_from_newest(RunRequest& request);
+
+/// @param made frames that the run has @throws InputError where it is wanted to end before them
+void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted);
+
+/// The pictures so far begin the video, and are on the contact sheet. @throws InputError where one of the `made` is missing
+void check_pictures(const std::filesystem::path& folder, int made);
+
+struct RedrawRequest {
+    SceneFile file;                 ///< the run's own, with other looks, cameras or sizes put in
+    std::filesystem::path run;      ///< the run folder
+    std::filesystem::path out;      ///< where frames/ and the video go; may be the run folder, which is held then
+    std::vector<std::string> made;  ///< exports that stand there already, of all frames
+    int first = 1, last = 0;        ///< frames; last 0: all that there are
+    bool quiet = false;
+};
+
+/// Draws what render draws, to the bit where the look is the same. What the look leaves open goes by all frames. The video is encoded where
+/// all frames are drawn.
+/// @return an ExitCode @throws InputError where a frame is missing or damaged
+int redraw(const RedrawRequest& request);
+
+/// Numbers of the frames that the run exported, rising.
+std::vector<int> exported_frames(const std::filesystem::path& run_folder);
 
 }  // namespace whorl

@@ -17,7 +17,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/version.h"
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/read.h"
 #include "render/video/encoder.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"

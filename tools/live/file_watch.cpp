@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {

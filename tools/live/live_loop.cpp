@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "engine/core/parallel.h"
-#include "engine/scene/frame_times.h"
+#include "engine/scene/scene.h"
 #include "render/look/field_values.h"
-#include "tools/live/probe_curves.h"
 
 namespace whorl {
 namespace {

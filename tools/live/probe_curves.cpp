@@ -1,8 +1,7 @@
-#include "tools/live/probe_curves.h"
-
 #include <nlohmann/json.hpp>
 
 #include "render/look/overlay.h"
+#include "tools/live/live_loop.h"
 
 namespace whorl {
 namespace {

@@ -11,7 +11,7 @@
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
 #include "render/look/camera.h"
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {

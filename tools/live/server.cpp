@@ -10,13 +10,12 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
-#include "engine/scene/write.h"
 #include "render/look/camera.h"
 #include "tools/live/access.h"
 #include "tools/live/page.h"
 #include "tools/live/values.h"
 #include "tools/process/json_text.h"
-#include "tools/process/usage.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {

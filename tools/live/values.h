@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "engine/scene/write.h"
+#include "engine/scene/read.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

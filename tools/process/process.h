@@ -1,9 +1,11 @@
 #pragma once
-/// The program as a process: how it ends, interrupts, its own file, jobs of Slurm.
+/// The program as a process: how it ends, interrupts, its own file, jobs of Slurm, its use of the machine.
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -47,5 +49,24 @@ std::string slurm_job(const std::string& said);
 
 /// Whether one of the jobs ("7,8") waits or is at work. Not where there is no Slurm, or none that knows them any more.
 bool slurm_jobs_live(const std::string& jobs);
+
+/// Gives the calling thread a name. Threads that it starts from then on (OpenMP's, TBB's) inherit it, so that their CPU time counts with
+/// it.
+void name_thread(const char* name);
+/// CPU seconds so far of the threads that live, by thread name. Mesa's own ("llvmpipe-0", ...) count as "draw".
+std::map<std::string, double> cpu_by_thread_name();
+/// CPU seconds of the child processes that have ended (the encoder).
+double children_cpu_seconds();
+/// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures ("surface", "draw",
+/// "export", "write").
+double process_cpu_seconds();
+double simulation_cpu_seconds();
+/// The process's largest resident memory so far [bytes].
+std::uint64_t peak_memory();
+/// The process's resident memory now [bytes].
+std::uint64_t resident_memory();
+/// "AMD EPYC ...", and the machine's memory [bytes].
+std::string processor_name();
+std::uint64_t total_memory();
 
 }  // namespace whorl

@@ -4,6 +4,7 @@
 /// add_NAME() adds a CLI11 subcommand with its options (tools/scene_file/options.h), sets a callback that stores what to run in `chosen`,
 /// and returns. main() parses, then calls `chosen` inside run_guarded(), which alone turns exceptions into messages and exit codes.
 #include <functional>
+#include <string>
 
 #include "tools/process/process.h"
 
@@ -29,5 +30,10 @@ void add_tradeoff(CLI::App& program, Job& chosen);
 void add_stability(CLI::App& program, Job& chosen);
 void add_manual(CLI::App& program, Job& chosen);
 void add_schema(CLI::App& program, Job& chosen);
+
+/// whorl(1) in roff's man macros.
+std::string man_page(const CLI::App& program);
+/// A script for bash-completion: subcommands, their options, names of shipped scenes, files.
+std::string bash_completion(const CLI::App& program);
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "tools/film/progress.h"
-#include "tools/film/redraw.h"
+#include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/camera_warnings.h"

@@ -9,7 +9,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/scene/document.h"
 #include "render/video/encoder.h"
-#include "tools/farm/film_stages.h"
+#include "tools/farm/stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/film/run.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "engine/core/whole_file.h"
-#include "render/export/obj.h"
+#include "render/export/ply.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/camera_warnings.h"

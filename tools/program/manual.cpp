@@ -1,11 +1,10 @@
-#include "tools/program/manual.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 
 #include "engine/core/version.h"
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/read.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"
 

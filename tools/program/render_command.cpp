@@ -4,10 +4,9 @@
 
 #include "engine/core/parallel.h"
 #include "engine/probes/comparison.h"
-#include "engine/scene/frame_times.h"
 #include "engine/scene/plan.h"
+#include "engine/scene/scene.h"
 #include "tools/film/panel_scenes.h"
-#include "tools/film/panels.h"
 #include "tools/film/run.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"

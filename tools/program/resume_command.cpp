@@ -3,10 +3,9 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "engine/scene/frame_times.h"
-#include "tools/film/panels.h"
+#include "engine/scene/scene.h"
 #include "tools/film/progress.h"
-#include "tools/film/resume_run.h"
+#include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
 

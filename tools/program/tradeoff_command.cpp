@@ -11,8 +11,8 @@
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"
 #include "tools/scene_file/scene_changes.h"
-#include "tools/study/judge.h"
 #include "tools/study/plot.h"
+#include "tools/study/point.h"
 
 namespace whorl {
 namespace {

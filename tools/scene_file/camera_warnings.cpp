@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/scene/frame_times.h"
+#include "engine/scene/scene.h"
 
 namespace whorl {
 namespace {

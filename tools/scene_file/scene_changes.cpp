@@ -4,10 +4,9 @@
 #include <filesystem>
 #include <map>
 
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/read.h"
+#include "engine/scene/scene_difference.h"
 #include "engine/scene/tree.h"
-#include "engine/scene/write.h"
-#include "engine/sim/model_changes.h"
 #include "render/look/look_options.h"
 #include "render/surface/surface_keys.h"
 

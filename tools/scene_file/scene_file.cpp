@@ -8,7 +8,6 @@
 #include "engine/core/utf8.h"
 #include "engine/scene/model_facts.h"
 #include "engine/scene/read.h"
-#include "engine/scene/write.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "render/look/look_options.h"

@@ -1,5 +1,3 @@
-#include "tools/study/judge.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "engine/io/csv.h"
 #include "render/image/image.h"
+#include "tools/study/point.h"
 
 namespace whorl {
 namespace {

@@ -1,8 +1,7 @@
-#include "engine/models/coupled/coarse_matrix.h"
-
 #include <algorithm>
 
 #include "engine/core/parallel.h"
+#include "engine/models/coupled/two_level.h"
 #include "engine/models/strain/coarse_level.h"
 
 namespace whorl {

@@ -1,6 +1,5 @@
-#include "engine/models/coupled/coupled_motion.h"
-
 #include "engine/core/parallel.h"
+#include "engine/models/coupled/coupled_solve.h"
 
 namespace whorl {
 namespace {

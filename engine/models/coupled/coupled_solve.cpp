@@ -4,7 +4,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
-#include "engine/models/bodies/remainder.h"
+#include "engine/models/bodies/reaction.h"
 #include "engine/particles/largest_speed.h"
 
 namespace whorl {

@@ -1,5 +1,5 @@
 #pragma once
-/// Neighbourhoods, and velocity and pressure at the end of the step (coupled_system.h, strain_form.h).
+/// Stages of the coupled model: neighbourhoods, velocity and pressure at the end of the step, the move (coupled_system.h, strain_form.h).
 #include "engine/geometry/solids.h"
 #include "engine/models/coupled/coupled_system.h"
 #include "engine/models/strain/curvature.h"
@@ -24,6 +24,24 @@ struct CoupledSolve {
                     Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
                     Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids, const StepContext& step,
                     StepReport& report) const;
+};
+
+struct CoupledMove {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
+                    const StepContext& step) const;
+};
+
+struct CoupledShift {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G, Read<field::role> role,
+                    const StepContext& step) const;
+};
+
+struct CoupledContact {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role, Update<field::contact_normal> slip,
+                    Solids& solids, const StepContext& step) const;
 };
 
 }  // namespace whorl

@@ -5,7 +5,6 @@
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
-#include "engine/models/coupled/coarse_matrix.h"
 
 namespace whorl {
 

@@ -37,4 +37,7 @@ private:
     std::vector<Vec3> slip_;  ///< empty where nothing slips
 };
 
+/// Ac = R^T (1 + K) R for the rigid motions of the aggregates. Particles in none are held.
+SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& aggregates);
+
 }  // namespace whorl

@@ -21,7 +21,7 @@ struct spin_change {
 }  // namespace field
 
 /// rho Du/Dt = ... + mu Lap u + lambda curl w;   theta rho Dw/Dt = gamma Lap w + lambda (curl u - 2 w) + rho tau
-/// with lambda the coupling. Which of the published systems this is, is a matter of mu and lambda (engine/scene/micropolar_coefficients.h).
+/// with lambda the coupling. Which of the published systems this is, is a matter of mu and lambda (engine/scene/plan.h).
 struct MicropolarOptions {
     double coupling = 0;           ///< lambda [Pa s]
     double composed_coupling = 0;  ///< the part of it that acts through -(1/2) curl (curl u - 2 w) [Pa s]

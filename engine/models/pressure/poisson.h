@@ -5,7 +5,7 @@
 /// PoissonPressure, Move, KeepOutside.
 #include <vector>
 
-#include "engine/models/pressure/closed_regions.h"
+#include "engine/models/pressure/pressure_matrix.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"

@@ -1,7 +1,7 @@
 #include "engine/models/projection/momenta.h"
 
 #include "engine/core/parallel.h"
-#include "engine/math/pseudo_inverse.h"
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 

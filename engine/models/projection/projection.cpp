@@ -6,7 +6,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
-#include "engine/math/pseudo_inverse.h"
+#include "engine/math/inverse_in.h"
 
 namespace whorl {
 

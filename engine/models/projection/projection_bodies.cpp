@@ -1,11 +1,10 @@
-#include "engine/models/projection/projection_bodies.h"
-
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/body_motion.h"
 #include "engine/models/bodies/reaction.h"
+#include "engine/models/projection/projection.h"
 
 namespace whorl {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
-#include "engine/math/pseudo_inverse.h"
+#include "engine/math/inverse_in.h"
 #include "engine/models/boundary/wall.h"
 
 namespace whorl {

@@ -12,9 +12,8 @@
 
 #include "engine/math/kernel.h"
 #include "engine/models/bodies/reaction.h"
-#include "engine/models/bodies/remainder.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/pressure/closed_regions.h"
+#include "engine/models/pressure/pressure_matrix.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"

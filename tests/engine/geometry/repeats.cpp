@@ -6,11 +6,8 @@
 #include <limits>
 
 #include "engine/core/random.h"
-#include "engine/geometry/box.h"
-#include "engine/geometry/cylinder.h"
-#include "engine/geometry/mesh_shape.h"
+#include "engine/geometry/shape.h"
 #include "engine/geometry/solids.h"
-#include "engine/geometry/sphere.h"
 
 using namespace whorl;
 

@@ -1,3 +1,5 @@
+#include "engine/geometry/shape.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -10,11 +12,7 @@
 #include <random>
 
 #include "engine/core/errors.h"
-#include "engine/geometry/box.h"
-#include "engine/geometry/cylinder.h"
-#include "engine/geometry/mesh_shape.h"
 #include "engine/geometry/plane.h"
-#include "engine/geometry/sphere.h"
 
 using namespace whorl;
 

@@ -3,11 +3,8 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/random.h"
-#include "engine/geometry/box.h"
-#include "engine/geometry/cylinder.h"
-#include "engine/geometry/mesh_shape.h"
 #include "engine/geometry/plane.h"
-#include "engine/geometry/sphere.h"
+#include "engine/geometry/shape.h"
 #include "engine/models/pressure/density_rate.h"
 #include "engine/particles/search.h"
 #include "engine/particles/solid_sampling.h"

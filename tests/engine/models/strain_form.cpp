@@ -4,7 +4,7 @@
 
 #include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
-#include "engine/models/coupled/coarse_matrix.h"
+#include "engine/models/coupled/two_level.h"
 #include "tests/support/coarse_difference.h"
 #include "tests/support/coupled_world.h"
 

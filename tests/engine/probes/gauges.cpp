@@ -6,8 +6,7 @@
 #include <sstream>
 
 #include "engine/core/random.h"
-#include "engine/geometry/box.h"
-#include "engine/geometry/cylinder.h"
+#include "engine/geometry/shape.h"
 #include "engine/particles/solid_sampling.h"
 #include "engine/probes/experiments.h"
 #include "tests/support/runs.h"

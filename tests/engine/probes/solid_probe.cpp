@@ -3,7 +3,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "engine/geometry/sphere.h"
+#include "engine/geometry/shape.h"
 #include "engine/probes/experiments.h"
 
 using namespace whorl;

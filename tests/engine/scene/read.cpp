@@ -4,9 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/scene/scene_difference.h"
-#include "engine/scene/scene_keys.h"
 #include "engine/scene/tree.h"
-#include "engine/scene/write.h"
 #include "tests/support/poured_honey.h"
 
 using namespace whorl;

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/scene/plan.h"
-#include "engine/scene/write.h"
+#include "engine/scene/read.h"
 #include "tests/support/poured_honey.h"
 
 using namespace whorl;

@@ -1,9 +1,8 @@
-#include "render/export/obj.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
 
+#include "render/export/ply.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;

@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "engine/core/errors.h"
-#include "render/image/arrange.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
 

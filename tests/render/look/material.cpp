@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/scene/scene_keys.h"
+#include "engine/scene/read.h"
 
 using namespace whorl;
 

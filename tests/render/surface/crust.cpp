@@ -1,9 +1,8 @@
-#include "render/surface/crust.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "engine/core/random.h"
+#include "render/surface/vertex_values.h"
 
 using namespace whorl;
 

@@ -11,8 +11,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "engine/geometry/cylinder.h"
-#include "render/surface/distance.h"
+#include "engine/geometry/shape.h"
 #include "render/surface/particle_rows.h"
 #include "render/surface/smooth.h"
 #include "tests/support/shapes.h"
@@ -229,7 +228,7 @@ TEST_CASE("the distance volume is what a search over all triangles finds: exactl
                 }
         CHECK(near_error < 1e-4);  // voxels: rounding
         CHECK(least > -1e-4);
-        CHECK(most < 0.15);  // as distance.h says
+        CHECK(most < 0.15);  // as surface.h says
     }
 }
 

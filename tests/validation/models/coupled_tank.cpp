@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "engine/geometry/box.h"
+#include "engine/geometry/shape.h"
 #include "tests/support/coupled_world.h"
 
 using namespace whorl;

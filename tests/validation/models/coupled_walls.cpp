@@ -5,9 +5,8 @@
 #include <numbers>
 
 #include "engine/core/random.h"
-#include "engine/geometry/box.h"
-#include "engine/geometry/cylinder.h"
 #include "engine/geometry/plane.h"
+#include "engine/geometry/shape.h"
 #include "tests/support/coupled_world.h"
 
 using namespace whorl;

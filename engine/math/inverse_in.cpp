@@ -1,4 +1,3 @@
-#include "engine/math/pseudo_inverse.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
