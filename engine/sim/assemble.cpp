@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "engine/models/bodies/body_motion.h"
-#include "engine/models/boundary/keep_outside.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/coupled/coupled_solve.h"
 #include "engine/models/ink/ink.h"
@@ -110,9 +109,16 @@ private:
         if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
         return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
     }
+    /// @param cause of the energy that the stage gives or takes, or of a share of it
     template <class S>
-    void stage(const char* name, const char* group, S s) {
+    void stage(const char* name, const char* group, S s, double EnergyBudget::*cause = nullptr, double share = 1) {
         made_.stages.push_back(make_stage(name, group, std::move(s)));
+        made_.stages.back().cause = cause, made_.stages.back().share = share;
+    }
+    /// A force that adds to the acceleration. A micropolar model adds these up itself, with the work of solids.
+    template <class S>
+    void push(const char* name, const char* group, S s, double EnergyBudget::*cause) {
+        stage(name, group, std::move(s), cause, facts_.micropolar.spins ? 0 : 1);
     }
     void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
@@ -167,11 +173,11 @@ private:
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
         // One solve for gravity, pressure and viscosity; what the potential energy gives in the move belongs to it.
-        stage("coupled solve", "pressure", CoupledSolve{system}), work_is(&EnergyBudget::viscosity);
-        stage("coupled move", "move", CoupledMove{system}), work_is(&EnergyBudget::viscosity);
+        stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
+        stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
         made_.stages.push_back(move_solids());
-        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}), work_is(&EnergyBudget::moves);
-        stage("coupled contact", "boundary", CoupledContact{system}), work_is(&EnergyBudget::boundary);
+        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}, &EnergyBudget::moves);
+        stage("coupled contact", "boundary", CoupledContact{system}, &EnergyBudget::boundary);
     }
 
     ProjectionOptions projection_options() const {
@@ -208,13 +214,11 @@ private:
             stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
             tension_limit();
         }
-        stage("gravity", "move", Gravity{});
-        push_is(&EnergyBudget::gravity);
+        push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
         if (facts_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
             if (scene_.viscosity.without_spin() == LaplacianForm::brookshaw) {
-                stage("corrected viscosity", "viscosity", CorrectedViscosity{system});
-                work_is(&EnergyBudget::viscosity);
+                stage("corrected viscosity", "viscosity", CorrectedViscosity{system}, &EnergyBudget::viscosity);
                 viscous_limits();
             } else {
                 explicit_viscosity();
@@ -223,28 +227,18 @@ private:
         kicks();
         force();
         if (facts_.viscosity.implicit) {
-            if (weightless() || (!plan_.free_surface && !scene_.solids.empty())) {
-                stage("expected pressure", "pressure", ExpectPressure{system});
-                work_is(&EnergyBudget::pressure);
-            }
+            if (weightless() || (!plan_.free_surface && !scene_.solids.empty()))
+                stage("expected pressure", "pressure", ExpectPressure{system}, &EnergyBudget::pressure);
             implicit_viscosity();
         }
-        stage("projection", "pressure", Projection{system});
+        stage("projection", "pressure", Projection{system}, &EnergyBudget::pressure);
         if (bounded()) pressure_limit(cfl());
-        work_is(&EnergyBudget::pressure);
-        stage("move", "move", ProjectionMove{system});
-        work_is(&EnergyBudget::smoothing);
+        stage("move", "move", ProjectionMove{system}, &EnergyBudget::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
-        if (weightless()) {
-            stage("momenta", "move", KeepMomenta{momenta, !facts_.micropolar.spins});
-            work_is(&EnergyBudget::smoothing);
-        }
+        if (weightless()) stage("momenta", "move", KeepMomenta{momenta, !facts_.micropolar.spins}, &EnergyBudget::smoothing);
         if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
         if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
-        if (!scene_.solids.empty()) {
-            stage("keep outside", "boundary", KeepOutside{});
-            work_is(&EnergyBudget::boundary);
-        }
+        if (!scene_.solids.empty()) stage("keep outside", "boundary", KeepOutside{}, &EnergyBudget::boundary);
     }
 
     /// What adds to the acceleration, the kick, what changes the velocity, the move: one after the other.
@@ -254,34 +248,28 @@ private:
         if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (facts_.pressure.has_sound) sound_pressure();
         if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
-        stage("gravity", "move", Gravity{});
-        push_is(&EnergyBudget::gravity);
+        push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
         if (facts_.pressure.has_sound) sound_forces();
         if (facts_.micropolar.spins) spin();
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
         kicks();
         force();
         if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
-        if (plan_.viscosity == ViscosityModel::xsph) {
-            stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)});
-            work_is(&EnergyBudget::smoothing);
-        }
+        if (plan_.viscosity == ViscosityModel::xsph)
+            stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)}, &EnergyBudget::smoothing);
         const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !bodies_;
         // Half of what these two do together belongs to the viscosity: its work is then F.(u + v)/2, with the velocity before the first and
         // that after the solve, in which no pressure of neighbours that cancels out over the steps is left.
-        if (expects) stage("expected pressure", "pressure", ExpectForce{}), work_is(&EnergyBudget::viscosity, 0.5);
+        if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
         if (facts_.viscosity.implicit) implicit_viscosity();
-        if (expects) stage("forget pressure", "pressure", ForgetForce{}), work_is(&EnergyBudget::viscosity, 0.5);
+        if (expects) stage("forget pressure", "pressure", ForgetForce{}, &EnergyBudget::viscosity, 0.5);
         if (plan_.pressure == PressureModel::ppe) incompressibility();
         if (expects) stage("pressure force", "pressure", TakeForce{});
-        if (plan_.shifting == ShiftingModel::fickian)
-            stage("shift", "shifting", FickianShift{solid_factor_, gate_}), work_is(&EnergyBudget::moves);
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_}, &EnergyBudget::moves);
         moves();
         if (!scene_.solids.empty()) at_solids();
-        if (constraint_) {
-            stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.tolerance), gate_));
-            work_is(&EnergyBudget::moves);
-        }
+        if (constraint_)
+            stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.tolerance), gate_), &EnergyBudget::moves);
     }
 
     WeaklyCompressible sound() const {
@@ -304,12 +292,9 @@ private:
     }
 
     void sound_forces() {
-        stage("pressure acceleration", "pressure", PressureAcceleration{sound()});
-        push_is(&EnergyBudget::pressure);
-        if (plan_.artificial_viscosity > 0) {
-            stage("artificial viscosity", "pressure", ArtificialViscosity{sound()});
-            push_is(&EnergyBudget::smoothing);
-        }
+        push("pressure acceleration", "pressure", PressureAcceleration{sound()}, &EnergyBudget::pressure);
+        if (plan_.artificial_viscosity > 0)
+            push("artificial viscosity", "pressure", ArtificialViscosity{sound()}, &EnergyBudget::smoothing);
         const double cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed, damping = scene_.pressure.sound_damping;
         limit("sound", number(cfl) + " R/2 / (c + max |u|)", [=](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
         if (bodies_)
@@ -323,17 +308,13 @@ private:
     }
 
     void kicks() {
-        if (!scene_.streams.empty()) {
-            stage("streams", "move", FollowStreams{make_streams(scene_)});
-            work_is(&EnergyBudget::forces);
-        }
+        if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)}, &EnergyBudget::forces);
         stage("kick", "move", Kick{});
         if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
     }
     void force() {
         if (scene_.fluid.force.is_zero()) return;
-        stage("force", "move", Force{scene_.fluid.force});
-        work_is(&EnergyBudget::forces);
+        stage("force", "move", Force{scene_.fluid.force}, &EnergyBudget::forces);
     }
     void moves() {
         stage("move", "move", Move{});
@@ -341,18 +322,15 @@ private:
     }
     void at_solids() {
         made_.stages.push_back(move_solids());
-        stage("keep outside", "boundary", KeepOutside{});
-        work_is(&EnergyBudget::boundary);
+        stage("keep outside", "boundary", KeepOutside{}, &EnergyBudget::boundary);
     }
 
     void incompressibility() {
-        if (scene_.pressure.damping > 0) {
-            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension});
-            work_is(&EnergyBudget::smoothing);
-        }
+        if (scene_.pressure.damping > 0)
+            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension},
+                  &EnergyBudget::smoothing);
         if (constraint_) density_constraint();
         else pressure_equation();
-        work_is(&EnergyBudget::pressure);
     }
 
     void density_constraint() {
@@ -363,7 +341,7 @@ private:
         options.gate = gate_;
         options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
             scene_.pressure.preconditioner, constraint_automatic, constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
-        stage("density constraint", "pressure", ConstraintPressure{options});
+        stage("density constraint", "pressure", ConstraintPressure{options}, &EnergyBudget::pressure);
         pressure_limit<field::constraint_pressure>(std::min(cfl(), calm_cfl));
     }
 
@@ -387,7 +365,7 @@ private:
         levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
         options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
                                                                              poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
-        stage("pressure equation", "pressure", PoissonPressure{options});
+        stage("pressure equation", "pressure", PoissonPressure{options}, &EnergyBudget::pressure);
         pressure_limit(cfl());
     }
 
@@ -395,8 +373,7 @@ private:
         const double tension = scene_.fluid.surface_tension;
         SurfaceTensionOptions options{tension, {}, std::move(internal), constraint_};
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
-        stage("surface tension", "surface tension", SurfaceTension(std::move(options)));
-        work_is(&EnergyBudget::surface_tension);
+        stage("surface tension", "surface tension", SurfaceTension(std::move(options)), &EnergyBudget::surface_tension);
         tension_limit();
     }
 
@@ -433,8 +410,7 @@ private:
         options.monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
         options.solid_factor = solid_factor_;
         options.gate = gate_;
-        stage("explicit viscosity", "viscosity", ExplicitViscosity{options});
-        work_is(&EnergyBudget::viscosity);
+        stage("explicit viscosity", "viscosity", ExplicitViscosity{options}, &EnergyBudget::viscosity);
         viscous_limits();
     }
 
@@ -463,8 +439,8 @@ private:
             options.diagonal = wanted != ViscousPreconditioner::none;
             if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
             if (wanted == ViscousPreconditioner::two_level) options.coarse_above = 0;
-            if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options));
-            else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options));
+            if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options), &EnergyBudget::viscosity);
+            else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options), &EnergyBudget::viscosity);
         }
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             AssembledViscosityOptions options;
@@ -472,9 +448,8 @@ private:
             options.share = static_cast<Real>(plan_.spin.implicit_share);
             options.solid_factor = solid_factor_;
             options.gate = gate_;
-            stage("assembled viscosity", "viscosity", AssembledViscosity(options));
+            stage("assembled viscosity", "viscosity", AssembledViscosity(options), &EnergyBudget::viscosity);
         }
-        work_is(&EnergyBudget::viscosity);
     }
 
     MicropolarOptions micropolar_options() const {
@@ -509,9 +484,8 @@ private:
         const MicropolarKeys& keys = scene_.micropolar;
         const bool asks =
             keys.curl_velocity || keys.curl_spin || !keys.co_rotating || n.central_viscosity != 0 || n.composed_coupling > 0 || n.slides;
-        if (projection && !asks) stage("micropolar", "micropolar", CorrectedMicropolar{projection, options});
-        else stage("micropolar", "micropolar", Micropolar{options});
-        push_is(&EnergyBudget::viscosity);
+        if (projection && !asks) push("micropolar", "micropolar", CorrectedMicropolar{projection, options}, &EnergyBudget::viscosity);
+        else push("micropolar", "micropolar", Micropolar{options}, &EnergyBudget::viscosity);
 
         const double R = plan_.support, rho = n.density;
         // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
@@ -536,11 +510,6 @@ private:
         limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d",
               [=](const World&, double) { return exchange; });
     }
-
-    /// The energy that the last stage gives or takes, or a share of it, is of this cause.
-    void work_is(double EnergyBudget::*cause, double share = 1) { made_.stages.back().cause = cause, made_.stages.back().share = share; }
-    /// The same of a force that adds to the acceleration. A micropolar model adds these up itself, with the work of solids.
-    void push_is(double EnergyBudget::*cause) { work_is(cause, facts_.micropolar.spins ? 0 : 1); }
 
     const Scene& scene_;
     const Plan& plan_;
