@@ -9,7 +9,7 @@
 #include "engine/core/types.h"
 #include "engine/core/version.h"
 #include "engine/core/whole_file.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/io/packed.h"
 
 namespace whorl {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "engine/core/parallel.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 
 namespace whorl {
 namespace {

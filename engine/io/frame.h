@@ -1,5 +1,6 @@
 #pragma once
 /// An immutable snapshot of a run at one frame time: all that surfacing, drawing and writing ever see of the simulation.
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -46,5 +47,10 @@ struct Frame {
     std::array<bool, 3> periodic{false, false, false};
     int dimensions = 3;  ///< 2: all particles stand in the plane z = 0
 };
+
+/// All that a picture is made from, to the bit; whole or not at all. @throws EnvironmentError (disk full)
+void write_frame(const std::filesystem::path& file, const Frame& frame);
+/// @throws InputError where the file is missing, cut short, altered or no frame
+Frame read_frame(const std::filesystem::path& file);
 
 }  // namespace whorl

@@ -1,10 +1,9 @@
-#include "engine/io/frame_file.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/whole_file.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
+#include "engine/io/frame.h"
 #include "engine/io/packed.h"
 
 namespace whorl {

@@ -10,7 +10,6 @@
 #include "engine/particles/search.h"
 
 namespace whorl {
-
 namespace {
 
 std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerRegion& region, const std::optional<PlanePatch>& patch,

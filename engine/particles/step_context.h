@@ -1,9 +1,11 @@
 #pragma once
 /// What a step knows (StepContext) and what it tells (StepReport).
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/core/parallel.h"
 #include "engine/geometry/domain.h"
 #include "engine/math/kernel.h"
 #include "engine/math/solve.h"
@@ -76,5 +78,10 @@ struct StepReport {
     std::string full;                ///< a closed room took no more, said once; empty: none
     std::optional<Divergence> diverged;
 };
+
+/// m/s, the largest of all particles; 0 where there are none.
+inline double largest_speed(Span<const Vec3> u) {
+    return std::sqrt(parallel_max(static_cast<Index>(u.size()), 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
+}
 
 }  // namespace whorl

@@ -10,7 +10,6 @@
 #include "engine/probes/interpolation.h"
 
 namespace whorl {
-
 namespace {
 
 class RegionProbe : public Probe {

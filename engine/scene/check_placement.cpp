@@ -12,7 +12,6 @@
 #include "engine/scene/free_memory.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
-#include "engine/scene/warn_scale.h"
 
 namespace whorl {
 namespace {

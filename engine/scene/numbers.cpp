@@ -12,7 +12,6 @@
 #include "engine/scene/tree.h"
 
 namespace whorl {
-
 namespace {
 
 /// Of a mesh [m^2].

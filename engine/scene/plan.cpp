@@ -12,7 +12,6 @@
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
-#include "engine/scene/warn_scale.h"
 
 namespace whorl {
 namespace {

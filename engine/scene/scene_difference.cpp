@@ -6,7 +6,6 @@
 #include "engine/scene/read.h"
 
 namespace whorl {
-
 namespace {
 
 void add_used_keys(const Described& here, const Described& root, const std::string& path, bool decides, std::vector<UsedKey>& all) {

@@ -1,10 +1,9 @@
-#include "engine/scene/warn_scale.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "engine/scene/checks.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {

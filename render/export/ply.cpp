@@ -10,7 +10,6 @@
 #include "engine/core/whole_file.h"
 
 namespace whorl {
-
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;

@@ -8,7 +8,6 @@
 #include "render/gl/setup.h"
 
 namespace whorl {
-
 namespace {
 
 constexpr float light_radius = 0.16f;  // of the soft box over its distance: how fast shadows soften

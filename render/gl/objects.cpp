@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "engine/core/errors.h"
-#include "render/gl/shader_source.h"
 
 namespace whorl::gl {
 namespace {

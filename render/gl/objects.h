@@ -10,6 +10,11 @@
 
 #include "engine/core/types.h"
 
+namespace whorl {
+/// A file of render/shaders, embedded at build time. @param name "liquid.frag" @throws std::logic_error where there is none
+std::string shader_source(const std::string& name);
+}  // namespace whorl
+
 namespace whorl::gl {
 
 /// A name that GL hands out and takes back.

@@ -9,7 +9,6 @@
 #include "render/look/material.h"
 
 namespace whorl {
-
 namespace {
 
 constexpr float far_below = -1e6f;      // m, of a ground that is not there

@@ -8,7 +8,6 @@
 #include "render/surface/particle_rows.h"
 
 namespace whorl {
-
 namespace {
 
 template <class T>

@@ -54,7 +54,7 @@ std::map<std::string, Folders> arrows() {
         {"tools/process", core + Folders{"render/video/process.h"}},
         {"tools/scene_file", sim + Folders{"render/surface", "render/look", "tools/process"}},
         {"tools/cost", scene_file},
-        {"tools/convert", geometry + Folders{"engine/io/files.h"}},
+        {"tools/convert", geometry + Folders{"engine/io/csv.h"}},
         {"tools/film", scene_file + Folders{"tools/cost"}},
         {"tools/live", film},
         {"tools/study", scene_file},

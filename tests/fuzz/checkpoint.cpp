@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/scene/plan.h"
 #include "tests/fuzz/sealed.h"
 #include "tests/fuzz/small_run.h"

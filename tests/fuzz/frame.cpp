@@ -1,5 +1,6 @@
 // Whole frames (--export raw), and the surfaces of small ones.
-#include "engine/io/frame_file.h"
+#include "engine/io/frame.h"
+
 #include "tests/fuzz/sealed.h"
 #include "tests/fuzz/small_run.h"
 

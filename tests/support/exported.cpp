@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 
 namespace whorl::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "tests/support/scenes.h"
 
 namespace whorl::test {

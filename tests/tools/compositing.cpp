@@ -1,7 +1,7 @@
 // Films for compositors: EXR pictures, and pictures without a background.
 #include <catch2/catch.hpp>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "render/image/exr.h"
 #include "render/video/process.h"
 #include "tests/support/film_runs.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "render/image/image.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"

@@ -2,7 +2,7 @@
 #include <fstream>
 #include <map>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "tests/support/exported.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"

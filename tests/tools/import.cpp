@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "engine/geometry/mesh_file.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/scene/plan.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"

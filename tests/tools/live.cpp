@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "engine/io/csv.h"
-#include "engine/io/files.h"
 #include "engine/theory/coil_theory.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <regex>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/scene/read.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/process/process.h"

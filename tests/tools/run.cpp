@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/scene/plan.h"
 #include "render/image/image.h"
 #include "tests/support/film_runs.h"

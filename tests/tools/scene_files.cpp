@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
 #include "tests/support/scratch.h"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 
 namespace whorl {
 namespace {

@@ -13,7 +13,6 @@
 #include "render/look/look_options.h"
 
 namespace whorl {
-
 namespace {
 
 /// Bytes that a run holds before its first particle: the program and its libraries; where it draws, the pipeline of pictures and GL; and

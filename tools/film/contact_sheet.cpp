@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/core/errors.h"
-#include "engine/io/frame_file.h"
+#include "engine/io/frame.h"
 #include "render/image/exr.h"
 #include "render/image/image.h"
 

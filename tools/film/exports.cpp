@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "engine/io/columns.h"
-#include "engine/io/frame_file.h"
+#include "engine/io/frame.h"
 #include "engine/scene/model_facts.h"
 #include "render/export/ply.h"
 #include "render/flow/cloud.h"

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "engine/io/checkpoint.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
 #include "render/image/canvas.h"
 #include "tools/film/frame_loop.h"

@@ -9,7 +9,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
 #include "tools/film/first_pass.h"
 #include "tools/scene_file/camera_warnings.h"

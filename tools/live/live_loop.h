@@ -7,7 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/comparison.h"
 #include "tools/film/frame_loop.h"

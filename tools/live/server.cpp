@@ -12,7 +12,6 @@
 #include "engine/scene/read.h"
 #include "render/look/camera.h"
 #include "tools/live/access.h"
-#include "tools/live/page.h"
 #include "tools/live/values.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"

@@ -34,4 +34,7 @@ private:
     std::unique_ptr<Http> http_;
 };
 
+/// A file of tools/live/page, embedded at build time. @param name "index.html" @throws std::logic_error where there is none
+std::string live_page(const std::string& name);
+
 }  // namespace whorl

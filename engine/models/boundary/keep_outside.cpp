@@ -1,8 +1,7 @@
-#include "engine/models/boundary/keep_outside.h"
-
 #include <algorithm>
 
 #include "engine/core/parallel.h"
+#include "engine/models/boundary/wall.h"
 
 namespace whorl {
 namespace {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 namespace whorl {
-
 namespace {
 
 /// Sums over the lattice of a layer k spacings away: a square one, in the plane a file.

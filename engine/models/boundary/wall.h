@@ -4,7 +4,9 @@
 
 #include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
+#include "engine/particles/field.h"
 #include "engine/particles/step_context.h"
+#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -64,5 +66,13 @@ struct WallShear {
 /// By solid: 1 where the fluid does not stick: the viscous terms leave such solids out, and WallFriction (friction.h) acts at those with a
 /// slip length.
 std::vector<char> slips(const Solids& solids);
+
+/// A free particle that stands inside a solid is put back on its surface and loses the part of its velocity (relative to the solid) that
+/// points into the solid. One that a step brought through a solid, or nearer to its far side, is put back where it met it: so plates of any
+/// thickness hold. A free body gets the impulse that the particle loses; the two then part as they meet, with
+/// their common mass.
+struct KeepOutside {
+    void operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
+};
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/bodies/reaction.h"
-#include "engine/particles/largest_speed.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 namespace {

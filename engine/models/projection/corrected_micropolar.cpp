@@ -5,7 +5,6 @@
 #include "engine/core/parallel.h"
 
 namespace whorl {
-
 namespace {
 
 Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1)}; }

@@ -4,7 +4,6 @@
 #include "engine/math/inverse_in.h"
 
 namespace whorl {
-
 namespace {
 
 Momenta momenta_of(Span<const Vec3> x, Span<const Vec3> u) {

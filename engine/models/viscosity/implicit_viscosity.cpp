@@ -5,7 +5,6 @@
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/bodies/reaction.h"
-#include "engine/models/viscosity/rigid_motions.h"
 
 namespace whorl {
 namespace {

@@ -1,8 +1,7 @@
-#include "engine/models/viscosity/rigid_motions.h"
-
 #include <Eigen/Eigenvalues>
 
 #include "engine/core/parallel.h"
+#include "engine/models/viscosity/implicit_viscosity.h"
 
 namespace whorl {
 

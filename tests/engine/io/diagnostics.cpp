@@ -7,7 +7,6 @@
 
 #include "engine/core/parallel.h"
 #include "engine/io/csv.h"
-#include "engine/io/files.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
 #include "tests/support/scratch.h"

@@ -1,12 +1,11 @@
 // Frames that are written whole and read back.
-#include "engine/io/frame_file.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 
 #include "engine/core/errors.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
+#include "engine/io/frame.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;

@@ -1,9 +1,8 @@
-#include "engine/scene/warn_scale.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "engine/scene/checks.h"
 #include "tests/support/poured_honey.h"
 #include "tests/support/scratch.h"
 

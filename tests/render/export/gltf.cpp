@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "engine/core/errors.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "tests/support/exported.h"
 #include "tests/support/scratch.h"
 

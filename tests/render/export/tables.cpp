@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/core/errors.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "render/export/gltf.h"
 #include "render/export/ply.h"
 #include "tests/support/exported.h"

@@ -4,7 +4,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/core/random.h"
-#include "engine/io/files.h"
+#include "engine/io/csv.h"
 #include "render/image/exr.h"
 #include "render/image/text.h"
 #include "render/video/process.h"

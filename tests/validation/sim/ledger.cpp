@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
-#include "engine/particles/largest_speed.h"
+#include "engine/particles/step_context.h"
 #include "engine/probes/probes.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
