@@ -99,8 +99,7 @@ Vec3d Solid::centre() const {
 
 void Solid::receive(Push kind, const Wrench& impulse) {
     ledger[kind] += impulse;
-    const double before = body ? body->kinetic_energy() : 0;
-    if (body) body->push(impulse), work -= body->kinetic_energy() - before;
+    if (body) body->push(impulse);
     else if (moves())
         work -= impulse.force.dot(centre_velocity().cast<double>()) + impulse.torque.dot(pose.angular_velocity.cast<double>());
 }

@@ -41,7 +41,7 @@ struct Solid {
     Repeats repeats;      ///< of the shape in its pose
     bool probed = false;  ///< a probe reads a ledger: then all solids keep one, and it accounts for all of the fluid's momentum
     Ledger ledger;        ///< impulses of the fluid in this step; kept where keeps_ledger()
-    double work = 0;      ///< of the solid on the fluid by these [J]
+    double work = 0;      ///< of a driven solid on the fluid by these [J]
 
     /// Moves and turns as these say from time t [s] on, from where it stands then.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);

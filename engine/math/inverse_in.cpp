@@ -1,9 +1,9 @@
 
+#include "engine/math/inverse_in.h"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-
-#include "engine/math/inverse_in.h"
 
 namespace whorl {
 

@@ -8,8 +8,13 @@
 namespace whorl {
 namespace {
 
+/// A free body moves on with the velocity that it has when all impulses of the step have acted, so that is what does work.
 double work_of(const Solids& solids) {
-    return std::accumulate(solids.all.begin(), solids.all.end(), 0.0, [](double sum, const Solid& solid) { return sum + solid.work; });
+    return std::accumulate(solids.all.begin(), solids.all.end(), 0.0, [](double sum, const Solid& solid) {
+        if (!solid.body) return sum + solid.work;
+        const Wrench all = solid.ledger.total();
+        return sum - all.force.dot(solid.body->velocity) - all.torque.dot(solid.body->angular_velocity());
+    });
 }
 
 double kinetic_energy(const World& w, bool accelerated) {

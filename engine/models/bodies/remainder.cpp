@@ -1,6 +1,6 @@
-#include "engine/models/bodies/reaction.h"
-
 #include <numeric>
+
+#include "engine/models/bodies/reaction.h"
 
 namespace whorl {
 
