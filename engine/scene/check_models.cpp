@@ -30,11 +30,12 @@ void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& repo
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         const double wetting = scene.solids[k].wetting;
         const bool no_angle = loses_angle(pressure, scene.solids[k]);
+        const std::string name = entry_name("solid", k) + ".wetting";
         if (wetting != 0.5 && (no_angle || wetting > 0.5))
-            report(entry_name("solid", k) + ".wetting",
-                   "drops do not meet solids at the angle asked" +
-                       (no_angle ? " with " + setting("models.pressure", pressure.name) : std::string(": they spread farther")) +
-                       (no_angle && pressure.solves_viscosity ? " where the solid does not hold the fluid" : ""),
+            report(name,
+                   fmt::format("{} = {:g}: with {}{} drops {}", name, wetting, setting("models.pressure", pressure.name),
+                               no_angle && pressure.solves_viscosity ? " and a slip other than \"no\"" : "",
+                               no_angle ? "do not meet solids at the angle asked" : "spread farther than to the angle asked"),
                    "take models.pressure = \"ppe\", or leave wetting out", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
     }
 }
