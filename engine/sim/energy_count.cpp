@@ -1,5 +1,6 @@
 #include "engine/sim/energy_count.h"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -52,6 +53,28 @@ void EnergyCount::begin(const World& world) {
     kinetic_ = kinetic_energy(world, false), potential_ = potential_energy(world, world.step.gravity.cast<double>());
 }
 
+void EnergyCount::before(const Stage& stage, const World& world) {
+    if (stage.cause != &EnergyBudget::surface_tension) return;
+    const auto u = world.fluid.column<field::velocity>();
+    pulled_.assign(u.begin(), u.end()), last_ = pulled_;
+    kicks_.push_back({stage.cause, std::vector<Vec3>(pulled_.size(), Vec3::Zero())});
+}
+
+void EnergyCount::add_kick(double EnergyBudget::*cause, Span<const Vec3> u) {
+    auto kick = std::find_if(kicks_.begin(), kicks_.end(), [&](const Kick& one) { return one.cause == cause; });
+    if (kick == kicks_.end()) kick = kicks_.insert(kick, {cause, std::vector<Vec3>(last_.size(), Vec3::Zero())});
+    parallel_for(static_cast<Index>(last_.size()), [&](Index i) { kick->change[i] += u[i] - last_[i], last_[i] = u[i]; });
+}
+
+void EnergyCount::count_kicks(const World& world, EnergyBudget& budget) {
+    const auto role = world.fluid.column<field::role>();
+    for (const Kick& kick : kicks_)
+        budget.*kick.cause += 0.5 * static_cast<double>(world.step.mass) * parallel_sum(world.fluid.size(), [&](Index i) {
+                                  return role[i] < 0 ? 0.0 : kick.change[i].cast<double>().dot((pulled_[i] + last_[i]).cast<double>());
+                              });
+    kicks_.clear();
+}
+
 void EnergyCount::after(const Stage& stage, const World& world, EnergyBudget& budget) {
     const bool kicks = stage.writes(field_info<field::velocity>()), accelerates = stage.writes(field_info<field::acceleration>()),
                moves = stage.writes(field_info<field::position>());
@@ -61,8 +84,10 @@ void EnergyCount::after(const Stage& stage, const World& world, EnergyBudget& bu
                  potential = std::exchange(potential_, moves ? potential_energy(world, world.step.gravity.cast<double>()) : potential_),
                  work = std::exchange(work_, work_of(world.solids)), by_solids = work_ - work;
     budget.solids += by_solids;
+    if (moves) count_kicks(world, budget);
     if (stage.cause == nullptr) return;
-    budget.*stage.cause += stage.share * (kinetic_ - kinetic) - by_solids;
+    if (kicks && !kicks_.empty()) add_kick(stage.cause, world.fluid.column<field::velocity>());
+    budget.*stage.cause += (kicks_.empty() ? stage.share * (kinetic_ - kinetic) : 0.0) - by_solids;
     budget.*(stage.cause == &EnergyBudget::boundary ? &EnergyBudget::moves : stage.cause) += potential_ - potential;
 }
 

@@ -14,13 +14,25 @@ Energies energies_of(const World& world, const Vec3d& gravity, double micro_iner
 
 /// Sees the stages of a step in order. A stage's change of kinetic energy, less the work of solids in it, goes to its cause, and so does
 /// its change of potential energy, but that of a push-out, which is a move. Forces that add to the acceleration have the kinetic energy
-/// that they will have given when the kick is done.
+/// that they will have given when the kick is done. The pulls of surface tension press particles onto each other, and the solve undoes that
+/// in the same step. So from the pulls until the move each cause has m v.(u + u')/2 of its change v of the velocity, with the velocities u
+/// before the pulls and u' of the move; the sum is the change of kinetic energy.
 class EnergyCount {
 public:
     void begin(const World& world);
+    void before(const Stage& stage, const World& world);
     void after(const Stage& stage, const World& world, EnergyBudget& budget);
 
 private:
+    struct Kick {
+        double EnergyBudget::*cause;
+        std::vector<Vec3> change;  ///< of the velocity [m/s]
+    };
+    void add_kick(double EnergyBudget::*cause, Span<const Vec3> u);
+    void count_kicks(const World& world, EnergyBudget& budget);
+
+    std::vector<Kick> kicks_;          ///< since the pulls of surface tension; empty before them and after the move
+    std::vector<Vec3> pulled_, last_;  ///< velocities before the pulls, and after the last kick
     double kinetic_ = 0, potential_ = 0;
     double work_ = 0;  ///< of solids in this step so far
     bool accelerated_ = false;

@@ -290,6 +290,7 @@ struct Simulation::State {
     bool run_stages() {
         if (energy) energy->begin(world);
         for (const Stage& stage : assembly.stages) {
+            if (energy) energy->before(stage, world);
             const double wall = wall_seconds(), cpu = cpu_seconds();
             stage.run(world);
             StageTime& spent = times[stage.group];

@@ -200,7 +200,7 @@ TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice 
     }
 }
 
-TEST_CASE("two drops that merge keep their momentum within 1e-6, and their surface does work on them", "[sim][energy]") {
+TEST_CASE("two drops that merge keep their momentum within 1e-6, and the work of their surface closes the budget", "[sim][energy]") {
     Simulation drops = simulation_of(R"toml([time]
 end = 1
 [domain]
@@ -224,10 +224,19 @@ velocity = [-0.1, 0.02, 0]
 )toml");
     drops.count_energy();
     const Measures start = measure(drops.world(), Vec3d::Zero(), 1);
+    run_until(drops, 0.01);  // their surfaces have settled, and they touch
+    const double settled = drops.totals().work.surface_tension;
     run_until(drops, 0.05);
     const Vec3d gained = measure(drops.world(), Vec3d::Zero(), 1).momentum - start.momentum;
     CHECK(gained.norm() < 1e-6 * std::sqrt(2 * start.kinetic_energy * start.particles * 1e-6));  // of sum m |u|
-    CHECK(drops.totals().work.surface_tension > 0.1 * start.kinetic_energy);
+    // The pulls have no potential. They give less than sigma times the lost area, more than a third of it, and motion gains no energy
+    // from what presses particles onto each other.
+    const EnergyBudget& work = drops.totals().work;
+    const double lost_area = 8 * 3.14159 * 16e-6 * (1 - std::cbrt(0.5));
+    CHECK(work.surface_tension - settled < 0.07 * lost_area);
+    CHECK(work.surface_tension - settled > 0.07 * lost_area / 3);
+    for (const double loss : {work.viscosity, work.smoothing, work.pressure}) CHECK(loss < 0);
+    CHECK(error(drops) == Approx(work.pressure).epsilon(1e-4));
 }
 
 }  // namespace energy_test
