@@ -300,7 +300,7 @@ void CoupledStep::keep_volume(SolveReport& report) {
     };
     system.no_way_out &= !step.at_frame_time;
     Column<Real> more, old_p, old_pressure;
-    Column<Vec3> way, old_solved;
+    Column<Vec3> way, push, old_solved, old_load;
     Sums first;
     double last = 0;
     for (int round = 0;; ++round) {
@@ -314,12 +314,12 @@ void CoupledStep::keep_volume(SolveReport& report) {
         const bool kept_it = dt * all.missing < tolerated * n;
         if (round == 0) {
             if (kept_it || system.no_way_out || all.missing < as_a_whole * std::sqrt(all.squares * n)) return;
-            first = all, old_solved = solved, old_pressure = pressure;
+            first = all, old_solved = solved, old_load = load, old_pressure = pressure;
             old_p.assign(p.values.begin(), p.values.end());
         } else if (kept_it || round == most) {
             if (all.missing < first.missing / 2 && all.squares < 4 * first.squares) return;
             system.no_way_out = true;
-            solved.swap(old_solved), pressure.swap(old_pressure);
+            solved.swap(old_solved), load.swap(old_load), pressure.swap(old_pressure);
             std::copy(old_p.begin(), old_p.end(), p.values.begin());
             parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
             return form.gradient(work, G.values);
@@ -328,21 +328,24 @@ void CoupledStep::keep_volume(SolveReport& report) {
         last = all.weighted;
         more.resize(n, 0);
         way.assign(n, Vec3::Zero());
-        load.assign(n, Vec3::Zero());
+        push.assign(n, Vec3::Zero());
         parallel_for(n, [&](Index i) { more[i] = form.coefficients(i).bulk * d * missing(i) + kept * more[i]; });
         const auto along = [&] { return parallel_sum(n, [&](Index i) { return static_cast<double>(more[i]) * missing(i); }); };
         const double before = along();
-        form.add_stress(more, {}, load);
-        unknowns.restrict_to(load);
-        report.iterations += conjugate_gradients<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); },
-                                                       system.preconditioner, load, way, limits(), ResidualNorm::preconditioned)
-                                 .iterations;
+        form.add_stress(more, {}, push);
+        unknowns.restrict_to(push);
+        if (const double size = preconditioned_norm(push); size > 0)  // leaves the residual in push
+            report.iterations +=
+                conjugate_gradients_from<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); }, system.preconditioner,
+                                               push, way, limits(), ResidualNorm::preconditioned, size)
+                    .iterations;
         parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i] + way[i]; });
         form.gradient(work, G.values);
         const double after = along();
         const Real far = before > after ? static_cast<Real>(before / (before - after)) : Real(0);
         parallel_for(n, [&](Index i) {
             solved[i] += far * way[i];
+            load[i] += far * push[i];
             p[i] += far * more[i] * step.rest_density * d / (dt * system.rows.neighbourhood[i].volume);
             if (!pressure.empty()) pressure[i] += far * more[i];
         });
