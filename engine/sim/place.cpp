@@ -226,7 +226,7 @@ void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all
     std::vector<Vec3> rest, fixed, moved;
     for (const Vec3& x : points) {
         const Real s = distance_from_slanted(world, x);
-        if (s >= d / 2) (s < Real(2.5) * d ? moved : s < 5 * d ? fixed : rest).push_back(x);
+        if (s >= d / 2) (s < Real(2.5) * d ? moved : distance_from_solids(world, x) < 5 * d ? fixed : rest).push_back(x);
     }
     for (const auto& [s, x] : near) moved.push_back(x);
     const auto from_solids = [&](const Vec3& x) { return distance_from_solids(world, x); };
