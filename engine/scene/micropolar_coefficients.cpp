@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "engine/models/micropolar/micropolar.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/plan.h"
@@ -31,9 +32,8 @@ bool slides(const Scene& scene, const Plan& plan) {
            });
 }
 
-/// Kinematic viscosity of XSPH of the velocity at steps of dt [m^2/s].
 double smoothing_viscosity(const MicropolarKeys& keys, double support, double dt) {
-    return keys.xsph_velocity * 0.075 * support * support / (2 * (keys.xsph_time > 0 ? keys.xsph_time : dt));
+    return xsph_viscosity(keys.xsph_velocity, support, keys.xsph_time > 0 ? keys.xsph_time : dt);
 }
 
 constexpr double most_growth = 10;  ///< in speed: that fast, the flow is as fast as the sound that the plan gives it

@@ -185,10 +185,12 @@ private:
     void choose_artificial_viscosity() {
         if (!plan_.facts.pressure.has_sound) return;
         constexpr double enough = 0.1;
-        double own = 4 * (scene_.domain.dimensions + 2) * n_.nu / (plan_.sound_speed * plan_.support);
+        double nu = n_.nu;
         std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
-        if (!plan_.facts.viscosity.viscous) own = 0, reason = "no viscosity of its own: particles come to rest";
-        if (plan_.facts.viscosity.smooths) own = enough, reason = "XSPH smooths";
+        if (!plan_.facts.viscosity.viscous) nu = 0, reason = "no viscosity of its own: particles come to rest";
+        if (plan_.facts.viscosity.smooths)
+            nu = xsph_viscosity(scene_.viscosity.alpha, plan_.support, step_), reason = fmt::format("what XSPH lacks to {:g}", enough);
+        double own = 4 * (scene_.domain.dimensions + 2) * nu / (plan_.sound_speed * plan_.support);
         if (const MicropolarNumbers& n = plan_.spin; n.composed_coupling > 0)
             own *= (n.viscosity - n.composed_coupling / 2) / n.viscosity, reason = "what the composed curl does not damp between particles";
         else if (plan_.facts.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
@@ -233,10 +235,13 @@ private:
     }
 
     void choose_shifting() {
-        const bool difference = plan_.facts.pressure.has_sound && scene_.pressure.gradient == GradientForm::difference;
-        plan_.shifting =
-            choose("models.shifting", scene_.models.shifting, difference ? ShiftingModel::fickian : plan_.facts.pressure.shifting,
-                   difference ? "the difference gradient keeps no particles apart" : plan_.facts.pressure.shifting_reason);
+        ShiftingModel shifting = plan_.facts.pressure.shifting;
+        std::string reason = plan_.facts.pressure.shifting_reason;
+        if (plan_.facts.pressure.has_sound && !plan_.free_surface && plan_.facts.viscosity.viscous)
+            shifting = ShiftingModel::fickian, reason = "particles that shear disorders, viscosity takes for a fluid a fifth thicker";
+        if (plan_.facts.pressure.has_sound && scene_.pressure.gradient == GradientForm::difference)
+            shifting = ShiftingModel::fickian, reason = "the difference gradient keeps no particles apart";
+        plan_.shifting = choose("models.shifting", scene_.models.shifting, shifting, reason);
     }
 
     void tell_sleep() {

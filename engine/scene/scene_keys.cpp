@@ -165,8 +165,8 @@ KeyTable pressure_keys() {
         .only_with(model, {"wcsph"})
         .live();
     t.key("artificial_viscosity", &PressureKeys::artificial_viscosity, "",
-          "kinematic viscosity over sound speed and a twentieth of the kernel radius; auto: 0.1 less what the fluid's own makes, 0 with "
-          "xsph and micropolar models")
+          "kinematic viscosity over sound speed and a twentieth of the kernel radius; auto: 0.1 less what the fluid's own or xsph "
+          "makes, 0 with micropolar models")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})

@@ -17,13 +17,16 @@ struct smoothing {
 }  // namespace field
 
 /// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid; with V_ij = 2 m/(rho_i + rho_j) rather than m/rho_j of the notes, so that
-/// momentum is conserved (the same where the density is). Solids do not act. It is a viscosity of about alpha 0.075 R^2/(2 dt): it depends
-/// on the time step.
+/// momentum is conserved (the same where the density is). Solids do not act. It is a viscosity that depends on the time step
+/// (xsph_viscosity()).
 struct XsphViscosity {
     Real alpha = Real(0.002);
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
                     Update<field::velocity> u) const;
 };
+
+/// Kinematic viscosity of XSPH [m^2/s], about. @param dt s, time in which the share alpha is smoothed
+inline double xsph_viscosity(double alpha, double support, double dt) { return alpha * 0.075 * support * support / (2 * dt); }
 
 struct ExplicitOptions {
     bool monaghan = false;  ///< the second Laplacian of the notes rather than the first

@@ -179,10 +179,16 @@ TEST_CASE(
 }
 
 TEST_CASE("a body that lies on the bottom of weakly compressible water stays there", "[sim][bodies]") {
-    const Unrest found = unrest(pond(true, "[models]\npressure = \"wcsph\"\n", lying("-0.04, 0", "0.04, 0.04", "2000")), 0.3);
-    CHECK(found.density_error < 1e-2);  // its pressure is one
-    CHECK(found.moved < 1e-5);
-    CHECK(found.speed < 1e-4);
+    // With any share of XSPH the water calms down as without it: 4 to 6e-5 of the potential energy move after .3 s.
+    for (const std::string smoothing : {"", "viscosity = \"xsph\"\n", "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.02\n"}) {
+        INFO(smoothing);
+        const Unrest found =
+            unrest(pond(true, "[models]\npressure = \"wcsph\"\n" + smoothing, lying("-0.04, 0", "0.04, 0.04", "2000")), 0.3);
+        CHECK(found.density_error < 1e-2);  // its pressure is one
+        CHECK(found.energy < 2e-4);
+        CHECK(found.moved < 1e-5);
+        CHECK(found.speed < 1e-4);
+    }
 }
 
 TEST_CASE("what cannot be a free body, and models that do not move one, are told before the run", "[sim][bodies]") {

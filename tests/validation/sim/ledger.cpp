@@ -389,7 +389,9 @@ TEST_CASE("cylinders that turn in each other feel the torque of Couette's flow w
     // 12.5 spacings apart, radii of 12.5 and 25, steady within 1 %: (b - a)^2/nu is 0.125 s. 4 pi mu Omega/(1/a^2 - 1/b^2) is exact.
     // Under the constraint, which `auto` does not choose here, the particles are still finding their places: 7 % too much, 2 % at 0.3 s.
     constexpr double a = 0.025, b = 0.05, mu = 5, Omega = 4;
+    // Weakly compressible particles lose their order until .3 s: 12 % too much at .2 s without shifting, 1 % too little with it.
     for (const std::string models : {"[models]\npressure = \"coupled\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n",
+                                     "[models]\npressure = \"wcsph\"\nviscosity = \"full\"\n",
                                      "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[pressure]\nform = \"constraint\"\n"}) {
         INFO(models);
         Simulation simulation = simulation_of(fmt::format(R"toml([time]
@@ -415,7 +417,8 @@ radius = {}
 rotation = [0, 0, {}]
 {})toml",
                                                           mu, models, b, b, a, Omega, probe));
-        const std::vector<Wrench> on = mean_forces(simulation, 0.06, 0.1);
+        const bool sound = models.find("wcsph") != std::string::npos;
+        const std::vector<Wrench> on = mean_forces(simulation, sound ? 0.2 : 0.06, sound ? 0.24 : 0.1);
         const double torque = 4 * std::numbers::pi * mu * Omega / (1 / (a * a) - 1 / (b * b));
         CHECK(on[1].torque.z() == Approx(-torque).epsilon(models.ends_with("\"constraint\"\n") ? 0.1 : 0.05));
         CHECK(on[0].torque.z() == Approx(-on[1].torque.z()).epsilon(0.05));
