@@ -175,7 +175,8 @@ void check_weightless(const Scene& scene, const Plan& plan, const SceneShapes& s
 
 void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
     if (plan.facts.viscosity.smooths)
-        problem("models.viscosity", "pressure.form = \"projection\" does not run with XSPH, with which a full box diverges",
+        problem("models.viscosity",
+                "pressure.form = \"projection\" does not run with XSPH: a full box diverges, open tanks were not measured",
                 "take models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
     if (!plan.free_surface) return;
     if (scene.domain.gravity(0).norm() == 0) return check_weightless(scene, plan, shapes, problem);

@@ -87,7 +87,7 @@ TEST_CASE("the energy budget of a block in free fall: gravity's work, and the er
 
 TEST_CASE("a piston's work is the energy that the water gains and damping takes: constraint within 1 %, wcsph within 10 %",
           "[sim][energy]") {
-    // wcsph: it is a spring, too, and its lattice still settles. The projection's ledger misses an eighth of the work (physics.md 7).
+    // wcsph: the force of solids counts them twice, the density once. The projection's ledger misses an eighth of the work (physics.md 7).
     for (const auto& [pressure, tolerance] : {std::pair("ppe", 0.01), std::pair("wcsph", 0.1)}) {
         INFO(pressure);
         Simulation piston = simulation_of(channel(fmt::format("[models]\npressure = \"{}\"\n", pressure)));
