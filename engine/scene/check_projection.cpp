@@ -197,6 +197,21 @@ void check_splashing(const Scene& scene, const Plan& plan, const SceneShapes& sh
         if (jet_lands(scene, shapes, scene.emitters[k], plan.spacing)) return report(entry_name("emitter", k) + " pours onto something");
     if (const double open = part_unsupported(scene, shapes, plan.spacing); open > 0.03)
         return report(fmt::format("nothing holds {:.0f} % of this fluid's sides: it will fall or flow out", 100 * open));
+    for (std::size_t k = 0; k < scene.solids.size(); ++k) {  // a round vessel, whose water climbs at its edge by w^2 R^2/(2 g)
+        const SolidKeys& vessel = scene.solids[k];
+        if (!vessel.inside || vessel.shape.kind == "box" || scene.domain.dimensions == 2 || plan.facts.viscosity.implicit) continue;
+        double w = vessel.rotation(0).norm();
+        for (std::size_t block = 0; block < scene.blocks.size(); ++block) w = std::max(w, turning_rate(scene, shapes, block));
+        const Vec3d size = shapes.solid_extent[k].max - shapes.solid_extent[k].min;
+        const double climbs = std::pow(w * (size.sum() - size.minCoeff() - size.maxCoeff()) / 2, 2) / (2 * scene.domain.gravity(0).norm());
+        if (climbs > plan.spacing)
+            return problem(
+                "pressure.form",
+                fmt::format("pressure.form = \"projection\" does not keep the volume of thin fluid that turns in a round vessel: "
+                            "{} turns with it at {:.3g} /s, and its edge climbs by {:.2g} spacings",
+                            entry_name("solid", k), w, climbs / plan.spacing),
+                "take pressure.form = \"constraint\", or \"auto\", which does so");
+    }
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         if (scene.solids[k].density == 0) continue;
         const double weight = scene.solids[k].density / scene.fluid.density;

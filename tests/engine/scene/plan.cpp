@@ -275,6 +275,12 @@ TEST_CASE("the projection is refused where fluid splashes, and taken by itself w
     CHECK(message(projection + tank + block("[0.4, 0.4, 0.2]") +
                   "[[solid]]\nshape = \"sphere\"\nradius = 0.05\nposition = [0.2, 0.2, 0.1]\ndensity = 900\n")
               .empty());
+    const std::string vessel =
+        "[[solid]]\nshape = \"cylinder\"\ninside = true\nfrom = [0.2, 0, 0.1]\nto = [0.2, 0.3, 0.1]\nradius = 0.1\n"
+        "[[block]]\nshape = \"cylinder\"\nfrom = [0.2, 0, 0.1]\nto = [0.2, 0.2, 0.1]\nradius = 0.1\n";
+    CHECK(message(projection + vessel + "velocity = [\"3*(z-0.1)\", 0, \"-3*(x-0.2)\"]\n").empty());
+    CHECK(message(projection + vessel + "velocity = [\"9*(z-0.1)\", 0, \"-9*(x-0.2)\"]\n").find("climbs by 4.1 spacings") !=
+          std::string::npos);
     CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
     CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]"))
               .find("a surface stands at 90 degrees on solids") != std::string::npos);
