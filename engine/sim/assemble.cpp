@@ -172,12 +172,13 @@ private:
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
-        // One solve for gravity, pressure and viscosity; what the potential energy gives in the move belongs to it.
+        // One solve for gravity, pressure and viscosity; what the potential energy gives in the move, less what contact
+        // takes back, belongs to it.
         stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
         made_.stages.push_back(move_solids());
         if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}, &EnergyBudget::moves);
-        stage("coupled contact", "boundary", CoupledContact{system}, &EnergyBudget::boundary);
+        stage("coupled contact", "boundary", CoupledContact{system}, &EnergyBudget::viscosity);
     }
 
     ProjectionOptions projection_options() const {
@@ -233,6 +234,7 @@ private:
         }
         stage("projection", "pressure", Projection{system}, &EnergyBudget::pressure);
         if (bounded()) pressure_limit(cfl());
+        stage("shift", "shifting", ProjectionShift{system}, &EnergyBudget::moves);
         stage("move", "move", ProjectionMove{system}, &EnergyBudget::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
         if (weightless()) stage("momenta", "move", KeepMomenta{momenta, !facts_.micropolar.spins}, &EnergyBudget::smoothing);

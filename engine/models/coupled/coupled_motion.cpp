@@ -1,5 +1,6 @@
 #include "engine/core/parallel.h"
 #include "engine/models/coupled/coupled_solve.h"
+#include "engine/models/shifting/fickian.h"
 
 namespace whorl {
 namespace {
@@ -35,8 +36,7 @@ struct Shifting {
     const CoupledSystem& system;
 
     /// @param moved of each particle that the block touches, how far it has moved in this step, and dt |D - T|/2
-    /// @param weight written: w of each pair
-    Lanes3 of(const RowBlock& block, const RowSlice& slice, const SliceView<false>& pairs, const Vec4* moved, Lanes* weight) const {
+    Lanes3 of(const RowBlock& block, const RowSlice& slice, const SliceView<false>& pairs, const Vec4* moved) const {
         const CoupledOptions& o = system.options;
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
         Lanes own_strain, strain;
@@ -44,8 +44,7 @@ struct Shifting {
         const auto moved_pair = [&](const PairLanes& p) { return p.r + (gather(moved, p.other, &strain) - own); };
         Lanes3 dx;
         Lanes weights{}, strains{};
-        pairs.each_plain([&](std::size_t k, const PairLanes& p) {
-            weight[k] = p.w;
+        pairs.each_plain([&](std::size_t, const PairLanes& p) {
             const Lanes3 r = moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
             const Lanes push = at_most(rate * (own_strain + strain), strongest) * at_least(range - distance, 0) / distance;
@@ -102,39 +101,47 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         moved[i] = {{path[0], path[1], path[2], step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm()}};
     });
 
-    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
-    // linear momentum stays.
     const Shifting shifting{s};
     std::vector<Vec3> shift(x.size(), Vec3::Zero());
-    Column<Vec4> spread(s.rows.entries());
     parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
         thread_local Column<Vec4> moved_here;
-        thread_local Column<Lanes> weight;
-        if (weight.size() < static_cast<std::size_t>(s.rows.widest_slice)) weight.resize(static_cast<std::size_t>(s.rows.widest_slice));
         if (moved_here.size() < block.entries()) moved_here.resize(block.entries());
         for (std::size_t l = 0; l < block.touched.size(); ++l) moved_here[l] = moved[block.touched[l]];
         for (std::size_t k = 0; k < block.walls.size(); ++k)
             moved_here[block.touched.size() + k] = with_spare(step.dt / d * block.walls[k].velocity);
+        const Vec4* at = s.rows.positions(block);
+        for (const RowSlice& slice : block.slices) {
+            const Lanes3 dx = shifting.of(block, slice, s.rows.pairs_of(block, slice, at), moved_here.data());
+            for (Index lane = 0; lane < slice.rows; ++lane) {
+                const Index i = begin + slice.row[lane];
+                if (role[i] == 0) shift[i] = d * shifting.bounded(Vec3(dx.x[lane], dx.y[lane], dx.z[lane]), s.rows.neighbourhood[i]);
+            }
+        }
+    });
+    lift_nothing(step.gravity, shift);
+
+    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
+    // linear momentum stays.
+    Column<Vec4> spread(s.rows.entries());
+    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
         Vec4* out = spread.data() + block.place;
         std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
         const Vec4* at = s.rows.positions(block);
         for (const RowSlice& slice : block.slices) {
-            const Lanes3 dx = shifting.of(block, slice, s.rows.pairs_of(block, slice, at), moved_here.data(), weight.data());
             Lanes3 du, share;
             for (Index lane = 0; lane < slice.rows; ++lane) {
                 const Index i = begin + slice.row[lane];
-                if (role[i] != 0) continue;
-                const Neighbourhood& n = s.rows.neighbourhood[i];
-                shift[i] = d * shifting.bounded(Vec3(dx.x[lane], dx.y[lane], dx.z[lane]), n);
-                const Vec3 change = G[i] * shift[i], part = change / (1 + n.weights);
+                const Vec3 change = G[i] * shift[i], part = change / (1 + s.rows.neighbourhood[i].weights);
                 du.x[lane] = change[0], du.y[lane] = change[1], du.z[lane] = change[2];
                 share.x[lane] = part[0], share.y[lane] = part[1], share.z[lane] = part[2];
             }
             scatter(du - share, slice.row, out);
             const RowBlock::Place* other = block.other.data() + slice.begin;
-            for (std::size_t k = 0; k < static_cast<std::size_t>(slice.plain()); ++k)
-                scatter(-weight[k] * share, other + k * lane_count, out);
+            s.rows.pairs_of(block, slice, at).each_plain([&](std::size_t k, const PairLanes& p) {
+                scatter(-p.w * share, other + k * lane_count, out);
+            });
         }
     });
     parallel_for(x.size(), [&](Index i) {

@@ -7,6 +7,7 @@
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/math/inverse_in.h"
+#include "engine/models/shifting/fickian.h"
 
 namespace whorl {
 
@@ -218,7 +219,7 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
         }
     });
     parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
-    write_ledgers(around, role, p);
+    write_ledgers(around, role, p, a);
     report.solves.push_back({"pressure", all});
 }
 
@@ -237,10 +238,13 @@ void Projection::begin_ledgers(const Surroundings& around, Read<field::role> rol
 }
 
 /// A particle at the pressure p pushes each wall by V flux p n.
-void Projection::write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p) {
+void Projection::write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p,
+                               Update<field::pressure_acceleration> a) {
     ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     if (s.before.empty() || !s.any_walls) return;
+    // The surface is half a spacing above the particles that have its pressure.
+    const Real above = s.options.free_surface ? step.rest_density * step.spacing / 2 : 0, g = step.gravity.norm();
     react(
         around, Push::pressure, role, step.volume * step.dt,
         [&](Index i) {
@@ -248,7 +252,7 @@ void Projection::write_ledgers(const Surroundings& around, Read<field::role> rol
                 const WallTouch* touch = &s.touches[s.first_touch[i]];
                 while (touch->s != q) ++touch;
                 const Vec3& n = around.layer.normal[q];
-                return PushAt(-(touch->flux * p[i]) * n, r - step.spacing / 2 * n);
+                return PushAt(-(touch->flux * (p[i] + above * std::min(a[i].norm(), g))) * n, r - step.spacing / 2 * n);
             };
         },
         Writes::driven);
@@ -270,7 +274,7 @@ Real fastest_of(Span<const Vec3> u) {
 /// No pressure that goes with a smooth curvature holds a particle that stands out of the surface. So
 ///   dx_i += .1 dt f n_i sum_j W (n_i + n_j)/2.(x_j - x_i)/sum W of a flat layer,   f the frequency of the shortest waves,
 /// over particles on the surface: 0 on a sphere, and opposite for j.
-void ProjectionMove::level_surface(const Surroundings& around, Read<field::role> role) const {
+void ProjectionShift::level_surface(const Surroundings& around, Read<field::role> role) const {
     ProjectionSystem& s = *system;
     const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -292,8 +296,8 @@ void ProjectionMove::level_surface(const Surroundings& around, Read<field::role>
     });
 }
 
-void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
-                                Update<field::velocity> u) const {
+void ProjectionShift::operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x,
+                                 Update<field::velocity> u) const {
     ProjectionSystem& s = *system;
     const StepContext& step = around.step;
     const Index n = u.size();
@@ -315,18 +319,26 @@ void ProjectionMove::operator()(const Surroundings& around, Read<field::role> ro
         }
         const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
         if (length > most) move *= most / length;
+        s.walls_of(i, [&](const WallTouch& touch) {  // what goes along with a move that a wall then takes back would add up
+            const Vec3& normal = around.layer.normal[touch.s];
+            move += std::max(Real(0), -move.dot(normal) - std::max(Real(0), touch.height)) * normal;
+        });
         s.shift[i] = move;
     });
     if (s.options.tension > 0) level_surface(around, role);
+    lift_nothing(step.gravity, s.shift);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
             if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, step.volume, u.data(), s.shift[i]);
         });
     });
-    parallel_for(n, [&](Index i) {
-        x[i] += dt / 2 * (u[i] - s.start_velocity[i]) + s.shift[i];
-        u[i] += change[i];
-    });
+    parallel_for(n, [&](Index i) { x[i] += s.shift[i], u[i] += change[i], s.start_velocity[i] += change[i]; });
+}
+
+void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u,
+                                Update<field::position> x) const {
+    const ProjectionSystem& s = *system;
+    parallel_for(x.size(), [&](Index i) { x[i] += around.step.dt / 2 * (u[i] - s.start_velocity[i]); });
     if (!s.before.empty())
         share_rest(
             s.remainder, around, role, x.values, [&](Index i) { return Vec3(u[i] - s.before[i]); }, s.closed);

@@ -115,7 +115,8 @@ private:
                       Update<field::pressure_acceleration> a);
     void begin_ledgers(const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
                        Update<field::pressure_acceleration> a);
-    void write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p);
+    void write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p,
+                       Update<field::pressure_acceleration> a);
     void damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
 
     std::shared_ptr<ProjectionSystem> system_;
@@ -126,13 +127,19 @@ private:
     Column<Real> b_, phi_, of_air_;
 };
 
-/// The end of the step: x = x* + dt/2 (u - u_start), then a shift against uneven spacing that takes the flow's values along:
+/// A shift against uneven spacing that takes the flow's values along:
 ///   dx = -shift_rate s R/2 dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u + dx^2/(2 D) lap u,   s = max |u_i - mean u|
-/// At a free surface particles shift along it alone; one with tension is levelled.
-struct ProjectionMove {
+/// At a free surface particles shift along it alone; one with tension is levelled. None shifts into a wall.
+struct ProjectionShift {
     std::shared_ptr<ProjectionSystem> system;
     void level_surface(const Surroundings& around, Read<field::role> role) const;
     void operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
+};
+
+/// The end of the step: x += dt/2 (u - u_start), both with what the shift takes along.
+struct ProjectionMove {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Update<field::position> x) const;
 };
 
 }  // namespace whorl

@@ -119,7 +119,7 @@ struct ProjectionSystem {
     Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
     Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
     Column<Real> gate;              ///< weight of the solids
-    Column<Vec3> shift;             ///< m, of ProjectionMove
+    Column<Vec3> shift;             ///< m, of ProjectionShift
     Column<Real> surface_pressure;  ///< of a free surface, near it [Pa]; empty: 0
     Column<Vec3> surface_normal;    ///< outwards, where there is a surface_pressure
     Column<Real> air;               ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]

@@ -44,6 +44,7 @@ void FickianShift::operator()(const Surroundings& around, Read<field::role> role
             shift[i] = move;
         });
     });
+    lift_nothing(step.gravity, shift.values);
     parallel_for(x.size(), [&](Index i) { x[i] += shift[i]; });
 }
 

@@ -9,6 +9,7 @@
 /// and leaves the velocities alone, so momentum is kept exactly.
 ///
 /// Stage of a step: after the forces, before Move. It needs neighbours and density.
+#include "engine/core/parallel.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
@@ -21,6 +22,19 @@ struct shift {
     static constexpr std::string_view name = "shift", unit = "m", meaning = "move that evens out the particles";
 };
 }  // namespace field
+
+/// Shortens the parts of moves that rise until all moves together do no work against gravity, sum g.dx >= 0. The pushes of walls and below
+/// a free surface, which nothing balances, would lift the fluid in each step, and it would sink again by its velocity.
+inline void lift_nothing(const Vec3& gravity, Span<Vec3> moves) {
+    const auto sum_of = [&](double sign) {
+        return parallel_sum(static_cast<Index>(moves.size()),
+                            [&](Index i) { return std::max(0.0, sign * static_cast<double>(gravity.dot(moves[i]))); });
+    };
+    const double risen = sum_of(-1), sunk = sum_of(1);
+    if (!(risen > sunk)) return;
+    const Vec3 too_much = static_cast<Real>((1 - sunk / risen) / gravity.cast<double>().squaredNorm()) * gravity;
+    parallel_for(static_cast<Index>(moves.size()), [&](Index i) { moves[i] -= std::min(Real(0), gravity.dot(moves[i])) * too_much; });
+}
 
 struct FickianShift {
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h

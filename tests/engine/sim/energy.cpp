@@ -85,12 +85,13 @@ TEST_CASE("the energy budget of a block in free fall: gravity's work, and the er
         CHECK(none == 0);
 }
 
-TEST_CASE("a piston's work is the energy that the water gains and damping takes: constraint within 1 %, wcsph within 10 %",
+TEST_CASE("a piston's work is the energy that the water gains and damping takes: constraint 1 %, wcsph 10 %, projection 13 %",
           "[sim][energy]") {
-    // wcsph: the force of solids counts them twice, the density once. The projection's ledger misses an eighth of the work (physics.md 7).
-    for (const auto& [pressure, tolerance] : {std::pair("ppe", 0.01), std::pair("wcsph", 0.1)}) {
+    // wcsph: the force of solids counts them twice, the density once. With projection the water gains 6 % more than the work (physics.md 7).
+    for (const auto& [pressure, tolerance] :
+         {std::pair("ppe\"", 0.01), std::pair("wcsph\"", 0.1), std::pair("ppe\"\n[pressure]\nform = \"projection\"", 0.13)}) {
         INFO(pressure);
-        Simulation piston = simulation_of(channel(fmt::format("[models]\npressure = \"{}\"\n", pressure)));
+        Simulation piston = simulation_of(channel(fmt::format("[models]\npressure = \"{}\n", pressure)));
         piston.count_energy();
         run_until(piston, 0.1);
         const double work = piston.totals().work.solids, settled = error(piston);  // a lattice settles at first
@@ -184,19 +185,27 @@ TEST_CASE("gravity that changes, a force and periodic axes do the work of their 
     CHECK(run("[0, 0, 0]", "force = [2, 0, 0]\n").forces == Approx(5 * 0.36 / 2 * 1).epsilon(0.02));
 }
 
-TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice has melted", "[sim][energy]") {
-    Simulation slosh = simulation_of(
-        "[time]\nend = 2\n[domain]\nmin = [0, 0]\nmax = [0.6, 0.5]\ndimensions = 2\n[fluid]\nspacing = 0.02\n[[block]]\nshape = \"box\"\n"
-        "min = [0, 0]\nmax = [0.6, 0.2]\nvelocity = [\"0.6*sin(pi*x/0.6)\", 0, 0]\n[[solid]]\nshape = \"box\"\nmin = [0, 0]\n"
-        "max = [0.6, 0.5]\ninside = true\n");
-    slosh.count_energy();
-    run_until(slosh, 0.1);
-    const double most = 1e-5 * energy(slosh);  // rounding of the sums, single impacts
-    double before = slosh.totals().work.moves;
-    for (int k = 2; k <= 15; ++k) {
-        run_until(slosh, 0.1 * k);
-        CHECK(slosh.totals().work.moves < before + most);
-        before = slosh.totals().work.moves;
+TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice has melted, in three models", "[sim][energy]") {
+    // The carried velocities of coupled honey are noise that adds some 1e-5 of the energy in .1 s.
+    for (const auto& [models, tolerance] :
+         {std::pair("", 1e-5), std::pair("[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n", 1e-5),
+          std::pair("[models]\npressure = \"coupled\"\n", 1e-4)}) {
+        INFO(models);
+        const bool honey = tolerance > 1e-5;
+        Simulation slosh = simulation_of(
+            std::string("[time]\nend = 2\n[domain]\nmin = [0, 0]\nmax = [0.6, 0.5]\ndimensions = 2\n[fluid]\nspacing = 0.02\n") +
+            (honey ? "viscosity = 20\n" : "") + models +
+            "[[block]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.2]\nvelocity = [\"0.6*sin(pi*x/0.6)\", 0, 0]\n[[solid]]\n"
+            "shape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.5]\ninside = true\n");
+        slosh.count_energy();
+        run_until(slosh, 0.1);
+        const double most = tolerance * energy(slosh);  // rounding of the sums, single impacts
+        double before = slosh.totals().work.moves;
+        for (int k = 2; k <= 15; ++k) {
+            run_until(slosh, 0.1 * k);
+            CHECK(slosh.totals().work.moves < before + most);
+            before = slosh.totals().work.moves;
+        }
     }
 }
 
