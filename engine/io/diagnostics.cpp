@@ -2,10 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string_view>
 
 #include "engine/core/parallel.h"
 #include "engine/io/csv.h"
+#include "engine/models/coupled/coupled_fields.h"
 
 namespace whorl {
 namespace {
@@ -14,6 +17,66 @@ namespace {
 using Sums = Eigen::Array<double, 11, 1>;
 
 }  // namespace
+
+double filled_volume(Span<const Vec3> x, const Domain& domain, const Solids& solids, Real d) {
+    constexpr Real near = 1.3f, far = 2;
+    const int dimensions = domain.dimensions();
+    const Real flat = dimensions == 2 ? Real(0.55) : Real(0.6);
+    Vec3 low = Vec3::Constant(std::numeric_limits<Real>::max()), high = -low, edge = Vec3::Ones();
+    for (const Vec3& p : x) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    if (x.empty() || !low.allFinite() || !high.allFinite()) return 0;
+    if (dimensions == 2) low[2] = Real(-0.5);
+    int cells[3] = {1, 1, 1}, reach[3] = {0, 0, 0};
+    double count = 1;
+    for (int a = 0; a < dimensions; ++a) {
+        if (domain.periodic[a]) low[a] = domain.min[a], high[a] = domain.max[a];
+        else low[a] -= far * d, high[a] += far * d;
+        cells[a] = static_cast<int>(std::clamp(std::ceil(2 * double(high[a] - low[a]) / double(d)), 1.0, 1e6));
+        edge[a] = (high[a] - low[a]) / static_cast<Real>(cells[a]);
+        reach[a] = static_cast<int>(std::ceil(far * d / edge[a]));
+        count *= cells[a];
+    }
+    if (count > 1e7 + 100 * static_cast<double>(x.size())) return 0;
+    const auto cell_of = [&](const Vec3& p, int a) { return std::clamp(static_cast<int>((p[a] - low[a]) / edge[a]), 0, cells[a] - 1); };
+    const auto centre = [&](int a, int b, int c) {
+        return Vec3(low + edge.cwiseProduct(Vec3(Real(a), Real(b), Real(c)) + Vec3::Constant(Real(0.5))));
+    };
+    const auto wrapped = [&](int cell, int a) { return domain.periodic[a] ? (cell + cells[a]) % cells[a] : cell; };
+    std::vector<std::vector<Index>> sheets(static_cast<std::size_t>(cells[0]));  // particles by their cell along x
+    for (std::size_t i = 0; i < x.size(); ++i) sheets[static_cast<std::size_t>(cell_of(x[i], 0))].push_back(static_cast<Index>(i));
+    std::vector<double> filled(sheets.size(), 0);
+    parallel_blocks(cells[0], 1, [&](Index a, Index) {
+        std::vector<Real> nearest(static_cast<std::size_t>(cells[1]) * static_cast<std::size_t>(cells[2]), far * far * d * d);
+        for (int k = -reach[0]; k <= reach[0]; ++k) {
+            const int from = wrapped(a - k, 0);
+            if (from < 0 || from >= cells[0]) continue;
+            for (const Index i : sheets[static_cast<std::size_t>(from)]) {
+                const int b = cell_of(x[i], 1), c = cell_of(x[i], 2);
+                const Vec3 own = centre(from, b, c) - x[i];
+                for (int l = -reach[1]; l <= reach[1]; ++l)
+                    for (int m = -reach[2]; m <= reach[2]; ++m) {
+                        const Real r2 = (own + edge.cwiseProduct(Vec3(Real(k), Real(l), Real(m)))).squaredNorm();
+                        if (!(r2 < far * far * d * d)) continue;
+                        const auto at = static_cast<std::size_t>(wrapped(b + l, 1)) * static_cast<std::size_t>(cells[2]) +
+                                        static_cast<std::size_t>(wrapped(c + m, 2));
+                        nearest[at] = std::min(nearest[at], r2);
+                    }
+            }
+        }
+        for (std::size_t at = 0; at < nearest.size(); ++at) {
+            const Real away = std::sqrt(nearest[at]) / d;
+            if (!(away < far)) continue;
+            Real distance = 0, open = 1;
+            const int b = static_cast<int>(at) / cells[2], c = static_cast<int>(at) % cells[2];
+            if (solids.nearest(centre(a, b, c), distance) >= 0) open = std::clamp(Real(0.5) + 2 * distance / d, Real(0), Real(1));
+            const auto within = [&](Real r) { return std::clamp(Real(0.5) + 2 * (r - away), Real(0), Real(1)); };
+            filled[a] += double(open * (within(near) + (flat - near) / (far - near) * (within(far) - within(near))));
+        }
+    });
+    double sum = 0;
+    for (const double part : filled) sum += part;
+    return sum * edge.cast<double>().prod() / (static_cast<double>(x.size()) * std::pow(double(d), dimensions));
+}
 
 Measures measure(const World& world, const Vec3d& gravity, double micro_inertia) {
     const ParticleStore& fluid = world.fluid;
@@ -51,6 +114,11 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     all.angular_momentum = m * (sums.segment<3>(3) + micro_inertia * sums.segment<3>(6)).matrix();
     all.density_error_mean = sums[9] > 0 ? sums[10] / sums[9] : 0;
     all.density_error_max = parallel_max(fluid.size(), 0, [&](Index i) { return counts(i) ? compression(i) : 0.0; });
+    if (!fluid.has<field::held>()) return all;
+    std::vector<Vec3> out;  // of the nozzles
+    for (std::size_t k = 0; k < x.size(); ++k)
+        if (counts(k)) out.push_back(x[k]);
+    all.volume = filled_volume(out, world.step.domain, world.solids, world.step.spacing);
     return all;
 }
 
@@ -60,7 +128,7 @@ std::string diagnostics_header() {
            "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,gravity_work,torque_work,pressure_work,boundary_work,viscous_"
            "dissipation,"
            "exchange_dissipation,smoothing_dissipation,surface_tension_work,solid_work,force_work,moves_work,emitted_energy,drained_energy,"
-           "energy_error,emitted_particles,drained_particles";
+           "energy_error,emitted_particles,drained_particles,volume";
 }
 
 std::string diagnostics_row(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall,
@@ -94,7 +162,8 @@ std::string diagnostics_row(int frame, double time, const Measures& m, const Run
     for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing,
                          work.surface_tension, work.solids, work.forces + work.lifted, work.moves, work.emitted, -work.drained, error})
         row += now.any_work ? "," + number(value) : ",";
-    return row + "," + number(now.emitted_particles) + "," + number(now.drained_particles) + "\n";
+    return row + "," + number(now.emitted_particles) + "," + number(now.drained_particles) + "," + (m.volume > 0 ? number(m.volume) : "") +
+           "\n";
 }
 
 std::string bodies_header() {

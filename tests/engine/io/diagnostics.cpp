@@ -6,6 +6,9 @@
 #include <cstring>
 
 #include "engine/core/parallel.h"
+#include "engine/core/random.h"
+#include "engine/geometry/box.h"
+#include "engine/geometry/plane.h"
 #include "engine/io/csv.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
@@ -82,13 +85,49 @@ TEST_CASE("diagnostics.csv has the documented columns, and a cell for each in ev
           "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,"
           "gravity_work,torque_work,pressure_work,boundary_work,viscous_dissipation,exchange_dissipation,smoothing_dissipation,surface_"
-          "tension_work,solid_work,force_work,moves_work,emitted_energy,drained_energy,energy_error,emitted_particles,drained_particles");
+          "tension_work,solid_work,force_work,moves_work,emitted_energy,drained_energy,energy_error,emitted_particles,drained_particles,"
+          "volume");
     RunTotals before, now;
     before.steps = 10, now.steps = 14;
     before.pressure_iterations = 100, now.pressure_iterations = 150;
     now.viscosity_iterations = 8, now.lost_particles = 3, now.last_step = 0.25, now.drained_particles = 7;
     CHECK(diagnostics_row(2, 0.125, Measures{}, before, now, 1.5, 2.5) ==
-          "2,0.125,14,0,0.25,0,0,0,0,0,0,0,0,0,0,0,0,12.5,2,3,1.5,2.5,,,,,,,,,,,,,,,0,7\n");
+          "2,0.125,14,0,0.25,0,0,0,0,0,0,0,0,0,0,0,0,12.5,2,3,1.5,2.5,,,,,,,,,,,,,,,0,7,\n");
+}
+
+TEST_CASE("the volume column follows a pool that is squeezed by 3 % within 0.5 %, on a lattice and off it, in space and in the plane",
+          "[io][diagnostics]") {
+    const double d = 0.01;
+    for (const int depth : {12, 1})
+        for (const double jitter : {0.0, 0.2})
+            for (const bool periodic : {true, false}) {
+                const int across = depth > 1 ? 12 : 40, high = 10;
+                Domain domain{Vec3(0, -1, 0), Vec3(Real(across * d), 1, Real(depth * d)), {periodic, false, periodic && depth > 1}};
+                if (depth == 1) domain.min[2] = domain.max[2] = 0;
+                Solids solids;
+                solids.all.resize(1);
+                solids.all[0].shape = make_box(Vec3d(0, 0, depth > 1 ? 0 : -1), d * Vec3d(across, 30, depth > 1 ? depth : 100));
+                solids.all[0].inside = true;
+                if (periodic) solids.all[0].shape = make_plane(Vec3d::Zero(), Vec3d(0, 1, 0)), solids.all[0].inside = false;
+                else domain.min = Vec3(-1, -1, depth > 1 ? -1 : 0), domain.max = Vec3(1, 1, depth > 1 ? 1 : 0);
+                double volume[2];
+                for (const int squeezed : {0, 1}) {
+                    RandomNumbers random(1);
+                    const auto loose = [&] { return 0.5 + jitter * (2 * random() - 1); };
+                    std::vector<Vec3> x;
+                    for (int a = 0; a < across; ++a)
+                        for (int b = 0; b < high; ++b)
+                            for (int c = 0; c < depth; ++c) {
+                                const double p = a + loose(), q = (squeezed > 0 ? 0.97 : 1) * (b + loose()), r = c + loose();
+                                x.push_back((d * Vec3d(p, q, depth > 1 ? r : 0)).cast<Real>());
+                            }
+                    volume[squeezed] = filled_volume(x, domain, solids, Real(d));
+                }
+                CAPTURE(depth, jitter, periodic, volume[0], volume[1]);
+                CHECK(volume[1] / volume[0] == Approx(0.97).margin(0.005));
+                CHECK(volume[0] == Approx(1).margin(0.01));
+            }
+    CHECK(filled_volume({}, {}, {}, Real(d)) == 0);
 }
 
 TEST_CASE("a region probe counts, weighs and averages what is inside its box", "[io][probe]") {
