@@ -25,9 +25,11 @@ struct CoupledOptions {
     double bridge = 1.7;  ///< turns of a coil must not feel each other through the air
 
     double push = 0.1;  ///< compressed particles part at the rate push (n/n0 - 1)/dt
+    double no_surface =
+        0.0125;  ///< in the plane loose ones under pressure meet up to this Neighbourhood::surface; from twice this on no more
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
-    double memory = 0.98;  ///< of the multiplier from step to step
+    double memory = 0.98;  ///< from step to step, of the multiplier beyond 0 to the weight of the fluid, which is kept
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
     double evening_rate = 1,
@@ -40,11 +42,11 @@ struct CoupledOptions {
     double closest = 0.3;          ///< distance from a solid that the fluid sticks to, below which no particle goes
     double sliding_closest = 0.5;  ///< as `closest`, from a solid that it slides on: half a spacing is its share of the room there
 
-    int aggregate = 48;           ///< particles in an aggregate of the coarse level
-    int many = 5600;              ///< in fluids of n > many particles an aggregate has aggregate sqrt(n/many)
-    int refresh_every = 5;        ///< steps between two set-ups of the coarse level
-    bool diagonal = true;         ///< the diagonal blocks precondition; false: nothing does (to compare)
-    int fewest_for_coarse = 150;  ///< free particles below which the diagonal alone preconditions
+    int aggregate = 48;          ///< particles in an aggregate of the coarse level
+    int many = 5600;             ///< in fluids of n > many particles an aggregate has aggregate sqrt(n/many)
+    int refresh_every = 5;       ///< steps between two set-ups of the coarse level
+    bool diagonal = true;        ///< the diagonal blocks precondition; false: nothing does (to compare)
+    int fewest_for_coarse = 32;  ///< free particles below which the diagonal alone preconditions
 };
 
 }  // namespace whorl

@@ -29,6 +29,9 @@ public:
     /// @returns r.z
     double operator()(Span<const Vec3> r, Span<Vec3> z) const;
 
+    /// R Ac^-1 R^T r of particle i, r the residual of the last application.
+    Vec3 coarse(Index i) const { return coarse_.correction(i); }
+
     int unknowns() const { return 6 * coarse_.groups(); }
 
 private:

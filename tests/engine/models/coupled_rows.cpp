@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engine/core/random.h"
+#include "engine/math/kernel.h"
 
 using namespace whorl;
 
@@ -78,7 +79,11 @@ Expected expected_row(const Fluid& fluid, std::size_t i, const CoupledOptions& o
         if (near_limit) row.undecided.push_back(static_cast<Index>(j));
         else if (counts) row.pairs[static_cast<Index>(j)] = fluid.between(i, j);
     }
-    row.density *= 315 / (64 * M_PI) / std::pow(o.support, 3);
+    double at_rest = 0;  // on a lattice
+    each_lattice_point(3, 2, [&](int a, int b, int c) {
+        at_rest += std::pow(std::max(0.0, 1 - Vec3d(a, b, c).squaredNorm() / (o.support * o.support)), 3);
+    });
+    row.density /= at_rest;
     return row;
 }
 
