@@ -175,7 +175,7 @@ void SolidParticles::remove(const std::vector<char>& out) {
         column.resize(kept);
     };
     cut(solid), cut(own_position), cut(own_normal), cut(position), cut(velocity), cut(normal), cut(volume), cut(behind);
-    cut(own_face), cut(face), cut(pressed);
+    cut(own_face), cut(face), cut(flat), cut(pressed);
 }
 
 void SolidParticles::follow(const Solids& solids) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -93,6 +94,9 @@ private:
     void place_images();
 };
 
+/// SolidParticles::flat at a distance from what is not flat [m].
+inline Real flat_beside(Real distance, Real support) { return std::clamp(distance / support - 1, Real(0), Real(1)); }
+
 /// One layer of particles on the solids' surfaces, about a spacing apart; they stand half a spacing inside the solid.
 struct SolidParticles {
     std::vector<Index> solid;         ///< whose
@@ -103,6 +107,10 @@ struct SolidParticles {
     Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
     Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall; 0: an edge
     Column<Vec3> own_face, face;      ///< on convex edges: LayerPoint::face; elsewhere 0
+    /// Of a flat wall, which shows images of the fluid: 1 farther than 2 R from where the surface bends, ends or opens and from solids that
+    /// move, 0 nearer than R. The surface may end at others at right angles that face the fluid, too; -1: where they meet. Empty: none is
+    /// flat.
+    Column<Real> flat;
     /// Impulse of the fluid's pressure and contact on each in this step [N s], on solids that keep a ledger; empty: no probe asks for it.
     std::vector<Vec3d> pressed;
     Index size() const { return static_cast<Index>(solid.size()); }

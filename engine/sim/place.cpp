@@ -424,7 +424,10 @@ void open_walls(const std::vector<Emitter>& emitters, World& world) {
     parallel_for(layer.size(), [&](Index s) {
         if (world.solids.all[layer.solid[s]].moves()) return;
         for (const Emitter& emitter : emitters)
-            if (emitter.distance(layer.position[s]) < 0) open[s] = 1;
+            if (const Real far = emitter.distance(layer.position[s]); far < 2 * world.step.support) {
+                if (!layer.flat.empty()) layer.flat[s] = std::min(layer.flat[s], flat_beside(far, world.step.support));
+                open[s] |= far < 0;
+            }
     });
     if (std::find(open.begin(), open.end(), 1) != open.end()) layer.remove(open);
 }

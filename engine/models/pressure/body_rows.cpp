@@ -25,15 +25,16 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
                 touch.particle = near[e];
                 touch.h.setZero();
                 Real w = 0;
+                const Real left = 1 - D.mirrors.part(touch.particle);
                 around.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
                     const WallImage::Share share = wall.share(W, r, distance, layer, s);
-                    w += share.value;
+                    w += left * share.value;
                     if (static_cast<std::size_t>(layer.solid[s]) != k) return;
                     touch.h += share.gradient;
                     touch.arm = layer.position[s] + r - state.centre.cast<Real>();
                 });
                 const SolidGate::Gated gated = wall.gate.gated(w);
-                touch.h *= gated.slope * WallImage::free_volume(gated.sum).slope * D.fill[touch.particle] * rho[touch.particle];
+                touch.h *= left * gated.slope * WallImage::free_volume(gated.sum).slope * D.fill[touch.particle] * rho[touch.particle];
             });
         });
         std::erase_if(body.touches, [](const Touch& t) { return t.h == Vec3::Zero(); });

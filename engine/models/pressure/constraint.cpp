@@ -191,19 +191,62 @@ bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
     return true;
 }
 
+/// The image of j pushes i as that of i pushes j. Along the wall the two are opposite; across it both act where the line from i to the
+/// image meets the wall: so their torque is kept.
+std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(const Surroundings& around, Span<const Real> q,
+                                                                               Index i) const {
+    std::vector<ByImages> all;
+    std::size_t k = D_.first[i];
+    D_.mirrors.seen(around).pairs.of(i, [&](Index g, const Vec3& r, Real) {
+        const Real c = D_.slope[k++];
+        if (g < D_.size()) return;
+        const Mirrors::Image& image = D_.mirrors.image(g);
+        const Index j = image.owner;
+        for (int m = 0; m < image.count; ++m) {
+            const Vec3& normal = image.wall[m].normal;
+            // From i to the wall; the wall of j may be a period away.
+            const Real both = r.dot(normal), other = image.wall[m].height(around.pairs.x_own[j]), height = both - other;
+            const Real push = -(height < other ? 2 : 1) * (D_.fill[i] * q[i] + D_.fill[j] * q[j]) * c * both;
+            if (height > other || !(push > 0)) continue;
+            auto found = std::find_if(all.begin(), all.end(), [&](const ByImages& by) { return by.acts_on(normal); });
+            if (found == all.end()) found = all.insert(found, {normal, 0, Vec3::Zero(), 0});
+            found->push += push;
+            found->back += push * height / both * r;
+        }
+    });
+    for (ByImages& by : all) {
+        by.back /= by.push;
+        around.solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) {
+            if (by.acts_on(around.layer.normal[s])) by.weights += by.weight(around.step.support, distance);
+        });
+    }
+    return all;
+}
+
 void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                                        Span<const Real> q) const {
     const SolidParticles& layer = around.layer;
     with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
         const auto share = [&](Index s, const Vec3& r, Real distance) { return wall.share(W, r, distance, layer, s); };
+        const Mirrors& mirrors = D_.mirrors;
         react(
             around, Push::pressure, role, around.step.mass,
             [&](Index i) {
                 Real w = 0;
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += share(s, r, distance).value; });
+                const Real left = 1 - mirrors.part(i);
+                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += left * share(s, r, distance).value; });
                 const SolidGate::Gated gated = wall.gate.gated(w);
-                const Real of_i = q[i] * D_.fill[i] * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope;
-                return [&, of_i](Index s, const Vec3& r, Real distance) { return Vec3(-of_i * share(s, r, distance).gradient); };
+                const Real of_i = left * q[i] * D_.fill[i] * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope;
+                const std::vector<ByImages> by_images = pushes_of_images(around, q, i);
+                return [&, of_i, by_images](Index s, const Vec3& r, Real distance) {
+                    PushAt push = Vec3(-of_i * share(s, r, distance).gradient);
+                    for (const ByImages& by : by_images)
+                        if (by.acts_on(layer.normal[s])) {
+                            push.push += by.weight(around.step.support, distance) / by.weights * by.push * by.normal;
+                            push.back = by.back;
+                        }
+                    return push;
+                };
             },
             Writes::driven);
     });
@@ -216,10 +259,13 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
     const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(D_.size(), [&](Index i) {
-            const Real own = D_.fill[i] * q[i];
+            const Real own = D_.fill[i] * q[i], left = 1 - D_.mirrors.part(i);
             Mat3 pairs = Mat3::Zero(), walls = Mat3::Zero();
-            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                pairs -= (own + D_.fill[j] * q[j]) * step.mass / 2 * W.slope(distance) * r * r.transpose();
+            const Real* weight = D_.mirrors.weights(i);
+            D_.mirrors.seen(around).pairs.of(i, [&](Index k, const Vec3& r, Real distance) {
+                const Index j = D_.mirrors.owner(k);
+                const Real slope = (weight ? *weight++ : 1) * W.slope(distance);
+                pairs -= (own + D_.fill[j] * q[j]) * step.mass / 2 * slope * r * r.transpose();
             });
             Mat3 across = Mat3::Zero();
             Real w = 0;
@@ -230,8 +276,8 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
                     w += share.value, across += share.value * normal * normal.transpose();
                     walls -= share.gradient * std::max(Real(0), r.dot(normal) - step.spacing / 2) * normal.transpose();
                 });
-            const SolidGate::Gated gated = wall.gate.gated(w);
-            const Mat3 stress = pairs + own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * walls;
+            const SolidGate::Gated gated = wall.gate.gated(left * w);
+            const Mat3 stress = pairs + left * own * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope * walls;
             const Real mean = stress.trace() / static_cast<Real>(step.dimensions());
             const Real at_walls = w > 0 ? stress.cwiseProduct(across).sum() / w : mean;
             p[i] = rho[i] / step.dt * (mean + std::min(Real(1), gated.sum / touching) * (at_walls - mean));
@@ -305,7 +351,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
         b_[i] += rate > 0 ? calm * rate : rate;
         q[i] = D_.diagonal[i] > 0 ? q[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;
     });
-    ConstraintMatrix matrix{D_, {}, Column<Padded>(n), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(D_.x.size()), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     matrix.push(q);
     if (filled || has_free_surface(q, step)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);

@@ -106,7 +106,17 @@ private:
     /// without bound. If it would move 95 % of the particles by more than d/4 within the step, sqrt(p/rho) dt > d/4, it is limited to
     /// that: the fluid is compressed, in steps of a usual length. @returns whether it was
     static bool limit_level(Span<Real> q, const StepContext& step);
-    /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i.
+    /// What images in one wall do to pairs in which i is nearer to it; the wall's particles take it up by their distance from i.
+    struct ByImages {
+        Vec3 normal;
+        Real push;  ///< change of velocity along the normal [m/s]
+        Vec3 back;  ///< from where it acts to i [m]
+        Real weights;
+        bool acts_on(const Vec3& n) const { return n.dot(normal) > Real(0.99); }
+        static Real weight(Real reach, Real distance) { return (reach - distance) * (reach - distance); }
+    };
+    std::vector<ByImages> pushes_of_images(const Surroundings& around, Span<const Real> q, Index i) const;
+    /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i, and what images do.
     void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
     /// Pressures for frames and probes: those that the forces of q amount to. Of a particle's part of the stress,

@@ -69,27 +69,30 @@ struct SolidMotion {
 
 }  // namespace
 
-void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
-                        Span<Real> rate) {
+void DensityRate::build(const WallImage& wall, const Surroundings& of_fluid, Read<field::role> role, Read<field::velocity> u,
+                        Span<Real> rho, Span<Real> rate) {
+    const Surroundings around = mirrors.find(of_fluid, wall.gate.threshold > 0);
     const StepContext& step = around.step;
+    const Span<const Vec3> velocities = mirrors.velocities(u.values, [&](Index k) { return around.solids.all[k].pose.velocity; });
     first = around.pairs.first;
     other = around.pairs.other;
     const Index n = around.pairs.size();
     resize_tightly(slope, other.size() + most_lanes);  // bend() reads whole groups
     period = around.pairs.period;
-    x.resize(n), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
+    x.resize(n + mirrors.size()), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
+    for (Index g = n; g < n + mirrors.size(); ++g) x[g] = padded(mirrors.places()[g]);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(around.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
             x[i] = padded(around.pairs.x_own[i]);
             Index k = 0;
             const DensityRow row = density_row(
-                wall, W, around, i,
+                wall, W, around, mirrors, i,
                 [&](const Pairs::Group& group, const Real* c) {
                     std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[i]) + k);
                     k += group.count;
                     alignas(64) Real v[3][Pairs::Group::most];
-                    group.gather(u.values.data(), v);
+                    group.gather(velocities.data(), v);
                     Real part = 0;
                     for (Index l = 0; l < group.padded(); ++l)
                         part += c[l] * (group.r[0][l] * (u[i][0] - v[0][l]) + group.r[1][l] * (u[i][1] - v[1][l]) +
@@ -114,9 +117,11 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
     });
 }
 
-void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v,
+void DensityRate::bend(const WallImage& wall, const Surroundings& of_fluid, Span<const Real> rho, Span<const Vec3> v,
                        const std::vector<Pose>& poses, Span<Real> change) const {
+    const Surroundings around = mirrors.seen(of_fluid);
     const StepContext& step = around.step;
+    const Span<const Vec3> velocities = mirrors.velocities(v, [&](Index k) { return poses[k].velocity; });
     const Real dt = step.dt, mass = step.mass;
     std::vector<SolidMotion> motions;
     for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(around.solids.all[k], poses[k], dt);
@@ -124,10 +129,10 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
         parallel_for(size(), [&](Index i) {
             // Of the fluid's own sum, which was rho_i/f_i.
             Real linear = 0, moved = mass * W.value(0);
-            const Real* c = slope.data() + first[i];
+            const Real *c = slope.data() + first[i], *weight = mirrors.weights(i), left = 1 - mirrors.part(i);
             around.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 alignas(64) Real u[3][Pairs::Group::most];
-                group.gather(v.data(), u);
+                group.gather(velocities.data(), u);
                 for (int a = 0; a < 3; ++a)
                     for (Index l = group.count; l < group.padded(); ++l) u[a][l] = v[i][a];
                 Real along = 0, values = 0;
@@ -137,6 +142,11 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
                     along += c[l] * (rx * dx + ry * dy + rz * dz);
                     values += W.value(std::sqrt((rx + dx) * (rx + dx) + (ry + dy) * (ry + dy) + (rz + dz) * (rz + dz)));
                 }
+                for (Index l = 0; weight && l < group.count; ++l) {
+                    const Vec3 r(group.r[0][l], group.r[1][l], group.r[2][l]), of_other(u[0][l], u[1][l], u[2][l]);
+                    values += (weight[l] - 1) * W.value((r + dt * (v[i] - of_other)).norm());
+                }
+                if (weight) weight += group.count;
                 linear += along;
                 moved += mass * values;
                 c += group.count;
@@ -153,6 +163,7 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
                 w_linear += share.gradient.dot(dt * (v[i] - poses[k].velocity_at(at)));
                 w_moved += wall.share(W, to, to.norm(), around.layer, s).value;
             });
+            if (left < 1) w *= left, w_linear *= left, w_moved *= left;
             const SolidGate::Gated gated = wall.gate.gated(w);
             const Real fluid = rho[i] / fill[i], f = 1 / WallImage::free_volume(wall.gate.gated(w_moved).sum).left;
             change[i] += (f - fill[i]) * (fluid + linear + bent) -
@@ -187,7 +198,10 @@ Padded DensityRate::sum_over_row(Index i, const F& term) const {
 
 void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
     // Beside the positions, so that a neighbour is in one line of the cache.
-    parallel_for(size(), [&](Index i) { x[i][3] = fill[i] * q[i]; });
+    parallel_for(static_cast<Index>(x.size()), [&](Index j) {
+        const Index i = mirrors.owner(j);
+        x[j][3] = fill[i] * q[i];
+    });
     const auto run = [&]<bool periodic>() {
         parallel_for(size(), [&](Index i) {
             v[i].setZero();
@@ -199,6 +213,7 @@ void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
     };
     if (period != Vec3::Zero()) run.template operator()<true>();
     else run.template operator()<false>();
+    mirrors.reflect(v.data(), v.data() + size(), [](const Mirrors::Wall&) { return Real(0); });
 }
 
 void DensityRate::apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/math/kernel.h"
+#include "engine/models/pressure/mirrors.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
 #include "engine/sph/gate.h"
@@ -100,11 +101,13 @@ struct DensityRow {
 
 /// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
 template <class Kernel, class Fluid, class SolidPart>
-DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i, Fluid&& fluid_neighbours,
-                       SolidPart&& solid_neighbour) {
+DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, const Mirrors& mirrors, Index i,
+                       Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
     const Real mass = around.step.mass;
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
     Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
+    const Real* weight = mirrors.weights(i);
+    const Real left = 1 - mirrors.part(i);
     around.pairs.groups_of(i, [&](const Pairs::Group& group) {
         alignas(64) Real c[Pairs::Group::most];
         Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
@@ -118,6 +121,15 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
             sum_pull -= part;
             sum_squares += slope * part;
         }
+        for (Index l = 0; weight && l < group.count; ++l) {  // what weights change
+            const Real r = group.distance[l], less = weight[l] - 1, slope = less * c[l];
+            fluid += slope * Vec3(group.r[0][l], group.r[1][l], group.r[2][l]);
+            sum += less * W.value(r);
+            sum_pull -= slope * r * r;
+            sum_squares += (less + 2) * slope * c[l] * r * r;
+            c[l] *= weight[l];
+        }
+        if (weight) weight += group.count;
         fluid += Vec3(x, y, z);
         density += mass * sum;
         squares += sum_squares;
@@ -132,23 +144,30 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
             walls += share.gradient;
             solid_neighbour(s, r, share);
         });
+    if (left < 1) w *= left;
     const SolidGate::Gated gated = wall.gate.gated(w);
     const WallImage::FreeVolume free_volume = WallImage::free_volume(gated.sum);
-    const Real f = 1 / free_volume.left, slope = gated.slope * free_volume.slope, rho = f * density;
+    const Real f = 1 / free_volume.left, rho = f * density;
+    Real slope = gated.slope * free_volume.slope;
+    if (left < 1) slope *= left;
     return {rho, f, f * (fluid + rho * slope * walls), slope, squares, pull + rho * slope * wall_pull};
 }
 
 /// The density of density_row() alone.
 template <class Kernel>
-Real density_at(const WallImage& wall, const Kernel& W, const Surroundings& around, Index i) {
+Real density_at(const WallImage& wall, const Kernel& W, const Surroundings& around, const Mirrors& mirrors, Index i) {
     Real sum = W.value(0), w = 0;
+    const Real* weight = mirrors.weights(i);
     around.pairs.groups_of(i, [&](const Pairs::Group& group) {
         Real part = 0;
         for (Index l = 0; l < group.padded(); ++l) part += W.value(group.distance[l]);
+        for (Index l = 0; weight && l < group.count; ++l) part += (weight[l] - 1) * W.value(group.distance[l]);
+        if (weight) weight += group.count;
         sum += part;
     });
     if (around.layer.size() > 0)
         around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += wall.share(W, r, distance, around.layer, s).value; });
+    if (mirrors.part(i) > 0) w *= 1 - mirrors.part(i);
     return around.step.mass * sum / WallImage::free_volume(wall.gate.gated(w).sum).left;
 }
 
@@ -163,7 +182,7 @@ struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that it was built from
     Span<const Index> other;
     Column<Real> slope;        ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
-    mutable Column<Padded> x;  ///< m; the last component is f_i q_i in a product
+    mutable Column<Padded> x;  ///< m, of the particles and of their images; the last component is f_i q_i in a product
     Vec3 period = Vec3::Zero();  ///< Domain::period()
     Column<Real> fill;           ///< f_i
     Column<Vec3> own;            ///< own_i [kg/m^4]
@@ -171,6 +190,7 @@ struct DensityRate {
     /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
     /// it has melted. The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
+    Mirrors mirrors;         ///< whose images are neighbours, too
     std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
 
     Index size() const { return static_cast<Index>(own.size()); }
@@ -189,7 +209,7 @@ struct DensityRate {
             if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
         return slope[k] * r;
     }
-    /// v = D^T q where free, 0 elsewhere.
+    /// v = D^T q where free, 0 elsewhere; from size() on that of the images.
     void transposed(Span<const Real> q, Span<Padded> v) const;
     /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.
     void apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const;

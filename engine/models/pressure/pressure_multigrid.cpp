@@ -140,7 +140,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
             };
             add(groups.of[i], D.own[i]);
             for (std::size_t k = D.first[i]; k < D.first[i + 1]; ++k) {
-                const std::size_t j = static_cast<std::size_t>(D.other[k]);
+                const std::size_t j = static_cast<std::size_t>(D.mirrors.owner(D.other[k]));
                 add(groups.of[j], D.fill[j] * D.gradient(i, k));
             }
             for (const Force& f : forces) {

@@ -143,9 +143,8 @@ double amplitude(const std::vector<std::pair<double, double>>& samples, double p
     return std::hypot(fit[1], fit[2]);
 }
 
-/// 40 particles by 16 in a tank with smooth walls under the projection: half a wave, started flat with the velocities of its passage, U at
-/// the surface.
-Simulation seiche(double length, double U, const std::string& sampling = "lattice") {
+/// 40 particles by 16 in a tank with smooth walls: half a wave, started flat with the velocities of its passage, U at the surface.
+Simulation seiche(double length, double U, const std::string& sampling = "lattice", const std::string& form = "projection") {
     const double h = 0.4 * length, k = std::numbers::pi / length;
     return test::simulation_of(fmt::format(R"toml([time]
 end = 4
@@ -158,7 +157,7 @@ spacing = {7}
 [models]
 pressure = "ppe"
 [pressure]
-form = "projection"
+form = "{9}"
 [[block]]
 shape = "box"
 min = [0, 0]
@@ -173,17 +172,19 @@ inside = true
 slip = "free"
 )toml",
                                            length, h, U / std::sinh(k * h), k, -length / 5, 1.2 * length, 0.8 * length, length / 40,
-                                           sampling));
+                                           sampling, form));
 }
 
 }  // namespace
 
-TEST_CASE("a seiche, 40 particles by 16, keeps its period within 2 % and loses less than 3 % a period with the projection",
+TEST_CASE("a seiche, 40 particles by 16, loses less than 3 % a period with the projection, 15 % with the constraint",
           "[validation][sim][waves]") {
     // Half a wave in a tank of 0.5 m with water 0.2 m deep and smooth walls: omega^2 = g k tanh(k h), k = pi/0.5. Started flat with the
-    // velocities of its passage, 1.3 spacings high. 1 % longer and no loss were measured; the constraint loses 32 % a period.
+    // velocities of its passage, 1.3 spacings high. The projection's period is 1 % longer, without loss; the constraint's 3 % shorter, and
+    // it loses 11 % a period (33 % when walls showed no images).
     constexpr double length = 0.5, h = 0.2, U = 0.12, k = std::numbers::pi / length;
-    Simulation simulation = seiche(length, U);
+    const bool constraint = GENERATE(false, true);
+    Simulation simulation = seiche(length, U, "lattice", constraint ? "constraint" : "projection");
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
     Zeros zeros(period / 4);
     std::vector<std::pair<double, double>> first, last;
@@ -198,9 +199,9 @@ TEST_CASE("a seiche, 40 particles by 16, keeps its period within 2 % and loses l
         if (simulation.time() > 3 * period) last.emplace_back(simulation.time(), now);
     }
     REQUIRE(zeros.at.size() >= 7);
-    CHECK((zeros.at[6] - zeros.at[0]) / 3 == Approx(period).epsilon(0.02));
+    CHECK((zeros.at[6] - zeros.at[0]) / 3 == Approx(period).epsilon(constraint ? 0.05 : 0.02));
     const double kept = amplitude(last, period) / amplitude(first, period);
-    CHECK(kept > std::pow(0.97, 3));
+    CHECK(kept > std::pow(constraint ? 0.85 : 0.97, 3));
     CHECK(kept < 1.03);
 }
 
