@@ -8,7 +8,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/io/csv.h"
-#include "engine/models/coupled/coupled_fields.h"
+#include "engine/models/coupled/coupled_system.h"
 
 namespace whorl {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "engine/geometry/box.h"
 #include "engine/geometry/plane.h"
+#include "engine/geometry/shape.h"
 #include "engine/io/csv.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"

@@ -87,7 +87,8 @@ TEST_CASE("the energy budget of a block in free fall: gravity's work, and the er
 
 TEST_CASE("a piston's work is the energy that the water gains and damping takes: constraint 1 %, wcsph 10 %, projection 13 %",
           "[sim][energy]") {
-    // wcsph: the force of solids counts them twice, the density once. With projection the water gains 6 % more than the work (physics.md 7).
+    // wcsph: the force of solids counts them twice, the density once. With projection the water gains 6 % more than the work (physics.md
+    // 7).
     for (const auto& [pressure, tolerance] :
          {std::pair("ppe\"", 0.01), std::pair("wcsph\"", 0.1), std::pair("ppe\"\n[pressure]\nform = \"projection\"", 0.13)}) {
         INFO(pressure);
