@@ -84,4 +84,15 @@ private:
     std::vector<Wrench> before_;  ///< by solid
 };
 
+/// Inner forces that are not pairwise opposite (of the projection, of images). What they change of the fluid's momentum goes to the driven
+/// solids, unless fluid in a nozzle has a part in it.
+/// @param change i -> change of the velocity since `rest` was made [m/s]
+template <class Change>
+void share_rest(const Remainder& rest, const Surroundings& around, Read<field::role> role, Span<const Vec3> x, const Change& change,
+                const std::vector<std::size_t>& exact = {}) {
+    if (!around.solids.any_probed() || parallel_sum(role.size(), [&](Index i) { return role[i] != 0; }) > 0) return;
+    const Wrench gained = static_cast<double>(around.step.mass) * momentum_of(role, x, change);
+    rest.share(around.solids, around.step, -1 * (gained + rest.received(around.solids)), exact);
+}
+
 }  // namespace whorl

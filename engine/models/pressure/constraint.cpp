@@ -369,8 +369,11 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
                 static_cast<double>(step.dt * step.volume / step.rest_density),
             step.dimensions());
     }
+    const Remainder rest(around.solids, Push::pressure);
     bodies_.push(q, around.solids);
     write_ledgers(wall, around, role, rho.values, q);
+    if (D_.mirrors.size() > 0)  // two walls with one normal: images push a pair unequally
+        share_rest(rest, around, role, around.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
     if (step.to_frame_time) find_pressures(wall, around, rho.values, q, p.values);
     if (filled) matrix.push(q);  // solve() has left it there
     parallel_for(n, [&](Index i) {

@@ -57,7 +57,7 @@ void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
     const Real d = around.step.spacing, reach = around.step.support;
     Seen& seen = seen_[i];
     seen.own = seen.count = 0;
-    Real all = 0, mirrors = 0;
+    Real all = 0, mirrors = 0, lowest = d;
     bool skew = false;
     around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         if (flat[s] < 0 || !(distance < reach)) return;
@@ -65,6 +65,7 @@ void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
         all += weight, mirrors += flat[s] * weight;
         const Vec3& normal = around.layer.normal[s];
         const Real height = r.dot(normal) - d / 2;
+        lowest = std::min(lowest, height);
         if (flat[s] == 0 || height < -d / 4 || seen.knows(normal)) return;
         for (int m = 0; m < seen.count; ++m) {
             const Real turn = normal.dot(seen.wall[m].normal);
@@ -74,7 +75,7 @@ void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
         else seen.wall[seen.count++] = {normal, around.pairs.x_own[i].dot(normal) - height, around.layer.solid[s]};
     });
     if (skew || mirrors == 0) seen.count = 0;
-    else part_[i] = mirrors / all;
+    else part_[i] = mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // on the wall its own image pushes nothing
     seen.own = seen.count;
 }
 

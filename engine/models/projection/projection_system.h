@@ -175,17 +175,6 @@ void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const Surro
     });
 }
 
-/// The projection's inner forces are not pairwise opposite. What they change of the fluid's momentum goes to the driven solids, unless
-/// fluid in a nozzle has a part in it.
-/// @param change i -> change of the velocity since `rest` was made [m/s]
-template <class Change>
-void share_rest(const Remainder& rest, const Surroundings& around, Read<field::role> role, Span<const Vec3> x, const Change& change,
-                const std::vector<std::size_t>& exact = {}) {
-    if (!around.solids.any_probed() || parallel_sum(role.size(), [&](Index i) { return role[i] != 0; }) > 0) return;
-    const Wrench gained = static_cast<double>(around.step.mass) * momentum_of(role, x, change);
-    rest.share(around.solids, around.step, -1 * (gained + rest.received(around.solids)), exact);
-}
-
 /// Writes the viscous force on what sticks to the ledgers: on a rigid surface the stress is mu d/dn of the velocity over that of the
 /// solid's own motion, continued into the fluid.
 /// @param mu of a particle [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
