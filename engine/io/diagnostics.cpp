@@ -114,12 +114,17 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     all.angular_momentum = m * (sums.segment<3>(3) + micro_inertia * sums.segment<3>(6)).matrix();
     all.density_error_mean = sums[9] > 0 ? sums[10] / sums[9] : 0;
     all.density_error_max = parallel_max(fluid.size(), 0, [&](Index i) { return counts(i) ? compression(i) : 0.0; });
-    if (!fluid.has<field::held>()) return all;
+    return all;
+}
+
+double coupled_volume(const World& world) {
+    if (!world.fluid.has<field::held>()) return 0;
+    const auto x = world.fluid.column<field::position>();
+    const auto role = world.fluid.column<field::role>();
     std::vector<Vec3> out;  // of the nozzles
     for (std::size_t k = 0; k < x.size(); ++k)
-        if (counts(k)) out.push_back(x[k]);
-    all.volume = filled_volume(out, world.step.domain, world.solids, world.step.spacing);
-    return all;
+        if (role[k] >= 0) out.push_back(x[k]);
+    return filled_volume(out, world.step.domain, world.solids, world.step.spacing);
 }
 
 std::string diagnostics_header() {

@@ -14,7 +14,7 @@ struct Measures : Energies {
     Vec3d momentum = Vec3d::Zero();                        ///< kg m/s
     Vec3d angular_momentum = Vec3d::Zero();                ///< kg m^2/s about the origin, sum m (x cross u + theta w)
     double density_error_mean = 0, density_error_max = 0;  ///< compression, max(0, rho/rho_0 - 1); 0 where no density is kept
-    double volume = 0;                                     ///< filled_volume() with the coupled solve, else 0
+    double volume = 0;                                     ///< coupled_volume() where it was found, else 0
 };
 
 /// Volume of the points outside solids that are within r of a particle, V(r), over that of the particles, n d^3 (in the plane n d^2): the
@@ -23,6 +23,8 @@ struct Measures : Energies {
 /// about d^2/R^2 too little. In cells of half a spacing. 0 without particles and where they are strewn too widely.
 /// @param x [m] @param spacing d [m]
 double filled_volume(Span<const Vec3> x, const Domain& domain, const Solids& solids, Real spacing);
+/// The same of all particles outside nozzles with the coupled solve, else 0.
+double coupled_volume(const World& world);
 
 /// @param gravity m/s^2 at the row's time @param micro_inertia theta, m^2 (1 where the scene's unit is dimensionless)
 Measures measure(const World& world, const Vec3d& gravity, double micro_inertia);

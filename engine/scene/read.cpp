@@ -280,4 +280,10 @@ bool Scene::viscosity_ages_by_place() const {
 
 Place Scene::place(const std::string& key) const { return place_in(places, key); }
 
+double frame_time(const Scene& scene, int frame) { return (frame - 1) * scene.time.frame_interval(); }
+
+int frame_count(const Scene& scene) {
+    return static_cast<int>(std::floor(scene.time.end / scene.time.frame_interval() * (1 + 1e-12) + 1e-9)) + 1;
+}
+
 }  // namespace whorl

@@ -333,10 +333,9 @@ struct Scene {
 };
 
 /// Frame k shows the time (k - 1) frame_interval(); frame 1 the start.
-inline double frame_time(const Scene& scene, int frame) { return (frame - 1) * scene.time.frame_interval(); }
+/// Not inline: contracted with a difference it would be another number than the time that a run reaches.
+double frame_time(const Scene& scene, int frame);
 /// The last frame that is not past time.end. A hair more than the product, for ends that are a whole number of frames up to rounding.
-inline int frame_count(const Scene& scene) {
-    return static_cast<int>(std::floor(scene.time.end / scene.time.frame_interval() * (1 + 1e-12) + 1e-9)) + 1;
-}
+int frame_count(const Scene& scene);
 
 }  // namespace whorl

@@ -257,7 +257,7 @@ struct Vessel {
 /// Honey 12 d wide and 8 d deep in a vessel that it sticks to.
 struct Rest {
     double height;  ///< of the fluid's centre over half of the depth that its volume fills, less 1
-    double volume;  ///< Measures::volume over that at the start, less 1
+    double volume;  ///< coupled_volume() over that at the start, less 1
 };
 
 Rest rest_of(const Vessel& v, double seconds) {
@@ -276,12 +276,12 @@ Rest rest_of(const Vessel& v, double seconds) {
             "[time]\nend = 30\n[domain]\nmin = {}\nmax = {}\n{}[fluid]\nspacing = {}\nviscosity = {}\n[models]\npressure = \"coupled\"\n",
             corner(-1.5 * R, -3 * d), corner(1.5 * R, 3 * H), plane ? "dimensions = 2\n" : "", d, v.viscosity) +
         part("block", H, fmt::format("sampling = \"{}\"\n", v.sampling).c_str()) + part("solid", 2.5 * H, "inside = true\n"));
-    const double before = pool.measures().volume;
+    const double before = coupled_volume(pool.simulation.world());
     pool.run_until(seconds);
     const Measures after = pool.measures();
     const double n = static_cast<double>(after.particles), volume = n * d * d * (plane ? 1 : d),
                  area = jar ? std::numbers::pi * R * R : 2 * R * (plane ? 1 : 2 * R);
-    return {after.potential_energy / (1000 * volume * 9.81 * volume / area / 2) - 1, after.volume / before - 1};
+    return {after.potential_energy / (1000 * volume * 9.81 * volume / area / 2) - 1, coupled_volume(pool.simulation.world()) / before - 1};
 }
 
 }  // namespace
