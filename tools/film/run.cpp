@@ -237,7 +237,7 @@ std::optional<Divergence> Run::simulate() {
 
 /// The frame's row, its lines in the probes' tables, and its picture on the way.
 void Run::add_frame() {
-    constexpr int frames_a_volume = 8;  // found in each frame, it would take 15 % of a thread's time
+    constexpr int frames_a_volume = 24;  // found in each frame, it would take 15 % of a thread's time
     FrameSummary summary = loop_->measure_frame();
     if (frame_ % frames_a_volume == 1) summary.measures.volume = coupled_volume(simulation_.world());
     tables_->add_frame(frame_, summary, times_.wall(), times_.cpu());

@@ -276,7 +276,8 @@ SolveReport CoupledStep::solve(double reference) {
         M(load, work);
     }
     const SolveReport report = conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
-    // The residual's momentum: without it the fluid as a whole lags behind its load by the tolerance, step after step.
+    if (!unknowns.any_slip) return report;
+    // The residual's momentum: without it fluid that slides lags as a whole behind its load by the tolerance, step after step.
     Column<Vec3> rest(n);
     parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, M.coarse(i)); });
     if (!solids.any_probed()) return report;
