@@ -372,7 +372,9 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const Remainder rest(around.solids, Push::pressure);
     bodies_.push(q, around.solids);
     write_ledgers(wall, around, role, rho.values, q);
-    if (D_.mirrors.size() > 0)  // two walls with one normal: images push a pair unequally
+    const auto& solids = around.solids.all;
+    if (D_.mirrors.size() > 0 && std::all_of(solids.begin(), solids.end(), [](const Solid& solid) { return solid.keeps_ledger(); }))
+        // Images in two walls with one normal push a pair unequally.
         share_rest(rest, around, role, around.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
     if (step.to_frame_time) find_pressures(wall, around, rho.values, q, p.values);
     if (filled) matrix.push(q);  // solve() has left it there
