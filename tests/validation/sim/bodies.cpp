@@ -155,7 +155,7 @@ TEST_CASE("a ball that is thrown into a pool at five spacings a hundredth of a s
 
 TEST_CASE(
     "a cube thirty and a hundred times as dense as water that lands on the floor of a pool gains no energy, and its steps do not collapse",
-    "[validation][bodies]") {
+    "[validation][bodies][long]") {
     // The film of water under it mends its density under a body that weighs as much as 180 and 600 layers. When that went by the step's
     // length, cubes were thrown up faster and faster. All energy that there is: the cube's own and its fall from the pool's surface to the
     // floor, and the water's.
