@@ -29,7 +29,7 @@ struct CoupledOptions {
         0.0125;  ///< in the plane loose ones under pressure meet up to this Neighbourhood::surface; from twice this on no more
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
-    double memory = 0.98;  ///< from step to step, of the multiplier beyond 0 to the weight of the fluid, which is kept
+    double memory = 0.98, weight_memory = 0.999;  ///< from step to step, of the multiplier; of its part from 0 to the fluid's weight
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
     double evening_rate = 1,

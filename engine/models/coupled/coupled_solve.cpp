@@ -372,8 +372,8 @@ void CoupledStep::keep_momentum() {
 }
 
 /// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched thread
-/// together and makes it thin is p < 0. If it forgot a part of the weight p at each step, fluid at rest would sink with tr D of that part
-/// of p/lambda. Beyond the weight it forgets: in a room that is too full it would grow without end.
+/// together and makes it thin is p < 0. Of the weight it forgets less than of what is beyond: fluid at rest sinks with tr D of that part of
+/// p/lambda. It must forget something: in a room that is too full it would grow without end.
 void CoupledStep::take_over() {
     const auto depth = [&](Index i) { return static_cast<double>(step.gravity.dot(x[i])); };
     const double infinity = std::numeric_limits<double>::infinity();
@@ -386,7 +386,7 @@ void CoupledStep::take_over() {
         const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / (dt * system.rows.neighbourhood[i].volume);
         p[i] -= lambda * (form.divergence(i, G[i]) - divergence[i]);
         const Real kept = std::clamp(p[i], Real(0), static_cast<Real>(weight));
-        p[i] = kept + static_cast<Real>(options.memory) * (p[i] - kept);
+        p[i] = static_cast<Real>(options.weight_memory) * kept + static_cast<Real>(options.memory) * (p[i] - kept);
     });
 }
 

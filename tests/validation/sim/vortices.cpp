@@ -107,7 +107,8 @@ TEST_CASE("Taylor-Green vortices converge with the spacing at second order or be
     }
 }
 
-TEST_CASE("Taylor-Green vortices in a slab of eight layers keep energy and velocity within 2 % of theory", "[validation][projection][long]") {
+TEST_CASE("Taylor-Green vortices in a slab of eight layers keep energy and velocity within 2 % of theory",
+          "[validation][projection][long]") {
     for (const char* sampling : {"lattice", "jittered"}) {
         INFO(sampling);
         hold_to_theory(
