@@ -343,7 +343,8 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     const bool filled = fills_periodic_domain(around, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
-    const Real time = correction_time(u.values, step), calm = filled ? Real(1) : calm_share(rho.values, u.values, step);
+    const Real time = correction_time(u.values, step),
+               calm = filled || around.layer.size() == 0 ? Real(1) : calm_share(rho.values, u.values, step);
     std::vector<char> at_bodies(static_cast<std::size_t>(n), 0);
     bodies_.mark(at_bodies);
     parallel_for(n, [&](Index i) {

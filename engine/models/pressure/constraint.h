@@ -95,8 +95,8 @@ private:
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
     /// Share of the correction that keeps the whole fluid calm. An error e that all of a fluid of size L has moves its surface by e L,
     /// which within a short step dt throws it up: a tank 1 m deep with e = 9e-4, what a lattice in 2D has, at 2 m/s where dt is 0.1 ms.
-    /// The mean error is corrected no faster than with 3 % of sqrt(g L) + the mean speed. @returns 1 where it is slower, and where nothing
-    /// moves or has weight
+    /// The mean error is corrected no faster than with 3 % of sqrt(g L) + the mean speed. For fluid that solids hold. @returns 1 where it
+    /// is slower, and where nothing moves or has weight
     Real calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const;
     /// Adds e/dt to b_. @param force D^T q
     void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
