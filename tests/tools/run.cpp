@@ -42,6 +42,18 @@ void check_same_particles(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
+TEST_CASE("a run whose end lies between two frames is done with the last of them", "[tools][run]") {
+    // Its time then is that of the frame to the bit.
+    const Scratch scratch;
+    for (const char* until : {"0.07", "0.13", "0.21", "0.3"}) {
+        INFO(until);
+        const Outcome run = test::whorl(
+            {"render", scratch.scene(), "--no-images", "--fps", "24", "--until", until, "--quiet", "--overwrite", "--out", scratch.run()});
+        INFO(run.err);
+        CHECK(run.code == 0);
+    }
+}
+
 TEST_CASE("a run writes a row a frame, its probes, its settings and what it used", "[tools][render]") {
     const Scratch scratch;
     const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--out", scratch.run(), "--json"});
