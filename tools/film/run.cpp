@@ -241,7 +241,7 @@ void Run::add_frame() {
     // Each second: found in each frame, it would take 15 % of a thread's time.
     const int frames_a_volume = std::max(1, static_cast<int>(std::lround(1 / scene_.time.frame_interval())));
     FrameSummary summary = loop_->measure_frame();
-    if ((frame_ - 1) % frames_a_volume == 0 || frame_ == last_) summary.measures.volume = coupled_volume(simulation_.world());
+    if ((frame_ - 1) % frames_a_volume == 0) summary.measures.volume = coupled_volume(simulation_.world());
     tables_->add_frame(frame_, summary, times_.wall(), times_.cpu());
     const double now = wall_seconds(), seconds = now - std::exchange(frame_done_at_, now);
     if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
