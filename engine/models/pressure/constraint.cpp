@@ -196,6 +196,7 @@ bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
 std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(const Surroundings& around, Span<const Real> q,
                                                                                Index i) const {
     std::vector<ByImages> all;
+    if (D_.mirrors.size() == 0) return all;
     std::size_t k = D_.first[i];
     D_.mirrors.seen(around).pairs.of(i, [&](Index g, const Vec3& r, Real) {
         const Real c = D_.slope[k++];
@@ -370,13 +371,14 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
                 static_cast<double>(step.dt * step.volume / step.rest_density),
             step.dimensions());
     }
-    const Remainder rest(around.solids, Push::pressure);
+    const auto& solids = around.solids.all;
+    // Images in two walls with one normal push a pair unequally.
+    const bool unequal =
+        D_.mirrors.size() > 0 && std::all_of(solids.begin(), solids.end(), [](const Solid& solid) { return solid.keeps_ledger(); });
+    const Remainder rest = unequal ? Remainder(around.solids, Push::pressure) : Remainder();
     bodies_.push(q, around.solids);
     write_ledgers(wall, around, role, rho.values, q);
-    const auto& solids = around.solids.all;
-    if (D_.mirrors.size() > 0 && std::all_of(solids.begin(), solids.end(), [](const Solid& solid) { return solid.keeps_ledger(); }))
-        // Images in two walls with one normal push a pair unequally.
-        share_rest(rest, around, role, around.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
+    if (unequal) share_rest(rest, around, role, around.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
     if (step.to_frame_time) find_pressures(wall, around, rho.values, q, p.values);
     if (filled) matrix.push(q);  // solve() has left it there
     parallel_for(n, [&](Index i) {

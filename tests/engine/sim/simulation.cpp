@@ -177,8 +177,8 @@ TEST_CASE("no particle of a block begins nearer than 0.45 spacings to a solid, o
 }
 
 TEST_CASE("a viscous block fitted to a round vessel begins no more than 15 % too dense, above the floor too", "[sim]") {
-    // 8 spacings across the radius; 13 % found. Where the fitted particles overlapped those over the floor, rings of cells were 39 % too
-    // dense in the mean, and wcsph threw the block up by 40 % of its potential energy within .1 s (now by 2 %).
+    // 8 spacings across the radius; 13 % found. Fitted particles that overlap those over the floor make rings of cells 39 % too dense, and
+    // wcsph throws such a block up by 40 % of its potential energy within .1 s.
     Simulation simulation = simulation_of(R"toml([time]
 end = 1
 [domain]
