@@ -46,16 +46,17 @@ Pose RigidBody::pose() const {
 }
 
 void RigidBody::save(std::ostream& out) const {
-    for (const double* values : {centre.data(), velocity.data(), spin_momentum.data()})
+    for (const double* values : {centre.data(), velocity.data(), spin_momentum.data(), pressed.force.data(), pressed.torque.data()})
         out.write(reinterpret_cast<const char*>(values), 3 * sizeof(double));
     out.write(reinterpret_cast<const char*>(turn.coeffs().data()), 4 * sizeof(double));
 }
 
 bool RigidBody::load(std::istream& in) {
-    for (double* values : {centre.data(), velocity.data(), spin_momentum.data()})
+    for (double* values : {centre.data(), velocity.data(), spin_momentum.data(), pressed.force.data(), pressed.torque.data()})
         in.read(reinterpret_cast<char*>(values), 3 * sizeof(double));
     in.read(reinterpret_cast<char*>(turn.coeffs().data()), 4 * sizeof(double));
-    return centre.allFinite() && velocity.allFinite() && spin_momentum.allFinite() && std::abs(turn.norm() - 1) < 1e-3;
+    return centre.allFinite() && velocity.allFinite() && spin_momentum.allFinite() && pressed.force.allFinite() &&
+           pressed.torque.allFinite() && std::abs(turn.norm() - 1) < 1e-3;
 }
 
 }  // namespace whorl

@@ -259,7 +259,7 @@ private:
         if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
         if (plan_.viscosity == ViscosityModel::xsph)
             stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)}, &EnergyBudget::smoothing);
-        const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !bodies_;
+        const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface;
         // Half of what these two do together belongs to the viscosity: its work is then F.(u + v)/2, with the velocity before the first and
         // that after the solve, in which no pressure of neighbours that cancels out over the steps is left.
         if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
