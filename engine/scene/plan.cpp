@@ -204,9 +204,11 @@ private:
         if (plan_.pressure != PressureModel::ppe) return;
         const double above = plan_.facts.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
         const bool many = plan_.estimated_particles >= above;
-        plan_.preconditioner =
-            choose("pressure.preconditioner", scene_.pressure.preconditioner, many ? Preconditioner::multigrid : Preconditioner::jacobi,
-                   fmt::format("{:.3g} particles; its set-up pays from {:.3g} that press at a time", plan_.estimated_particles, above));
+        const bool asked = plan_.facts.pressure.source == PressureSource::density && scene_.pressure.asks_for_multigrid();
+        plan_.preconditioner = choose(
+            "pressure.preconditioner", scene_.pressure.preconditioner, many || asked ? Preconditioner::multigrid : Preconditioner::jacobi,
+            asked ? std::string("pressure.cycle and pressure.sweeps are of it")
+                  : fmt::format("{:.3g} particles; its set-up pays from {:.3g} that press at a time", plan_.estimated_particles, above));
     }
 
     void choose_boundary() {

@@ -130,6 +130,7 @@ struct PressureKeys {
     bool clamp = true;                                          ///< source density: p = max(0, p) after the solve
     MultigridCycle cycle = MultigridCycle::additive;            ///< source density
     int sweeps = 1;                                             ///< source density: of a multigrid cycle, before and after each correction
+    bool asks_for_multigrid() const { return cycle != MultigridCycle::additive || sweeps != 1; }
     std::optional<double> correction;  ///< share of the density error that a step corrects; none: "auto", 0.5, of source density 0.1
     double damping = 2;              ///< constraint and source density: of motion between neighbours that is not resolved, times sqrt(g/d)
     double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
@@ -149,6 +150,7 @@ struct ViscosityKeys {
     LaplacianForm without_spin() const { return laplacian.value_or(LaplacianForm::brookshaw); }
     double alpha = 0.002;    ///< xsph
     bool correction = true;  ///< full: corrected gradients; false: as in the note
+    double penalty = 0.3;    ///< full, full_assembled: of mu, on what alternates from particle to particle
 };
 
 struct MicropolarKeys {

@@ -206,6 +206,13 @@ KeyTable viscosity_keys() {
         .live();
     t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
         .only_with(model, {"full"});
+    t.key("penalty", &ViscosityKeys::penalty, "",
+          "over the viscosity, on velocities that alternate from particle to particle, which gradients do not see; 0, with full_assembled "
+          "or "
+          "without correction: the system as printed, in which solids have no stress and every second layer slides")
+        .at_least(0)
+        .at_most(2)
+        .only_with(model, implicit);
     return t;
 }
 

@@ -365,8 +365,9 @@ private:
         ParticleMultigrid levels = poisson_levels_in(scene_.domain.dimensions);
         levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
         levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
-        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
-                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(
+            scene_.pressure.preconditioner, scene_.pressure.asks_for_multigrid() ? poisson_multigrid(levels) : poisson_automatic(levels),
+            poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         stage("pressure equation", "pressure", PoissonPressure{options}, &EnergyBudget::pressure);
         pressure_limit(cfl());
     }
@@ -439,6 +440,7 @@ private:
             options.gate = gate_;
             const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
             options.diagonal = wanted != ViscousPreconditioner::none;
+            options.penalty = static_cast<Real>(scene_.viscosity.penalty);
             if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
             if (wanted == ViscousPreconditioner::two_level) options.coarse_above = 0;
             if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options), &EnergyBudget::viscosity);
@@ -447,6 +449,7 @@ private:
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             AssembledViscosityOptions options;
             options.limits = limits;
+            options.penalty = static_cast<Real>(scene_.viscosity.penalty);
             options.share = static_cast<Real>(plan_.spin.implicit_share);
             options.solid_factor = solid_factor_;
             options.gate = gate_;

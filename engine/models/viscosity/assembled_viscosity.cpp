@@ -5,6 +5,7 @@
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
+#include "engine/models/strain/moment.h"
 
 namespace whorl {
 namespace {
@@ -20,15 +21,55 @@ Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
 /// What the coefficients are made of.
 struct AssembledOperator::Gradients {
     Column<Vec3> gradW;         ///< of each pair
-    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times its volume over that of the fluid at rest; 0 where the fluid slips
+    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times stretch and its volume over that at rest; 0 where the fluid slips
+    Column<Real> stretch;       ///< of each pair with a solid, see models/boundary/wall.h
+    Column<Real> spring;        ///< of each pair, V |W'|/r; empty: no penalty
     Column<Vec3> omega, alpha;  ///< sum_j grad W_ij and sum_j a_ij
     Column<Real> stress;        ///< m^ mu^_i
     Column<Real> volume;        ///< m/rho_i
     Real rest_volume = 0;
     bool own_volume = true;
+    /// The penalty's gradient is grad u L; at a wall that of the strain rate, sym(P grad u L), is the same.
+    struct Penalty {
+        Mat3 L = Mat3::Zero(), P = Mat3::Identity();
+        Real twice = 0, springs = 0;  ///< 2 c, see viscous_operator.h; 2 c sum_s V |W'|/r stretch^2
+    };
+    Column<Penalty> penalty;  ///< empty: none
+    bool at_wall(Index i) const { return !penalty.empty() && penalty[i].springs > 0; }
+    bool own(Index i) const { return own_volume || at_wall(i); }
     /// a_ij = V_i grad W_ij, or V_j as printed.
-    Vec3 a(Index i, Index j, std::size_t pair) const { return volume[own_volume ? i : j] * gradW[pair]; }
-    Vec3 solid_a(Index i, std::size_t pair) const { return (own_volume ? volume[i] : rest_volume) * solid_gradW[pair]; }
+    Vec3 a(Index i, Index j, std::size_t pair) const { return volume[own(i) ? i : j] * gradW[pair]; }
+    Vec3 solid_a(Index i, std::size_t pair) const { return (own(i) ? volume[i] : rest_volume) * solid_gradW[pair]; }
+    /// m^ mu^_i times the nine coefficients, of the energy of particle i.
+    Mat3 coefficients(Index i, const Vec3& b, const Vec3& a) const {
+        if (penalty.empty()) return stress[i] * nine_coefficients(b, a);
+        const Penalty& p = penalty[i];
+        const Vec3 La = p.L * a;
+        Mat3 c = stress[i] * nine_coefficients(b, a);
+        if (p.springs > 0) c = stress[i] * p.P * nine_coefficients(p.L * b, La) * p.P;
+        c.diagonal().array() -= p.twice * rest_volume * b.dot(La);
+        return c;
+    }
+    /// m^ mu^_i Q_i of A = sum_j (u_i - u_j) a_ij^T.
+    Mat3 stress_of(Index i, const Mat3& A, const Mat3& T = Mat3::Zero()) const {
+        Mat3 Q = stress[i] * (2 * T + A + A.transpose());
+        if (penalty.empty()) return Q;
+        const Penalty& p = penalty[i];
+        const Mat3 G = p.P * A * p.L;
+        if (p.springs > 0) Q = stress[i] * p.P * (2 * p.P * T * p.P + G + G.transpose()) * p.L;
+        return Q - p.twice * rest_volume * A * p.L;
+    }
+    /// 2 c V |W'|/r stretch^2 of a pair with a solid.
+    Real solid_spring(Index i, std::size_t pair, Real distance) const {
+        return at_wall(i) && distance > 0 ? penalty[i].twice * rest_volume * solid_gradW[pair].norm() * stretch[pair] / distance : 0;
+    }
+    /// What u_i is relative to: with the factor stretch, that continues the shear behind the surface.
+    Vec3 velocity(const Surroundings& around, Index s, const Vec3& r, std::size_t pair) const {
+        const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
+        const Vec3 x = around.layer.position[s];
+        const Vec3 there = pose.velocity_over(around.step.dt, x);
+        return stretch[pair] == 1 ? there : Vec3(((stretch[pair] - 1) * pose.velocity_over(around.step.dt, x + r) + there) / stretch[pair]);
+    }
 };
 
 void AssembledOperator::set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role,
@@ -45,17 +86,24 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
         g.stress[i] = step.mass * step.dt * mu[i] / (rho[i] * rho[i]);
         if (options.share != 1) g.stress[i] *= options.share;
     });
-    const bool walls = around.layer.size() > 0;
-    if (walls) g.solid_gradW.resize(around.solid_pairs.other.size());
     const std::vector<char> slip = slips(around.solids);
+    const bool walls = around.layer.size() > 0, springs_act = options.penalty > 0;
+    if (walls) g.solid_gradW.resize(around.solid_pairs.other.size()), g.stretch.resize(around.solid_pairs.other.size());
+    if (springs_act) g.spring.resize(g.gradW.size()), g.penalty.resize(n);
+    const WallShear shear{step.spacing / 2};
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
             Vec3 omega = Vec3::Zero(), alpha = Vec3::Zero();
+            Mat3d moment = Mat3d::Zero();
+            Real springs = 0;
             std::size_t k = around.pairs.first[i];
-            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            around.pairs.of(i, [&](Index, const Vec3& r, Real distance) {
                 g.gradW[k] = kernel_gradient(kernel, r, distance);
-                omega += g.gradW[k];
-                alpha += g.a(i, j, k++);
+                if (springs_act) {
+                    g.spring[k] = distance > 0 ? step.volume * g.gradW[k].norm() / distance : 0;
+                    moment += (g.spring[k] * r * r.transpose()).template cast<double>();
+                }
+                omega += g.gradW[k++];
             });
             if (walls) {
                 k = around.solid_pairs.first[i];
@@ -63,11 +111,25 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
                     options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options.solid_factor);
                 around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                     const Real volume = slip[around.layer.solid[s]] ? 0 : factor * around.layer.volume[s];
-                    g.solid_gradW[k] = volume / step.volume * kernel_gradient(kernel, r, distance);
+                    const Vec3 gradW = volume / step.volume * kernel_gradient(kernel, r, distance);
+                    g.stretch[k] = springs_act ? shear.stretch(r, around.layer.normal[s]) : 1;
+                    g.solid_gradW[k] = g.stretch[k] * gradW;
                     omega += g.solid_gradW[k];
-                    alpha += g.solid_a(i, k++);
+                    if (const Real w = distance > 0 ? step.volume * gradW.norm() / distance : 0; springs_act && w > 0) {
+                        moment += (w * r * r.transpose()).template cast<double>();
+                        springs += g.stretch[k] * g.stretch[k] * w;
+                    }
+                    ++k;
                 });
             }
+            if (springs_act && moment.trace() > 0) {
+                const Moment m = invert_moment(moment, kernel.dimensions);
+                const Real c = options.penalty * g.stress[i] / g.volume[i] * static_cast<Real>(kernel.dimensions / moment.trace());
+                g.penalty[i] = {m.inverse.cast<Real>() * step.volume / g.volume[i], m.resolved.cast<Real>(), 2 * c, 2 * c * springs};
+            }
+            for (k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) alpha += g.a(i, around.pairs.other[k], k);
+            if (walls)
+                for (k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k) alpha += g.solid_a(i, k);
             g.omega[i] = omega;
             g.alpha[i] = alpha;
         });
@@ -85,7 +147,7 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
     if (touches_wall_ && around.solids.any_probed()) gradients_ = std::make_shared<const Gradients>(std::move(g));
 }
 
-// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i.
+// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i, and what the penalty pulls.
 void AssembledOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
     if (!gradients_) return;
     const Surroundings& around = step.around;
@@ -96,11 +158,12 @@ void AssembledOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3>
             const Index j = around.pairs.other[k];
             a -= u[j] * g.a(i, j, k).transpose();
         }
-        const Mat3 Q = known_stress_[i] + g.stress[i] * (a + a.transpose());
-        return [&, i, Q](Index s, const Vec3&, Real) {
+        const Mat3 Q = known_stress_[i] + g.stress_of(i, a);
+        return [&, i, Q](Index s, const Vec3& r, Real distance) {
             std::size_t k = around.solid_pairs.first[i];
             while (around.solid_pairs.other[k] != s) ++k;
-            return Vec3(-(Q * g.solid_gradW[k]));
+            const Vec3 pull = g.solid_spring(i, k, distance) * (u[i] - g.velocity(around, s, r, k));
+            return PushAt(-(Q * g.solid_gradW[k]) - pull, g.at_wall(i) ? Vec3(r / g.stretch[k]) : Vec3(Vec3::Zero()));
         };
     });
 }
@@ -123,17 +186,24 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
         };
         for (Index i = begin; i < end; ++i) {
             rows.first.push_back(rows.other.size());
-            own_[i] = Mat3::Identity() + g.stress[i] * nine_coefficients(g.omega[i], g.alpha[i]);
+            own_[i] = Mat3::Identity() + g.coefficients(i, g.omega[i], g.alpha[i]);
             add(i, own_[i]);
+            Real springs = g.penalty.empty() ? 0 : g.penalty[i].springs;
             for (std::size_t e = pairs.first[i]; e < pairs.first[i + 1]; ++e) {
                 const Index j = pairs.other[e];
                 const Vec3& gradW = g.gradW[e];
-                add(j, g.stress[j] * nine_coefficients(gradW, g.alpha[j]) - g.stress[i] * nine_coefficients(g.omega[i], g.a(i, j, e)));
+                add(j, g.coefficients(j, gradW, g.alpha[j]) - g.coefficients(i, g.omega[i], g.a(i, j, e)));
+                if (!g.penalty.empty()) {
+                    const Real spring = (g.penalty[i].twice + g.penalty[j].twice) * g.spring[e];
+                    add(j, -spring * Mat3::Identity());
+                    springs += spring;
+                }
                 for (std::size_t f = pairs.first[j]; f < pairs.first[j + 1]; ++f) {
                     const Index k = pairs.other[f];
-                    add(k, -g.stress[j] * nine_coefficients(gradW, g.a(j, k, f)));
+                    add(k, -g.coefficients(j, gradW, g.a(j, k, f)));
                 }
             }
+            if (springs > 0) add(i, springs * Mat3::Identity());
             for (std::size_t e = rows.first.back(); e < rows.other.size(); ++e) place[rows.other[e]] = -1;
         }
         rows.first.push_back(rows.other.size());
@@ -144,20 +214,20 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
 void AssembledOperator::set_known_force(const Gradients& g, const Surroundings& around, Span<const Mat3> before) {
     const Index n = size();
     Column<Mat3> Q(n);
+    known_force_.assign(n, Vec3::Zero());
     parallel_for(n, [&](Index i) {
-        Q[i] = before.empty() ? Mat3(Mat3::Zero()) : Mat3(2 * g.stress[i] * curvature_strain(before[i], around.step.dt));
-        if (!touches_wall_) return;
-        Mat3 gradient = Mat3::Zero();
-        for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k) {
-            const Index s = around.solid_pairs.other[k];
-            const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
-            gradient += pose.velocity_over(around.step.dt, around.layer.position[s]) * g.solid_a(i, k).transpose();
-        }
-        Q[i] -= g.stress[i] * (gradient + gradient.transpose());
+        Mat3 A = Mat3::Zero();
+        std::size_t k = touches_wall_ ? around.solid_pairs.first[i] : 0;
+        if (touches_wall_)
+            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                const Vec3 velocity = g.velocity(around, s, r, k);
+                A -= velocity * g.solid_a(i, k).transpose();
+                known_force_[i] -= g.solid_spring(i, k++, distance) * velocity;
+            });
+        Q[i] = g.stress_of(i, A, before.empty() ? Mat3(Mat3::Zero()) : curvature_strain(before[i], around.step.dt));
     });
-    known_force_.resize(n);
     parallel_for(n, [&](Index i) {
-        Vec3 sum = Q[i] * g.omega[i];
+        Vec3 sum = known_force_[i] + Q[i] * g.omega[i];
         for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) sum += Q[around.pairs.other[k]] * g.gradW[k];
         known_force_[i] = sum;
     });

@@ -7,9 +7,7 @@
 #include <memory>
 
 #include "engine/models/strain/curvature.h"
-#include "engine/models/viscosity/implicit_viscosity.h"
-#include "engine/particles/surroundings.h"
-#include "engine/sph/gate.h"
+#include "engine/models/viscosity/viscous_operator.h"
 
 namespace whorl {
 
@@ -21,6 +19,7 @@ struct AssembledViscosityOptions {
     /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix
     /// is not symmetric where densities differ.
     bool own_volume = true;
+    Real penalty = viscous_penalty;  ///< see FullViscosityOptions
 };
 
 /// The nine coefficients that a product of grad W and a gives: row a: equation of u, v, w; column b: coefficient of u, v, w.
@@ -36,7 +35,7 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 /// u_i + m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij = u*_i,   Q_i = 2 T_i - grad u_i - (grad u_i)^T,  m^ = m dt,  mu^ = mu/rho^2,
 /// T the curvature of the move (models/strain/curvature.h).
 /// The second ring k holds i itself and i's neighbours: their coefficients add up in one entry. Solids are neighbours with a velocity that
-/// is known and no stress of their own.
+/// is known. With a penalty they continue the shear and mirror the stress, as in viscous_operator.h; without (as printed) they have none.
 class AssembledOperator final : public ImplicitOperator {
 public:
     /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0

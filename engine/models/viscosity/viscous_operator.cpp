@@ -58,19 +58,21 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
             K_[i] = step.dt * mu[i] / step.rest_density;
             if (options.share != 1) K_[i] *= options.share;
             if (friction_.acts()) dt_nu_[i] = K_[i], K_[i] *= 1 - friction_.counted(i);
+            const Real compression = options.correction || density.empty() ? 1 : density[i] / step.rest_density;
+            K_[i] /= compression;  // dt mu V_i/m
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
-            if (options.correction) {
+            if (stretches()) {
                 const Moment moment = invert_moment(M, kernel.dimensions);
                 whole_[i] = moment.whole;
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
                 if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
-            } else {
-                const Real compression = density.empty() ? 1 : density[i] / step.rest_density;
+            }
+            if (!options.correction && (!stretches() || wall_.empty() || !(wall_[i].near.spring > 0))) {
+                whole_[i] = 2, P_[i] = M_[i];
                 M_[i].set(Mat3::Identity() / compression);  // V_i/V
-                K_[i] /= compression;                       // dt mu V_i/m
             }
             if (!wall_.empty()) {
                 Wall& wall = wall_[i];
@@ -103,7 +105,7 @@ void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Sur
                 if (slip[whose] || !(w > 0)) return;
                 const bool body = around.solids.all[whose].body.has_value();
                 touches[i] |= !body;
-                const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
+                const Real stretch = stretches() ? shear.stretch(r, layer.normal[s]) : 1;
                 // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall in the step's middle
                 const Pose& pose = around.solids.all[whose].pose;
                 const Vec3 here = pose.velocity_over(step.dt, layer.position[s] + r);
@@ -140,7 +142,7 @@ void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
         S.diagonal().array() += h.squaredNorm();
         if (whole_[j]) B += K_[j] * S;
         else B += K_[j] * P_[j].matrix() * S * P_[j].matrix();
-        return h.dot(g);
+        return whole_[j] == 2 ? g.dot(P_[j].matrix() * g) : h.dot(g);
     };
     Column<Mat3> blocks(K_.size());
     parallel_for(size(), [&](Index i) {

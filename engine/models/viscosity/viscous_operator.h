@@ -10,13 +10,16 @@
 
 namespace whorl {
 
+inline constexpr Real viscous_penalty = Real(0.3);
+
 struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real share = 1;                 ///< of mu
     bool correction = true;         ///< gradients exact for linear fields; false: as in the note, which slows free rotation down
     /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
-    /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05.
-    Real penalty = Real(0.3);
+    /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05. Without correction 0 is the
+    /// plain system as printed, in which solids have no stress.
+    Real penalty = viscous_penalty;
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
     bool diagonal = true;     ///< the diagonal blocks precondition, and measure the residual; false: nothing does
@@ -37,7 +40,8 @@ struct FullViscosityOptions {
 /// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and
 /// positive definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and
 /// angular momentum. V is the volume at rest, for an incompressible fluid the true one, also at the surface. As in the note (correction =
-/// false): M^+ = V_i/V, P = 1, no penalty, V_i = m/rho_i in the gradient and in the energy; a rotation then costs energy at a free surface.
+/// false): M^+ = V_i/V and P = 1 in D_i, V_i = m/rho_i in the gradient and in the energy; a rotation then costs energy at a free surface.
+/// The penalty keeps its G_i, and within reach of solids that the fluid sticks to D_i has it, too, unless penalty is 0.
 class ViscousOperator final : public ImplicitOperator {
 public:
     /// Coefficients for these positions.
@@ -88,6 +92,7 @@ private:
     };
     /// dt nu times that of walls with a slip length.
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
+    bool stretches() const { return options_.correction || options_.penalty > 0; }
     void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const FullViscosityOptions& options, const Surroundings& around);
@@ -109,13 +114,14 @@ private:
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids
     WallFriction friction_;
-    Column<Real> dt_nu_;              ///< dt mu/rho_0; valid where there is friction
-    Column<Wall> wall_;               ///< empty: there are no solids
-    Column<Mat3d> wall_moment_;       ///< what the solids add to M
-    Column<Sixteen> M_, P_;           ///< M^+ and P
-    Column<Sixteen> curvature_;       ///< 2 P T; empty: none
-    Column<Real> K_, c_;              ///< dt mu/rho_0 without the volume that the friction counts; the penalty's coefficient
-    std::vector<char> free_, whole_;  ///< whole: P = 1
+    Column<Real> dt_nu_;         ///< dt mu/rho_0; valid where there is friction
+    Column<Wall> wall_;          ///< empty: there are no solids
+    Column<Mat3d> wall_moment_;  ///< what the solids add to M
+    Column<Sixteen> M_, P_;      ///< M^+ and P
+    Column<Sixteen> curvature_;  ///< 2 P T; empty: none
+    Column<Real> K_, c_;         ///< dt mu/rho_0 without the volume that the friction counts; the penalty's coefficient
+    /// whole: P = 1; 2: and D_i is that of the note, with the penalty's M^+ in the place of P.
+    std::vector<char> free_, whole_;
     BlockDiagonal diagonal_;
     mutable ViscousBodies bodies_;
     std::vector<Mat3d> body_blocks_;  ///< inverses of the 3x3 diagonal blocks of the bodies' entries

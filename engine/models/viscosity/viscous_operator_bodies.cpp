@@ -36,7 +36,7 @@ void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const S
                 if (static_cast<std::size_t>(layer.solid[s]) != k) return;
                 const Real w =
                     -solid_factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                const Real stretch = options.correction ? shear.stretch(r, layer.normal[s]) : 1;
+                const Real stretch = stretches() ? shear.stretch(r, layer.normal[s]) : 1;
                 touch.arm = layer.position[s] + r - around.solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;
                 touch.N += w * r * r.transpose();
@@ -87,7 +87,7 @@ void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u
                     if (slip[layer.solid[s]]) return PushAt(Vec3::Zero());
                     const Real w =
                         -factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                    const Real stretch = options_.correction ? shear.stretch(r, layer.normal[s]) : 1;
+                    const Real stretch = stretches() ? shear.stretch(r, layer.normal[s]) : 1;
                     const Pose& pose = around.solids.all[layer.solid[s]].pose;
                     const Vec3 here = pose.velocity_over(around.step.dt, layer.position[s] + r);
                     const Vec3 V = (stretch - 1) * here + pose.velocity_over(around.step.dt, layer.position[s]);

@@ -121,7 +121,7 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
         G += transposed(G);
         if (!whole_[i]) G = project(in_register(P_[i]), G);
         if (with_known && !curvature_.empty()) G -= in_register(curvature_[i]);
-        const SixteenLanes Q = times(K * G - c * A, M);
+        const SixteenLanes Q = whole_[i] == 2 ? times(K * G, M) - times(c * A, P_[i].lane) : times(K * G - c * A, M);
         reinterpret_cast<SixteenLanes&>(Q_[i]) = Q;
         reinterpret_cast<SixteenLanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
         if (bodies()) set_body_forces(i, u, ui, Q_[i].matrix());

@@ -70,12 +70,13 @@ std::vector<ViscousModel> viscous_models() {
     all.push_back({"full_assembled", true, 2,
                    [](test::TestWorld& w) {
                        return acceleration_of<AssembledOperator>(w, [&](AssembledOperator& A, World& c) {
-                           A.set_up({}, c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w));
+                           A.set_up({.penalty = 0}, c.surroundings(), read<field::role>(w), read<field::density>(w),
+                                    read<field::viscosity>(w));
                        });
                    },
                    [=](double tolerance) {
                        AssembledViscosityOptions o;
-                       o.limits = {tolerance, 5000};
+                       o.limits = {tolerance, 5000}, o.penalty = 0;
                        return around(stage(AssembledViscosity(o)), false);
                    }});
     all.push_back({"full", true, 2,
