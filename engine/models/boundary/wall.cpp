@@ -31,6 +31,11 @@ public:
         return sum;
     }
 
+    double touching_wall() const {
+        const double volume = power_of(static_cast<double>(spacing_), dimensions_);
+        return volume * value(1) * behind([&](int k) { return pull(k); }) / pull(1);
+    }
+
 private:
     template <class Term>
     double sum(int k, Term&& term) const {
@@ -55,13 +60,17 @@ Real continued_lattice_factor(KernelForm form, Real support, Real spacing) {
     });
 }
 
+Real touching_wall_sum(KernelForm form, Real support, Real spacing) {
+    return with_kernel(form, support, [&](const auto& kernel) {
+        return static_cast<Real>(LatticeLayers(kernel, form.dimensions, support, spacing).touching_wall());
+    });
+}
+
 Real lacking_along_wall(KernelForm form, Real support, Real spacing) {
     return with_kernel(form, support, [&](const auto& kernel) {
         const LatticeLayers layers(kernel, form.dimensions, support, spacing);
         const double lacks = layers.behind([&](int k) { return layers.along(k); });
-        const double volume = power_of(static_cast<double>(spacing), form.dimensions);
-        const double wall = volume * layers.value(1) * layers.behind([&](int k) { return layers.pull(k); }) / layers.pull(1);
-        return static_cast<Real>(lacks / (layers.along(0) + lacks) / wall);
+        return static_cast<Real>(lacks / (layers.along(0) + lacks) / layers.touching_wall());
     });
 }
 

@@ -24,6 +24,9 @@ Real layer_factor(KernelForm kernel, Real support, Real spacing);
 /// with R = 2 d. What is divided by it is exact there for linear fields.
 Real lattice_gradient(KernelForm kernel, Real support, Real spacing);
 
+/// What a flat wall with continued_lattice_factor() adds to the kernel sum of a particle that touches it, times the particle's volume.
+Real touching_wall_sum(KernelForm kernel, Real support, Real spacing);
+
 /// Between fluid on a lattice and a flat wall, what the layer at the wall lacks of the pull along the wall, over what the wall adds to its
 /// kernel sum: with 1/(1 - this times that sum) the layer's own pairs make good for it.
 Real lacking_along_wall(KernelForm kernel, Real support, Real spacing);

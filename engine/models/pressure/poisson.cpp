@@ -124,6 +124,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
     const StepContext& step = around.step;
     const Real V = step.volume;
     const Real enough = V * Real(1e-6) / (step.spacing * step.spacing);
+    const Real alone = V * kernel.value(0) + touching_wall_sum(step.kernel, step.support, step.spacing);  // a separated particle at a wall
     parallel_for(rho.size(), [&](Index i) {
         const PressureClass mine = class_[i];
         const bool unknown = mine == PressureClass::poisson;
@@ -164,7 +165,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
             });
         const Real alpha = V * uniform.squaredNorm();
         pin += alpha;
-        b_[i] = source(step, i, rho[i] / step.rest_density - 1, rate);
+        b_[i] = source(step, i, rho[i] / step.rest_density - (unknown ? 1 : alone), rate);
         if (unknown) {
             matrix_.pin[i] = pin;
             matrix_.diagonal[i] = std::max(row + pin, smallest);

@@ -70,4 +70,37 @@ max = [{5}, 0.45, 1]
     CHECK(simulation.totals().lost_particles == 0);
 }
 
+TEST_CASE("pressure.source density: a particle that falls alone comes to rest half a spacing above the floor, by its own pressure",
+          "[validation][pressure]") {
+    // It approaches by a tenth of what is left a step, and its weight holds it g dt^2/share = .01 d higher at most.
+    for (const int dimensions : {2, 3}) {
+        const bool plane = dimensions == 2;
+        Simulation simulation =
+            simulation_of(fmt::format(R"toml([time]
+end = 0.8
+[domain]
+dimensions = {0}
+min = [-0.1, -0.05{1}]
+max = [0.1, 0.2{2}]
+[fluid]
+spacing = 0.01
+{3}[[block]]
+shape = "box"
+min = [0, 0.05{4}]
+max = [0.0104, 0.0604{2}]
+[[solid]]
+shape = "plane"
+normal = [0, 1{4}]
+)toml",
+                                      dimensions, plane ? "" : ", -0.1", plane ? "" : ", 0.0104", published, plane ? "" : ", 0"));
+        double lowest = 1;
+        for (int k = 1; k <= 40; ++k) {
+            run_until(simulation, 0.02 * k);
+            lowest = std::min<double>(lowest, simulation.world().fluid.column<field::position>()[0].y());
+        }
+        CHECK(lowest > 0.0049);
+        CHECK(simulation.world().fluid.column<field::position>()[0].y() == Approx(0.005).epsilon(0.02));
+    }
+}
+
 }  // namespace density_source_runs
