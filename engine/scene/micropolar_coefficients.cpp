@@ -186,10 +186,10 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
     }
     if (n.coupling > 0 && n.response_time() > scene.time.end)
         add(
-            fmt::format("the spin answers to the flow in {:.3g} s, longer than the run of {:g} s: it does next to nothing. A "
-                        "micropolar.micro_inertia of "
-                        "{:.2g} m^2 would answer in a tenth of the run",
-                        n.response_time(), scene.time.end, 0.2 * scene.time.end * n.coupling / n.density));
+            fmt::format("the spin answers to the flow in {:.3g} s, longer than the run of {:g} s: at its end it has {:.2g} % of what a "
+                        "steady flow gives it. A micropolar.micro_inertia of {:.2g} m^2 would answer in a tenth of the run",
+                        n.response_time(), scene.time.end, -100 * std::expm1(-scene.time.end / n.response_time()),
+                        0.2 * scene.time.end * n.coupling / n.density));
     if (const double transfer = scene.micropolar.transfer_viscosity;
         plan.micropolar == MicropolarModel::seed && !n.grows() && !scene.micropolar.effective_viscosity && transfer >= seed_transfer_below)
         add(fmt::format("micropolar.transfer_viscosity = {:g} Pa s: the source of \"seed\" takes less than {:g}", transfer,

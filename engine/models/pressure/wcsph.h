@@ -59,7 +59,7 @@ struct ArtificialViscosity {
 /// time), and never pulls:
 ///   p_i + p_s = max(0, 2 p_i + rho_0 g . (x_s - x_i)).
 /// Along the wall too: without that, fluid beside a vertical wall feels half the gradient that carries it, sinks, and stirs the whole
-/// basin. It acts in the symmetric form in either case (in the difference form a wall with the pressure of i would not push).
+/// basin. In the difference form it is p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only that weight pushes.
 struct PressureAcceleration {
     WeaklyCompressible options;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
