@@ -1,5 +1,5 @@
 #pragma once
-/// Triangle meshes: parts, and readers of OBJ, PLY (ascii, binary little endian), STL (ascii, binary).
+/// Triangle meshes: parts, and readers of OBJ, PLY, STL (ascii and binary) and glTF.
 #include <filesystem>
 #include <string>
 
@@ -7,10 +7,10 @@
 
 namespace whorl {
 
-/// Positions and triangles only; polygons become fans, equal positions one vertex, triangles without an area of their own (two equal
-/// corners) go.
-/// @throws InputError with file:line where the file is missing, of an unknown kind, cut short or refers to vertices that it does not have
-TriangleMesh read_mesh(const std::filesystem::path& file);
+/// Positions, times scale, then moved by `position` [m] (in double precision), and triangles; polygons may be concave.
+/// @throws InputError with file:line where the file is missing, of an unknown kind, cut short, refers to vertices that it does not have, or
+/// lies so far from the origin that single precision rounds its coordinates to more than 1/1000 of its size
+TriangleMesh read_mesh(const std::filesystem::path& file, double scale = 1, const Vec3d& position = Vec3d::Zero());
 
 /// Makes equal positions one vertex and drops triangles with two equal corners, normals and scalars.
 void weld(TriangleMesh& mesh);
@@ -18,8 +18,9 @@ void weld(TriangleMesh& mesh);
 /// Adds the vertices, normals and triangles of another mesh.
 void append(TriangleMesh& to, const TriangleMesh& more);
 
-/// The closed parts of a welded mesh, each with its own vertices, looking outward; one alone is the mesh itself.
-/// @throws InputError where the mesh has holes, or neighbours look different ways
-std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name);
+/// The closed parts of a welded mesh that have a volume, each with its own vertices, looking outward.
+/// @param left_out gets a line for faces that are there twice, and for parts without a volume
+/// @throws InputError where the mesh has holes, or neighbours look different ways, or it has no volume
+std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name, std::vector<std::string>& left_out);
 
 }  // namespace whorl

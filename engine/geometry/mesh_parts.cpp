@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "engine/core/errors.h"
 #include "engine/geometry/mesh_file.h"
@@ -48,9 +49,9 @@ void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, con
     }
 }
 
-/// For each triangle one triangle of its part: what hangs together by edges. @throws InputError where the mesh has holes, or neighbours
-/// look different ways
-std::vector<std::uint32_t> find_closed_parts(const TriangleMesh& mesh, const std::string& name) {
+/// For each triangle one triangle of its part: what hangs together by edges. Of faces with the same corners that leave an edge open, the
+/// first stays. @param doubled counts the others @throws InputError where the mesh has holes, or neighbours look different ways
+std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::string& name, std::size_t& doubled) {
     struct Edge {
         int turns = 0, uses = 0;  ///< passes one way less passes back; all passes
         std::uint32_t first = 0;  ///< triangle
@@ -71,6 +72,16 @@ std::vector<std::uint32_t> find_closed_parts(const TriangleMesh& mesh, const std
         if (edge.uses % 2 != 0) ++open;
         else if (edge.turns != 0) ++turned;
     }
+    std::set<Triangle> seen;
+    const std::size_t repeated = open == 0 ? 0 : std::erase_if(mesh.triangle, [&](const Triangle& t) {
+        bool is_open = false;
+        for (std::size_t k = 0; k < 3; ++k) is_open = is_open || edges.find(std::minmax(t[k], t[(k + 1) % 3]))->second.uses % 2 != 0;
+        Triangle c = t;
+        std::sort(c.begin(), c.end());
+        return is_open && !seen.insert(c).second;
+    });
+    doubled += repeated;
+    if (repeated > 0) return find_closed_parts(mesh, name, doubled);
     if (open > 0)
         throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, edges.size()),
                          "inside and outside need a closed surface: fill the holes in a mesh editor");
@@ -96,6 +107,29 @@ std::vector<std::uint32_t> find_closed_parts(const TriangleMesh& mesh, const std
     return part;
 }
 
+/// Takes faces off the list that are there the other way round, too, two at a time. @returns how many
+std::size_t cancel_opposite(const TriangleMesh& mesh, std::vector<std::uint32_t>& faces) {
+    std::vector<std::tuple<Triangle, bool, std::uint32_t>>
+        sorted;  // corners in order; whether the face passes them in this order; the face
+    for (const std::uint32_t t : faces) {
+        Triangle c = mesh.triangle[t];
+        std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+        const bool in_order = c[1] < c[2];
+        sorted.emplace_back(in_order ? c : Triangle{c[0], c[2], c[1]}, in_order, t);
+    }
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t all = faces.size();
+    faces.clear();
+    for (std::size_t i = 0, j = 0; i < all; i = j) {
+        std::ptrdiff_t turns = 0;
+        for (j = i; j < all && std::get<0>(sorted[j]) == std::get<0>(sorted[i]); ++j) turns += std::get<1>(sorted[j]) ? 1 : -1;
+        for (; turns < 0; ++turns) faces.push_back(std::get<2>(sorted[i - static_cast<std::size_t>(turns) - 1]));
+        for (; turns > 0; --turns) faces.push_back(std::get<2>(sorted[j - static_cast<std::size_t>(turns)]));
+    }
+    std::sort(faces.begin(), faces.end());
+    return all - faces.size();
+}
+
 }  // namespace
 
 void append(TriangleMesh& to, const TriangleMesh& more) {
@@ -105,23 +139,47 @@ void append(TriangleMesh& to, const TriangleMesh& more) {
     for (const Triangle& t : more.triangle) to.triangle.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
-std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name) {
-    std::map<std::uint32_t, std::vector<std::uint32_t>> triangles;
-    const std::vector<std::uint32_t> part = find_closed_parts(mesh, name);
-    for (std::uint32_t t = 0; t < part.size(); ++t) triangles[part[t]].push_back(t);
-    std::vector<TriangleMesh> parts;
-    std::vector<std::uint32_t> to(mesh.position.size(), ~0u);
-    for (const auto& [first, all] : triangles) {
+std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name, std::vector<std::string>& left_out) {
+    const auto volume_of = [&](const std::vector<std::uint32_t>& faces) {
         double volume = 0;
-        const Vec3d origin = corner_of(mesh, mesh.triangle[first][0]);
-        for (const std::uint32_t t : all) {
+        const Vec3d origin = corner_of(mesh, mesh.triangle[faces[0]][0]);
+        for (const std::uint32_t t : faces) {
             const Triangle& c = mesh.triangle[t];
             const Vec3d x = corner_of(mesh, c[0]), y = corner_of(mesh, c[1]), z = corner_of(mesh, c[2]);
             volume += (x - origin).dot((y - x).cross(z - x)) / 6;
         }
-        if (volume < 0)
-            for (const std::uint32_t t : all) std::swap(mesh.triangle[t][1], mesh.triangle[t][2]);
-        if (triangles.size() == 1) return {std::move(mesh)};
+        return volume;
+    };
+    const auto turn = [&](const std::vector<std::uint32_t>& faces) {
+        for (const std::uint32_t t : faces) std::swap(mesh.triangle[t][1], mesh.triangle[t][2]);
+    };
+    std::vector<std::uint32_t> whole(mesh.triangle.size());
+    std::iota(whole.begin(), whole.end(), 0u);
+    if (volume_of(whole) < 0) turn(whole);  // parts that share edges are told apart by their insides
+    std::size_t doubled = 0;
+    std::map<std::uint32_t, std::vector<std::uint32_t>> triangles;
+    const std::vector<std::uint32_t> part = find_closed_parts(mesh, name, doubled);
+    for (std::uint32_t t = 0; t < part.size(); ++t) triangles[part[t]].push_back(t);
+    std::vector<TriangleMesh> parts;
+    std::vector<std::uint32_t> to(mesh.position.size(), ~0u);
+    int flat = 0;
+    for (auto& [first, all] : triangles) {
+        doubled += cancel_opposite(mesh, all);
+        if (all.empty()) continue;
+        const double volume = volume_of(all);
+        double area = 0;
+        Eigen::AlignedBox3d box;
+        for (const std::uint32_t t : all) {
+            const Triangle& c = mesh.triangle[t];
+            const Vec3d x = corner_of(mesh, c[0]), y = corner_of(mesh, c[1]), z = corner_of(mesh, c[2]);
+            area += (y - x).cross(z - x).norm() / 2;
+            box.extend(x), box.extend(y), box.extend(z);
+        }
+        if (std::abs(volume) <= 1e-6 * area * box.diagonal().norm()) {
+            ++flat;
+            continue;
+        }
+        if (volume < 0) turn(all);
         TriangleMesh& own = parts.emplace_back();
         for (const std::uint32_t t : all)
             for (const std::uint32_t corner : mesh.triangle[t])
@@ -134,6 +192,9 @@ std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& nam
         for (const std::uint32_t t : all)
             for (const std::uint32_t corner : mesh.triangle[t]) to[corner] = ~0u;
     }
+    if (doubled > 0) left_out.push_back(fmt::format("faces that repeat others left out: {}", doubled));
+    if (parts.empty()) throw InputError({name}, "the mesh encloses no volume", "faces that repeat others turned round cancel them");
+    if (flat > 0) left_out.push_back(fmt::format("parts without a volume left out: {}", flat));
     return parts;
 }
 

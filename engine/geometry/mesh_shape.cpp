@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -6,6 +8,7 @@
 #include <numeric>
 
 #include "engine/core/errors.h"
+#include "engine/core/parallel.h"
 #include "engine/core/triangle.h"
 #include "engine/geometry/mesh_file.h"
 #include "engine/geometry/shape.h"
@@ -17,7 +20,8 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Signed distance by the nearest triangle, in a tree of boxes; the sign from the angle-weighted normal of the nearest corner, edge or face
-/// (Baerentzen and Aanaes 2005): right also where the nearest point is shared by triangles that disagree.
+/// (Baerentzen and Aanaes 2005): right also where the nearest point is shared by triangles that disagree. The inside of a mesh that crosses
+/// itself is where its winding number is not 0.
 class Mesh final : public Shape {
 public:
     explicit Mesh(TriangleMesh mesh) : mesh_(std::move(mesh)) {
@@ -29,14 +33,18 @@ public:
         order_ = std::move(order);
         for (std::size_t t = 0; t < mesh_.triangle.size(); ++t) face_normal_.push_back(area_vector(mesh_.triangle[t]).stableNormalized());
         weigh_normals();
+        find_crossings();
     }
 
+    std::ptrdiff_t crossings() const { return crossings_; }
+    bool crosses_much() const { return 100 * crossings_ > std::ssize(mesh_.triangle); }
     Real distance(const Vec3& x) const override { return Real(distance(x.cast<double>(), infinity)); }
     /// Signed distance; infinite where it is not below the bound.
     double distance(const Vec3d& x, double bound) const {
         Vec3d normal, offset;
         return nearest(x, bound, offset, normal);
     }
+    bool holds(const Vec3d& x) const { return winding(x) != 0; }
     Vec3 normal(const Vec3& x) const override {
         Vec3d n, offset;
         const double distance = nearest(x.cast<double>(), infinity, offset, n);
@@ -74,6 +82,46 @@ private:
         for (std::size_t t = 0; t < mesh_.triangle.size(); ++t)
             for (std::size_t k = 0; k < 3; ++k)
                 edge_normal_[t][k] = edges[std::minmax(mesh_.triangle[t][(k + 1) % 3], mesh_.triangle[t][(k + 2) % 3])];
+    }
+    /// Just outside a face the winding number is 0, unless the mesh crosses itself: looked for in its middle and beside those of its edges.
+    void find_crossings() {
+        const double step = 1e-9 * box().diagonal().norm();
+        std::vector<char> crosses(mesh_.triangle.size());
+        parallel_for(static_cast<Index>(crosses.size()), [&](Index t) {
+            const Triangle& c = mesh_.triangle[t];
+            for (const Vec3d& w : {Vec3d(3, 3, 3), Vec3d(4, 4, 1), Vec3d(4, 1, 4), Vec3d(1, 4, 4)}) {
+                const Vec3d x = (w[0] * vertex_[c[0]] + w[1] * vertex_[c[1]] + w[2] * vertex_[c[2]]) / 9;
+                if (face_normal_[t].squaredNorm() > 0.5 && winding(x + step * face_normal_[t]) != 0) crosses[t] = 1;
+            }
+        });
+        crossings_ = std::count(crosses.begin(), crosses.end(), 1);
+    }
+    /// Of the surface about x: its crossings with the ray from x along z. Both faces beside an edge decide alike on which side of it x is.
+    int winding(const Vec3d& x) const {
+        int sum = 0;
+        std::uint32_t stack[64];
+        int depth = 0;
+        stack[depth++] = 0;
+        while (depth > 0) {
+            const std::uint32_t at = stack[--depth];
+            const Node& node = nodes_[at];
+            const Vec3d &min = node.box.min(), &max = node.box.max();
+            if (x.x() < min.x() || x.x() > max.x() || x.y() < min.y() || x.y() > max.y() || x.z() > max.z()) continue;
+            if (node.right != 0) stack[depth++] = at + 1, stack[depth++] = node.right;
+            for (std::uint32_t k = node.begin; k < (node.right == 0 ? node.end : node.begin); ++k) {
+                const Triangle& c = mesh_.triangle[order_[k]];
+                int turns = 0;  // of the triangle's rim about the ray
+                for (std::size_t e = 0; e < 3; ++e) {
+                    const Vec3d &a = vertex_[c[e]], &b = vertex_[c[(e + 1) % 3]];
+                    if ((a.y() <= x.y()) == (b.y() <= x.y())) continue;
+                    const bool up = a.y() <= x.y();
+                    const Vec3d &low = up ? a : b, &high = up ? b : a;
+                    if ((high.x() - low.x()) * (x.y() - low.y()) > (x.x() - low.x()) * (high.y() - low.y())) turns += up ? 1 : -1;
+                }
+                if (turns * area_vector(c).dot(vertex_[c[0]] - x) > 0) sum += turns;
+            }
+        }
+        return sum;
     }
     static double angle(const Vec3d& a, const Vec3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -140,7 +188,8 @@ private:
             stack[depth++] = left_first ? left : right;
         }
         if (!found_any) return infinity;
-        return offset.dot(normal) < 0 ? -std::sqrt(best) : std::sqrt(best);
+        const bool inside = box().contains(x) && (crossings_ > 0 ? winding(x) != 0 : offset.dot(normal) < 0);
+        return inside ? -std::sqrt(best) : std::sqrt(best);
     }
 
     TriangleMesh mesh_;
@@ -148,6 +197,7 @@ private:
     std::vector<std::array<Vec3d, 3>> edge_normal_;
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> order_;
+    std::ptrdiff_t crossings_ = 0;  ///< faces with the inside on both sides, or turned inward
 };
 
 /// Normals are smooth across edges of less than 40 degrees and sharp across the others.
@@ -186,9 +236,17 @@ TriangleMesh Mesh::mesh(Real, Real) const {
 /// Closed parts that may overlap, touch or lie inside each other: together they are solid, and one inside another is a hollow in it.
 class Parts final : public Shape {
 public:
-    explicit Parts(const std::vector<TriangleMesh>& meshes) {
+    Parts(const std::vector<TriangleMesh>& meshes, std::vector<std::string> told) {
         std::vector<Part> parts;
-        for (const TriangleMesh& mesh : meshes) parts.push_back({std::make_shared<Mesh>(mesh), bulk_of(mesh).volume});
+        std::ptrdiff_t crossings = 0;
+        for (const TriangleMesh& mesh : meshes) {
+            parts.push_back({std::make_shared<Mesh>(mesh), bulk_of(mesh).volume});
+            crossings += parts.back().mesh->crossings(), overlap_ |= parts.back().mesh->crosses_much();
+        }
+        if (crossings > 0)
+            told.push_back(
+                fmt::format("faces that lie within it, as it crosses itself: {}; inside is where the winding number is not 0", crossings));
+        remarks = std::move(told);
         std::vector<std::size_t> from_left(parts.size());
         std::iota(from_left.begin(), from_left.end(), 0u);
         std::vector<std::size_t> by_volume = from_left;
@@ -243,8 +301,10 @@ public:
         Vec3d first = Vec3d::Zero();
         for (int n = 1; n <= count; ++n) {
             const Vec3d turns = n * apart, r = box.sizes().cwiseProduct(turns - Vec3d(turns.array().floor()));
-            std::size_t whose = 0;
-            if (!(distance(box.min() + r, whose) < 0)) continue;
+            bool inside = false;
+            for (const Part& part : parts_)
+                if (part.mesh->holds(box.min() + r)) inside = !part.hollow();
+            if (!inside) continue;
             bulk.volume += share, first += share * r, bulk.moment += share * r * r.transpose();
         }
         if (!(bulk.volume > 0)) return {};
@@ -316,17 +376,22 @@ private:
 }  // namespace
 
 std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& name) {
+    std::vector<std::string> remarks;
+    const std::size_t read = mesh.triangle.size();
     weld(mesh);
     if (mesh.triangle.empty()) throw InputError({name}, "the mesh holds no triangles");
-    std::vector<TriangleMesh> parts = closed_parts(std::move(mesh), name);
-    if (parts.size() > 1) return std::make_shared<Parts>(parts);
-    return std::make_shared<Mesh>(std::move(parts[0]));
+    if (const std::size_t lost = read - mesh.triangle.size()) remarks.push_back(fmt::format("faces without an area left out: {}", lost));
+    const std::vector<TriangleMesh> parts = closed_parts(std::move(mesh), name, remarks);
+    if (parts.size() == 1)
+        if (const auto one = std::make_shared<Mesh>(parts[0]); one->crossings() == 0) {
+            one->remarks = std::move(remarks);
+            return one;
+        }
+    return std::make_shared<Parts>(parts, std::move(remarks));
 }
 
 std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position) {
-    TriangleMesh mesh = read_mesh(file);
-    for (Vec3f& x : mesh.position) x = (scale * x.cast<double>() + position).cast<float>();
-    return make_mesh(std::move(mesh), file.string());
+    return make_mesh(read_mesh(file, scale, position), file.string());
 }
 
 }  // namespace whorl

@@ -53,7 +53,9 @@ class Repeated final : public Shape {
 public:
     /// @param shape must outlive this
     Repeated(const Shape& shape, const Domain& domain) : shape_(shape), repeats_(shape, domain) {}
-    Repeated(std::shared_ptr<const Shape> shape, const Domain& domain) : Repeated(*shape, domain) { owned_ = std::move(shape); }
+    Repeated(std::shared_ptr<const Shape> shape, const Domain& domain) : Repeated(*shape, domain) {
+        remarks = shape->remarks, owned_ = std::move(shape);
+    }
 
     Real distance(const Vec3& x) const override {
         Vec3 image;

@@ -73,6 +73,7 @@ public:
     /// Points about a spacing apart on the surface at the signed distance `offset` [m] (nearer where the shape is too thin for it).
     /// This one throws darts on mesh(): blue noise; the same for the same shape. @throws InputError beyond 50 million points
     virtual std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const;
+    std::vector<std::string> remarks;  ///< what was left out of its mesh file, and faces that cross others
 };
 
 /// @throws InputError where a mesh file is missing, unreadable or not closed

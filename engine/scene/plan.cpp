@@ -275,11 +275,22 @@ private:
     }
 
     void warn() {
+        warn_of_meshes();
         warn_of_viscosity();
         warn_of_pressure();
         warn_of_placement();
         for (ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning.text));
         if (plan_.facts.micropolar.spins) warn_micropolar(plan_, scene_);
+    }
+
+    void warn_of_meshes() {
+        const auto tell_all = [&](const char* kind, const auto& shapes, const auto& shape_of) {
+            for (std::size_t i = 0; i < shapes.size(); ++i)
+                for (const std::string& remark : shape_of(shapes[i])->remarks) add_warning(entry_name(kind, i) + ".file: " + remark);
+        };
+        const auto itself = [](const auto& shape) { return shape; };
+        tell_all("block", shapes_.blocks, itself), tell_all("drain", shapes_.drains, itself);
+        tell_all("solid", shapes_.solids.all, [](const Solid& solid) { return solid.shape; });
     }
 
     void warn_of_viscosity() {

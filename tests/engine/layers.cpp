@@ -68,11 +68,11 @@ const std::map<std::string, Folders> allowed = arrows();
 
 /// Libraries that only one folder may see.
 const std::map<std::string, std::set<std::string>> kept_in = {
-    {"openvdb/", {"render/surface"}}, {"EGL/", {"render/gl"}},     {"GL/", {"render/gl"}},
-    {"epoxy/", {"render/gl"}},        {"stb_", {"render/image"}},  {"toml++/", {"engine/scene"}},
-    {"muParser", {"engine/math"}},    {"httplib", {"tools"}},      {"CLI/", {"tools"}},
-    {"tbb/", {"render/surface"}},     {"cairo", {"render/image"}}, {"ft2build", {"render/image"}},
-    {"OpenEXR/", {"render/image"}},
+    {"openvdb/", {"render/surface"}}, {"EGL/", {"render/gl"}},          {"GL/", {"render/gl"}},
+    {"epoxy/", {"render/gl"}},        {"stb_", {"render/image"}},       {"toml++/", {"engine/scene"}},
+    {"muParser", {"engine/math"}},    {"httplib", {"tools"}},           {"CLI/", {"tools"}},
+    {"tbb/", {"render/surface"}},     {"cairo", {"render/image"}},      {"ft2build", {"render/image"}},
+    {"OpenEXR/", {"render/image"}},   {"assimp/", {"engine/geometry"}},
 };
 
 std::string layer_of(const std::string& path) {

@@ -1,5 +1,7 @@
 #include "engine/geometry/shape.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -182,13 +184,15 @@ TEST_CASE("drawn meshes of bodies are closed, look outward and hold the body's v
     }
 }
 
-TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]") {
+TEST_CASE("OBJ, PLY, STL and glTF, ascii and binary, give the same cube", "[geometry]") {
     const auto corners = cube_triangles();
     std::string stl = "solid cube\n", binary_stl(80, ' '), ply, binary_ply;
-    const auto append = [](std::string& to, const auto& value) {
+    std::string big_ply, buffer;
+    const auto append = [&](std::string& to, const auto& value) {
         char bytes[sizeof(value)];
         std::memcpy(bytes, &value, sizeof(value));
         to.append(bytes, sizeof(value));
+        if (&to == &binary_ply) big_ply.append(std::reverse_iterator(bytes + sizeof(value)), std::reverse_iterator(bytes));
     };
     append(binary_stl, std::uint32_t(corners.size() / 3));
     const std::string header =
@@ -196,6 +200,7 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
         "element face 12\nproperty list uchar int vertex_indices\nend_header\n";
     ply = "ply\nformat ascii 1.0\ncomment made by hand\n" + header;
     binary_ply = "ply\nformat binary_little_endian 1.0\n" + header;
+    big_ply = "ply\nformat binary_big_endian 1.0\n" + header;
     for (std::size_t k = 0; k < corners.size(); ++k) {
         const Vec3f& x = corners[k];
         const std::string words = std::to_string(x[0]) + " " + std::to_string(x[1]) + " " + std::to_string(x[2]);
@@ -203,16 +208,16 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
         stl += "  vertex " + words + "\n";
         if (k % 3 == 2) stl += " endloop\nendfacet\n";
         if (k % 3 == 0) binary_stl += std::string(12, '\0');
-        for (int a = 0; a < 3; ++a) append(binary_stl, x[a]);
+        for (int a = 0; a < 3; ++a) append(binary_stl, x[a]), append(buffer, x[a]);
         if (k % 3 == 2) binary_stl += std::string(2, '\0');
         ply += words + (k % 2 == 0 ? " 255 nan\n" : " 255 -1e999\n");  // normals of degenerate faces
         for (int a = 0; a < 3; ++a) append(binary_ply, x[a]);
-        binary_ply += '\x7f';
+        append(binary_ply, '\x7f');
         append(binary_ply, std::numeric_limits<float>::quiet_NaN());
     }
     for (int k = 0; k < 12; ++k) {
         ply += "3 " + std::to_string(3 * k) + " " + std::to_string(3 * k + 1) + " " + std::to_string(3 * k + 2) + "\n";
-        binary_ply += '\3';
+        append(binary_ply, '\3');
         for (int l = 0; l < 3; ++l) append(binary_ply, 3 * k + l);
     }
     stl += "endsolid cube\n";
@@ -224,6 +229,17 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
     std::string goes_on = cube_obj;
     goes_on.replace(goes_on.find("f 1 4 3 2"), 9, "# in C:\\models\\\nf 1 \\\n\\\r\n 4 3\\\n 2");
     goes_on.replace(goes_on.find("v 1 0 0"), 7, "v 1\\\n0 0");
+    std::string commented = cube_obj, upper = "\n \n" + stl, one_line = stl, solid = binary_stl;
+    for (std::size_t at = 0; (at = commented.find('\n', at)) != std::string::npos; at += 8) commented.replace(at, 1, " # text\n ");
+    std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    std::replace(one_line.begin(), one_line.end(), '\n', ' ');
+    solid.replace(0, 5, "solid"), solid += "and more";
+    const std::string gltf =
+        R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "scale": [-1, 1, 1], "translation": [1, 0, 0]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"byteLength": 432, "uri": ")" +
+        temporary("cube.bin", buffer).filename().string() +
+        R"("}], "bufferViews": [{"buffer": 0, "byteLength": 432}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 36,
+            "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}]})";
     for (const auto& [name, text] : {std::pair{"cube.obj", std::string(cube_obj)},
                                      {"marked.obj", "\xEF\xBB\xBF" + std::string(cube_obj).substr(9)},
                                      {"old_mac.obj", old_mac},
@@ -233,6 +249,12 @@ TEST_CASE("OBJ, PLY and STL, ascii and binary, give the same cube", "[geometry]"
                                      {"marked.ply", "\xEF\xBB\xBF" + ply},
                                      {"ascii.stl", stl},
                                      {"binary.stl", binary_stl},
+                                     {"commented.obj", commented},
+                                     {"upper.STL", upper},
+                                     {"one_line.stl", one_line},
+                                     {"solid.stl", solid},
+                                     {"big.ply", big_ply},
+                                     {"cube.gltf", gltf},
                                      {"ascii.ply", ply},
                                      {"binary.ply", binary_ply}}) {
         INFO(name);
@@ -259,7 +281,7 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
     CHECK_THAT(message_of(temporary("d.obj", "# nothing\n")), Contains("no triangles"));
     CHECK_THAT(message_of(temporary("e.fbx", "")), Contains(".obj, .ply, .stl"));
     CHECK_THAT(message_of(temporary("f.stl", "solid\nfacet\nvertex 0 0\n")), Contains("f.stl:3"));
-    CHECK_THAT(message_of(temporary("g.ply", "ply\nformat binary_big_endian 1.0\nend_header\n")),
+    CHECK_THAT(message_of(temporary("g.ply", "ply\nformat binary_middle_endian 1.0\nend_header\n")),
                Contains("g.ply:2") && Contains("binary_little_endian"));
     CHECK_THAT(message_of(temporary("h.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n1\n2\n")),
                Contains("ends at vertex 3 of 3"));
@@ -281,4 +303,73 @@ TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geome
     std::string flipped = cube_obj;
     flipped.replace(flipped.find("f 1 2 6 5"), 9, "f 5 6 2 1");
     CHECK_THAT(message_of(temporary("j.obj", flipped)), Contains("turned against each other"));
+}
+
+namespace {
+
+/// A prism of height 1 over the polygon, whose caps begin with the corner `first`.
+std::string prism(const std::vector<std::array<double, 2>>& polygon, std::size_t first, double far = 0) {
+    const std::size_t n = polygon.size();
+    std::string vertices, low, high, sides;
+    for (const double z : {0, 1})
+        for (const auto& [x, y] : polygon) vertices += fmt::format("v {:.9f} {:.9f} {:.9f}\n", far + x, far + y, far + z);
+    for (std::size_t k = 0; k < n; ++k) {
+        low += fmt::format(" {}", (first + n - k) % n + 1), high += fmt::format(" {}", n + (first + k) % n + 1);
+        sides += fmt::format("f {} {} {} {}\n", k + 1, (k + 1) % n + 1, n + (k + 1) % n + 1, n + k + 1);
+    }
+    return vertices + "f" + low + "\nf" + high + "\n" + sides;
+}
+
+}  // namespace
+
+TEST_CASE("a concave polygon of a mesh encloses its own volume, whatever corner it begins with", "[geometry]") {
+    const std::vector<std::array<double, 2>> notch{{3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}, {0, 0}},
+        arrow{{0, 0.5}, {1, 0}, {0, 2}, {-1, 0}};
+    for (std::size_t first = 0; first < 8; ++first) {
+        const auto shape = make_mesh(temporary("notch.obj", prism(notch, first)), 1, Vec3d::Zero());
+        CHECK(shape->bulk().volume == Approx(7).epsilon(1e-6));
+        CHECK(shape->distance({Real(1.5), 2, Real(0.5)}) == Approx(0.5).epsilon(1e-6));
+        CHECK(shape->distance({Real(1.5), Real(0.6), Real(0.5)}) == Approx(-0.4).epsilon(1e-6));
+        CHECK(shape->remarks.empty());
+    }
+    for (std::size_t first = 0; first < 4; ++first)
+        CHECK(make_mesh(temporary("arrow.obj", prism(arrow, first)), 1, Vec3d::Zero())->distance({0, Real(0.4), Real(0.5)}) > 0);
+}
+
+TEST_CASE("a mesh that crosses itself is solid where its winding number is not 0, and tells so", "[geometry]") {
+    std::vector<std::array<double, 2>> star;
+    for (int k = 0; k < 5; ++k) star.push_back({std::cos(0.8 * std::numbers::pi * k), std::sin(0.8 * std::numbers::pi * k)});
+    const auto shape = make_mesh(temporary("star.obj", prism(star, 0)), 1, Vec3d::Zero());
+    // Five points about a pentagon, around which the rim runs twice. The volume is counted at 200,000 places.
+    CHECK(shape->bulk().volume == Approx(1.1226).epsilon(0.003));
+    CHECK(shape->distance({0, 0, Real(0.5)}) < Real(-0.3));
+    CHECK(shape->distance({Real(0.35), 0, Real(0.5)}) < 0);
+    CHECK(shape->distance({Real(-0.5), 0, Real(0.5)}) > 0);
+    REQUIRE(shape->remarks.size() == 1);
+    CHECK(shape->remarks[0].find("crosses itself") != std::string::npos);
+}
+
+TEST_CASE("faces and parts without a volume are left out of a mesh and told", "[geometry]") {
+    // Three corners apart from the cube, with a face either way; a face of the cube twice; a face with two equal corners.
+    const std::string more = "v 5 0 0\nv 6 0 0\nv 5 1 0\nf 9 10 11\nf 9 11 10\nf 1 4 3 2\nf 1 2 1\n";
+    const auto shape = make_mesh(temporary("more.obj", cube_obj + more), 1, Vec3d::Zero());
+    CHECK(shape->remarks == std::vector<std::string>{"faces without an area left out: 1", "faces that repeat others left out: 4"});
+    for (const Vec3& x : {Vec3(5, Real(0.3), 1), Vec3(5, Real(0.3), -1), Vec3(-3, -3, 2)}) CHECK(shape->distance(x) > 0);
+    CHECK(shape->bulk().volume == Approx(1));
+    // A flat part of four faces, whose halves are cut along different diagonals.
+    const std::string flat = "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 9 10 11\nf 9 11 12\nf 10 9 12\nf 10 12 11\n";
+    const auto other = make_mesh(temporary("flat.obj", cube_obj + flat), 1, Vec3d::Zero());
+    CHECK(other->remarks == std::vector<std::string>{"parts without a volume left out: 1"});
+    CHECK(message_of(temporary("none.obj", flat.substr(0, flat.find('f')) + "f 1 2 3\nf 1 3 2\n")).find("encloses no volume") !=
+          std::string::npos);
+}
+
+TEST_CASE("a mesh far from the origin is moved in double precision, or refused", "[geometry]") {
+    const std::vector<std::array<double, 2>> square{{0.1, 0.1}, {1.3, 0.1}, {1.3, 1.3}, {0.1, 1.3}};
+    const auto file = temporary("far.obj", prism(square, 0, 4e6));
+    const auto shape = make_mesh(file, 1, Vec3d::Constant(-4e6));
+    CHECK(shape->bulk().volume == Approx(1.44).epsilon(1e-6));
+    CHECK(shape->distance({Real(0.7), Real(0.7), 2}) == Approx(1).epsilon(1e-6));
+    CHECK(message_of(file).find("far.obj: 4e+06 m from the origin single precision rounds to 0.48 m, and the mesh is") !=
+          std::string::npos);
 }

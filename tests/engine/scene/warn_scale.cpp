@@ -170,4 +170,7 @@ TEST_CASE("a mesh that is a thousand times too large or too small is told", "[pl
     CHECK(warnings("1")[0] == "solid[0].scale: the mesh is 30 m across in a domain of 0.2 m; a mesh in millimetres needs scale = 1e-3");
     REQUIRE(warnings("1e-6").size() == 1);
     CHECK(warnings("1e-6")[0].find("less than two particles of 2 mm") != std::string::npos);
+    std::ofstream(folder / "bowl.obj", std::ios::app) << "f 1 3 2\n";
+    REQUIRE(warnings("1e-3").size() == 1);
+    CHECK(warnings("1e-3")[0] == "solid[0].file: faces that repeat others left out: 1");
 }
