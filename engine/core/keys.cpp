@@ -137,7 +137,7 @@ std::string Key::type_name() const {
         case KeyType::expression: return "a number or an expression in quotes";
         case KeyType::flags: return "a list of " + many + "times true or false";
         case KeyType::integers: return "a list of " + many + "whole numbers";
-        case KeyType::numbers: return "a list of " + many + "numbers";
+        case KeyType::numbers: return "a list of " + many + "numbers" + (access->from_text ? " or a text" : "");
         case KeyType::expressions: return "a list of " + many + "numbers or expressions in quotes";
         case KeyType::texts: return "a list of texts";
         case KeyType::any: return "a value as the key takes it";
@@ -172,6 +172,9 @@ Key& Key::only_with(std::string_view key, const std::vector<std::string>& values
 
 void Key::read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const {
     if (may_be_auto && v.as<std::string>() && *v.as<std::string>() == "auto") return access->read(static_cast<char*>(object) + offset, v);
+    if (access->from_text && v.as<std::string>()) try {
+            return read(object, access->from_text(v), path, problems);
+        } catch (const KeyFault& fault) { return problems.push_back({fault.place, path + ": " + fault.what(), "", ""}); }
     const KeyType element = element_of(type);
     bool good = true;
     if (element == type) {

@@ -92,6 +92,7 @@ struct MemberAccess {
     void (*read)(void* member, const Value&);                   ///< the type was checked before; may throw KeyFault
     std::vector<double> (*constants)(const void* member) = {};  ///< of expressions: those that are plain numbers
     std::string (*variables)(const void* member) = {};          ///< of expressions
+    Value (*from_text)(const Value& text) = {};                 ///< the same value, of a list that may be a text; may throw KeyFault
 };
 
 struct Key {
@@ -193,6 +194,7 @@ const MemberAccess* access_of() {
             access.constants = [](const void* member) { return Codec::constants(*static_cast<const T*>(member)); };
             access.variables = [](const void* member) { return Codec::variables(*static_cast<const T*>(member)); };
         }
+        if constexpr (requires { Codec::from_text(Value()); }) access.from_text = &Codec::from_text;
         return access;
     }();
     return &made;

@@ -79,6 +79,13 @@ Expression::Expression(const std::string& text) : text_(text) {
         p.DefineVar("z", &compiled->z);
         p.DefineVar("age", &compiled->t);  // what is of an age is asked for at it, not at a time
         p.DefineConst("pi", std::numbers::pi);
+        p.DefineOprt(
+            "and", [](double a, double b) { return double(a != 0 && b != 0); }, mu::prLAND);
+        p.DefineOprt(
+            "or", [](double a, double b) { return double(a != 0 || b != 0); }, mu::prLOR);
+        p.DefineInfixOprtChars("/+-*^?<>=#!$%&|~'_not");
+        p.DefineInfixOprt(
+            "not", [](double a) { return double(a == 0); }, mu::prLAND + 1);
         p.SetExpr(text);
         const auto used = p.GetUsedVar();
         const double value = p.Eval();

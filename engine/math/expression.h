@@ -15,7 +15,8 @@ struct ExpressionError : std::invalid_argument {
     int column;  ///< of the text, from 1; 0: not known
 };
 
-/// An expression of t [s], x, y, z [m], the constant pi and the functions of muParser (sin, exp, sqrt, if-then-else "a ? b : c", ...).
+/// An expression of t [s], x, y, z [m], the constant pi and the functions of muParser (sin, exp, sqrt, if-then-else "a ? b : c", ...);
+/// && || may be written and, or; not a is 1 where a is 0, and binds less tightly than a comparison.
 /// Cheap to copy; evaluation is not thread-safe.
 class Expression {
 public:

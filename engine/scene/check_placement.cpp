@@ -259,7 +259,10 @@ private:
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
             inside_solid(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
-                         "move one of them", k);
+                         scene_.solids[static_cast<std::size_t>(k)].inside
+                             ? "a container (inside = true) is closed all round: make it as high as the emitter, or move one of them"
+                             : "move one of them",
+                         k);
         const double widest = e.shape == "disc" ? 2 * e.radius : std::max(e.width, plan_.dimensions() == 2 ? 0 : e.thickness);
         if (widest > longest_side(scene_.domain)) {
             oversized_ = true;

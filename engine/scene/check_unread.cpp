@@ -34,6 +34,9 @@ void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& repo
             if (key.selector.empty() || key.selector == "models.boundary" || scene.places.count(name) == 0) continue;
             if (key.get(values).toml() == key.standard.toml() || !counts(key, asked, asked) || counts(key, chosen, chosen)) continue;
             const Key& decides = deciding_key(key, chosen);
+            if (std::any_of(scene.panels.begin(), scene.panels.end(),
+                            [&](const PanelKeys& panel) { return sets_one_of(panel.set, decides.selector, decides.selected_by); }))
+                continue;
             std::string wanted;
             for (const std::string& one : decides.selected_by) wanted += (wanted.empty() ? "\"" : " or \"") + one + "\"";
             report(name,

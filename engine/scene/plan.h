@@ -124,4 +124,7 @@ struct Plan {
 /// @throws InputError listing all that cannot work (emitter outside the domain, fluid inside a solid, more particles than memory, ...)
 Plan make_plan(const Scene& scene);
 
+/// Whether solids and blocks leave next to nothing of the domain empty at the start.
+bool starts_full(const Scene& scene);
+
 }  // namespace whorl

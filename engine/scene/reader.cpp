@@ -183,7 +183,7 @@ void Reader::check_selected(const Described& here, const std::string& path) {
         if (given && !counted && chosen_by_option(selector, full)) {
             left_out_.insert(full);
             places.erase(full);
-        } else if (given && !counted && !failed_.count(full)) {
+        } else if (given && !counted && !failed_.count(full) && !sets_one_of(panel_sets_, selector, key.selected_by)) {
             const std::string value = selector_value(key, here, root_);
             std::vector<std::string> valid;
             for (const Key& k : here.table->keys)
@@ -209,6 +209,12 @@ void Reader::check_selected(const Described& here, const std::string& path) {
 void Reader::read(const Value& root) {
     places[""] = {root.place.file, 0, 0};
     read_table(root_, const_cast<void*>(root_.object), root, "");
+    const Value* panels = root.find("panel");
+    if (const Value::List* list = panels ? panels->as<Value::List>() : nullptr)
+        for (const Value& panel : *list)
+            if (const Value* set = panel.find("set"); set && set->as<Value::List>())
+                for (const Value& text : *set->as<Value::List>())
+                    if (text.as<std::string>()) panel_sets_.push_back(*text.as<std::string>());
     check_selected(root_, "");
     for (const Section& s : sections_) check_selected({s.table, s.object}, s.name);
 }

@@ -48,6 +48,7 @@ Json schema_of(const Key& key) {
         case KeyType::texts: s = list(choice_of(key)); break;
         case KeyType::any: s = Json::object(); break;
     }
+    if (key.access->from_text) s = {{"anyOf", {s, {{"type", "string"}}}}};
     if (key.may_be_auto && key.type != KeyType::choice) s = {{"anyOf", {s, {{"const", "auto"}}}}};
     s["description"] = key.meaning + (key.unit.empty() ? "" : " [" + key.unit + "]");
     if (!key.is_required) s["default"] = json_of(key.standard);

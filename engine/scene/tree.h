@@ -71,4 +71,12 @@ void each_part(const Described& here, const std::string& path, F&& f) {
     }
 }
 
+/// Whether a panel's texts "key=value" give the key one of these values.
+inline bool sets_one_of(const std::vector<std::string>& set, const std::string& key, const std::vector<std::string>& values) {
+    return std::any_of(set.begin(), set.end(), [&](std::string text) {
+        std::erase_if(text, [](char c) { return c == ' ' || c == '"'; });
+        return std::any_of(values.begin(), values.end(), [&](const std::string& value) { return text == key + "=" + value; });
+    });
+}
+
 }  // namespace whorl

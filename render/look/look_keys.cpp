@@ -5,8 +5,27 @@
 #include "render/look/material.h"
 
 namespace whorl {
-namespace {}  // namespace
+namespace {
 
+/// sRGB, 0 .. 1. @throws KeyFault where the text is no colour
+Vec3f colour_of(const Value& text) {
+    Vec3f colour;
+    if (!read_colour(*text.as<std::string>(), colour))
+        throw KeyFault(text.place, text.toml() + " is no colour; colours are written as in \"#1e50a0\": red, green, blue");
+    return colour;
+}
+
+}  // namespace
+
+template <>
+struct KeyCodec<Colour> : ListCodec<Colour, float, 3> {
+    static Value from_text(const Value& text) {
+        const Vec3f linear = linear_of(colour_of(text));
+        Value list = write({linear.x(), linear.y(), linear.z()});
+        list.place = text.place;
+        return list;
+    }
+};
 template <>
 struct KeyCodec<InkColours> {
     static void describe(Key& k) { k.type = KeyType::texts; }
@@ -14,11 +33,7 @@ struct KeyCodec<InkColours> {
     static InkColours read(const Value& v) {
         const Value::List& list = *v.as<Value::List>();
         if (list.empty() || list.size() > 3) throw KeyFault(v.place, "one to three colours, as there may be inks");
-        for (const Value& text : list) {
-            Vec3f ignored;
-            if (!read_colour(*text.as<std::string>(), ignored))
-                throw KeyFault(text.place, text.toml() + " is no colour; colours are written as in \"#1e50a0\": red, green, blue");
-        }
+        for (const Value& text : list) colour_of(text);
         return {KeyCodec<std::vector<std::string>>::read(v)};
     }
 };
@@ -75,7 +90,9 @@ KeyTable make_look_keys() {
         .one_of({"liquid", "opaque", "particles", "slice", "volume", "tubes", "ribbons"});
     t.key("material", &L::material, "", "preset that the keys below start from").one_of(material_names());
     t.key("absorption", &L::absorption, "1/m", "Beer-Lambert, red, green, blue" + preset).only_with("style", {"liquid"});
-    t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material" + preset).at_most(1).only_with("style", {"opaque"});
+    t.key("colour", &L::colour, "", "of an opaque material: linear red, green, blue, or \"#rrggbb\" as inks have it" + preset)
+        .at_most(1)
+        .only_with("style", {"opaque"});
     t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
     t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset)

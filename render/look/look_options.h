@@ -17,13 +17,18 @@ struct InkColours {
     std::vector<std::string> of{"#c8281e", "#1e50a0", "#e6b400"};
 };
 
+/// Linear red, green, blue; in a file also "#rrggbb" (sRGB).
+struct Colour : Vec3f {
+    using Vec3f::Vec3f;
+};
+
 struct LookOptions {
     /// liquid (refracting surface) | opaque (paint, lava) | and coloured by a field: particles | slice (a plane through the flow) | volume
     /// (a cloud) | tubes | ribbons (along vortex lines)
     std::string style = "liquid";
     std::string material = "honey";        ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert a colour channel (linear RGB); negative: the preset's
-    Vec3f colour = Vec3f(-1, -1, -1);      ///< linear RGB of an opaque material; negative: the preset's
+    Colour colour = {-1, -1, -1};          ///< linear RGB of an opaque material; negative: the preset's
     float refraction = -1;                 ///< index; negative: the preset's
     float roughness = -1;                  ///< 0 mirror .. 1 matt; negative: the preset's
     float cooling =

@@ -246,8 +246,10 @@ TEST_CASE("a dry run tells the models, how many frames it would make and where t
     CHECK(json.at("folder") == "out/s");
     CHECK(json.at("models").at(0).at("key") == "models.pressure");
     CHECK_FALSE(json.contains("cost"));
+    CHECK(json.at("expected_particles") == json.at("particles_at_start"));
     const std::string words = whorl_in(folder, "render s.toml --dry-run --frames 4 --out there").text;
     CHECK(words.find("\n4 frames into there\n") != std::string::npos);
+    CHECK(words.find("stages of a step") == std::string::npos);
     CHECK(whorl_in(folder, "render s.toml --dry-run --frames 1 --out there").text.find("\n1 frame into there\n") != std::string::npos);
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);

@@ -37,6 +37,12 @@ const StepLimit* binding(const Simulation& simulation) {
     return least;
 }
 
+/// At the end of the run. Without emitters none are added to those of the start, which are counted.
+double expected_particles(const Preview& p) {
+    const double at_start = p.simulation.world().fluid.size();
+    return p.file.scene.emitters.empty() ? at_start : std::max(at_start, p.plan.estimated_particles);
+}
+
 void print_cost(const PreviewCost& p) {
     const Estimate& e = p.estimate;
     fmt::print("\ncost on this machine with {} threads, from {:.0f} particles of the same models {}\n", threads(), p.calibration.particles,
@@ -114,11 +120,13 @@ void print_limits(const Simulation& simulation) {
 
 void print_text(const Preview& p) {
     print_models(p);
-    print_fields(p.simulation.world().fluid);
-    print_stages(p.simulation.assembly().stages);
-    print_limits(p.simulation);
+    if (!p.run) {
+        print_fields(p.simulation.world().fluid);
+        print_stages(p.simulation.assembly().stages);
+        print_limits(p.simulation);
+    }
     fmt::print("\nparticles                {} at the start, about {:.0f} at the end; fastest expected {:.3g} m/s\n",
-               p.simulation.world().fluid.size(), p.plan.estimated_particles, p.plan.expected_speed);
+               p.simulation.world().fluid.size(), expected_particles(p), p.plan.expected_speed);
     if (p.cost) print_cost(*p.cost);
     for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);
     if (p.run) fmt::print("{} into {}\n", counted(p.run->frames, "frame"), p.run->folder.string());
@@ -159,7 +167,7 @@ void print_json(const Preview& p) {
         {"stages", stages},
         {"limits", limits},
         {"particles_at_start", world.fluid.size()},
-        {"expected_particles", p.plan.estimated_particles},
+        {"expected_particles", expected_particles(p)},
         {"expected_speed", p.plan.expected_speed},
     };
     if (p.cost) all["cost"] = cost_json(*p.cost);
