@@ -15,7 +15,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::string_view magic = "WHORLCP2";
+constexpr std::string_view magic = "WHORLCP3";
 
 struct CheckpointPacker : Packer {
     using Packer::operator();
@@ -32,7 +32,7 @@ struct CheckpointUnpacker : Unpacker {
 /// Every member, in the order of the file.
 template <class Archive, class C>
 void each_member(Archive& a, C& c) {
-    a(c.build), a(c.scene), a(c.frame), a(c.frames), a(c.wall), a(c.cpu), a(c.stages), a(c.resumed);
+    a(c.build), a(c.scene), a(c.inputs), a(c.frame), a(c.frames), a(c.wall), a(c.cpu), a(c.stages), a(c.resumed);
     a(c.table_bytes), a(c.probes), a(c.simulation);
 }
 

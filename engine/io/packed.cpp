@@ -5,9 +5,7 @@
 #include <algorithm>
 
 namespace whorl {
-namespace {
 
-/// FNV-1a over words of eight bytes: finds cut, altered and swapped parts; no protection against intent.
 std::uint64_t checksum(std::string_view bytes) {
     std::uint64_t sum = 14695981039346656037ull;
     while (!bytes.empty()) {
@@ -20,8 +18,6 @@ std::uint64_t checksum(std::string_view bytes) {
     }
     return sum;
 }
-
-}  // namespace
 
 std::string sealed(std::string_view kind, std::string bytes) {
     Packer head;

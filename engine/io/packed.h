@@ -89,6 +89,8 @@ struct Unpacker {
     }
 };
 
+/// FNV-1a over words of eight bytes: finds cut, altered and swapped parts; no protection against intent.
+std::uint64_t checksum(std::string_view bytes);
 /// The bytes behind their kind, size and checksum. @param kind eight letters, the last a version
 std::string sealed(std::string_view kind, std::string bytes);
 /// What was sealed. @throws EnvironmentError that says how it is damaged

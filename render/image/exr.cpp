@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfFramesPerSecond.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
@@ -77,7 +78,7 @@ void write_exr(const std::filesystem::path& file, const PictureLayers& layers, c
                      "Whorl. Linear light, Rec. 709 primaries, RGB multiplied by A. Z: m along the view axis. N: normal, world, y up. "
                      "forward: pixels to the right and up until the next frame. id: 1 fluid, 2 first solid, ... "
                      "shadow: what a plate behind is multiplied by.");
-    Imf::addFramesPerSecond(header, Imf::Rational(notes.fps));
+    Imf::addFramesPerSecond(header, Imf::guessExactFps(notes.fps));
     header.insert("whorl/time", Imf::DoubleAttribute(notes.time));
 
     Imf::FrameBuffer buffer;

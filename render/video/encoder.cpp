@@ -1,5 +1,7 @@
 #include "render/video/encoder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <system_error>
@@ -111,6 +113,12 @@ const Format& format_of(const std::filesystem::path& file) {
     return *found;
 }
 
+/// Frames a second. The rates of NTSC as the fractions that they are: 29.97 and 23.98 are 30000/1001 and 24000/1001.
+std::string rate(double fps) {
+    const double whole = std::ceil(fps);
+    return std::abs(whole / 1.001 - fps) < 2e-4 * fps ? fmt::format("{:.0f}/1001", 1000 * whole) : fmt::format("{}", fps);
+}
+
 /// @param file the final one
 std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
     std::vector<std::string> words{"ffmpeg",
@@ -126,7 +134,7 @@ std::vector<std::string> encode_arguments(const std::filesystem::path& file, int
                                    "-video_size",
                                    std::to_string(width) + "x" + std::to_string(height),
                                    "-framerate",
-                                   std::to_string(options.fps),
+                                   rate(options.fps),
                                    "-i",
                                    "pipe:0",
                                    "-filter_threads",

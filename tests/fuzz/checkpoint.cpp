@@ -13,7 +13,7 @@ using namespace whorl;
 
 namespace {
 
-constexpr std::string_view kind = "WHORLCP2";
+constexpr std::string_view kind = "WHORLCP3";
 
 // Something of all that a checkpoint holds: fluid with a source and an age, an emitter, a free body, probes that remember.
 const char* const scene_text = R"(

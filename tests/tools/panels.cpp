@@ -80,6 +80,17 @@ TEST_CASE("a panel's label is the title of its pictures, unless it has one of it
     CHECK(panels[2].look.title == "mine");
 }
 
+TEST_CASE("a scene may give keys that only a panel's style or model takes") {
+    const Scratch scratch(std::string(drop) + "set = [\"models.micropolar=seed\", \"look.style=opaque\"]\n[micropolar]\n" +
+                          "transfer_viscosity = 0.5\n[look]\ncolour = \"#ff0080\"\n");
+    std::string text = read_whole(scratch.scene());
+    text.erase(text.find("set = "), text.find('\n', text.find("set = ")) - text.find("set = "));
+    std::ofstream(scratch.scene()) << text;
+    const std::vector<SceneFile> panels = panel_scenes(read_scene_file(scratch.scene()));
+    CHECK(panels[1].scene.micropolar.transfer_viscosity == 0.5);
+    CHECK((panels[1].look.colour - Vec3f(1, 0, 0.21586f)).norm() < 1e-5f);  // 128/255 of sRGB in linear light
+}
+
 TEST_CASE("panels stand in a row of two or three, more of them in a square, or as the scene says") {
     Scene scene;
     const auto columns = [&](std::size_t panels) {
@@ -153,6 +164,7 @@ TEST_CASE("panels that were interrupted go on to the same film") {
         CHECK(stopped.code == 130);
         CHECK(stopped.err.find("whorl resume " + parts.string()) != std::string::npos);
         CHECK(run_json(parts).at("status") == "interrupted");
+        CHECK(fs::exists(parts / "frames/000001.png"));  // side by side as they come
         REQUIRE(test::whorl({"resume", parts.string(), "--quiet"}).code == 0);
     }
     CHECK(run_json(parts).at("status") == "done");
@@ -420,7 +432,7 @@ TEST_CASE("a film without a range takes what 99 % of its particles stay below, a
         test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--set", "look.field=speed", "--set", "look.colour_map=viridis"});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK_THAT(outcome.err, Catch::Contains("first pass at twice the spacing"));
+    CHECK_THAT(outcome.err, Catch::Contains("first pass with larger particles"));
     const SceneFile used = read_scene_file(fs::path(scratch.run()) / "scene.resolved.toml");
     CHECK(used.look.range[0] == 0);
     CHECK(used.look.range[1] >= 0.1f);

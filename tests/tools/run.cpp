@@ -235,6 +235,22 @@ TEST_CASE("resume refuses other settings and names them, and takes settings that
     CHECK(refused.err.find("fluid.spacing: 0.0025, now 0.0026") != std::string::npos);
 }
 
+TEST_CASE("resume refuses a mesh that was edited after the run began, by name, and continues with --force", "[tools][resume]") {
+    const Scratch scratch(std::string(honey) + "[[solid]]\nshape = \"mesh\"\nfile = \"wedge.obj\"\n");
+    const auto write = [&](const char* corner) {
+        std::ofstream(scratch / "wedge.obj") << "v 0 -0.02 0\nv 0.01 -0.02 0\nv 0 " << corner << " 0\nv 0 -0.02 0.01\n"
+                                             << "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    };
+    write("-0.01");
+    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
+    write("-0.009");
+    const Outcome refused = test::whorl({"resume", scratch.run(), "--until", "0.1"});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::StartsWith((scratch / "wedge.obj").string() + ": was edited after the run began"));
+    CHECK(test::whorl({"resume", scratch.run(), "--until", "0.1", "--force", "--quiet"}).code == 0);
+    CHECK(test::whorl({"resume", scratch.run(), "--until", "0.15", "--quiet"}).code == 0);
+}
+
 TEST_CASE("a box with more fluid than it holds is told as crowded, with how much", "[tools][render]") {
     const Scratch scratch(R"(
 name = "stuffed"

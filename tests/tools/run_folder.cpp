@@ -49,6 +49,11 @@ TEST_CASE("a folder that is not a run's is left alone, a run's is kept under ano
     CHECK(replaced.err.find("is replaced\n") != std::string::npos);
     for (const char* own : {"run/notes.txt", "run/talk.gif"}) CHECK(fs::exists(scratch / own));
     CHECK_FALSE(fs::exists(scratch / "run.3"));
+    fs::create_directory_symlink(scratch / "run", scratch / "link");
+    CHECK(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", (scratch / "link/").string()}).code == 0);
+    CHECK(fs::is_symlink(scratch / "link"));
+    CHECK(read_whole(scratch / "run.3/notes.txt") == "keep");
+    CHECK(fs::exists(scratch / "run/diagnostics.csv"));
     CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
     CHECK_THAT(test::whorl({"resume", scratch.run() + "/scene.resolved.toml"}).err,
                Catch::EndsWith("is a file, not a folder; its run is " + scratch.run() + "; the folder of a run, as in out/honey_coil\n"));

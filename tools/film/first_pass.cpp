@@ -14,6 +14,7 @@
 #include "tools/cost/sample_run.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/progress.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {
@@ -93,16 +94,25 @@ SceneFile with_estimates(SceneFile file, const Simulation& start) {
 }
 
 SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet) {
-    const bool measure = file.scene.output.frames && measures_range(file.look), watch = file.scene.output.frames && wants_extent(file);
+    const bool measure = file.scene.output.frames && measures_range(file.look),
+               watch = file.scene.output.frames && wants_extent(file) && !starts_full(start.scene());  // a full room is seen whole
     if (measure || watch) {
         const char* what = measure && watch ? "colours' range and the camera" : measure ? "colours' range" : "camera";
-        if (!quiet) fmt::print(stderr, "first pass at twice the spacing, for the {}\n", what);
-        Seen seen(file.look);
+        if (!quiet) fmt::print(stderr, "first pass with larger particles, for the {}\n", what);
         const std::vector<std::string> fields = shows_field(file.look) ? std::vector{file.look.field} : std::vector<std::string>{};
-        // Nothing is seen where the coarse scene is impossible or diverges.
         PartProgress progress("first pass", quiet);
-        const auto show = [&](const Frame& frame, const Simulation&) { seen.add(frame); };
-        if (run_coarsely(file, 2, moments, fields, show, [&](double part) { progress.done(part); })) seen.choose(file);
+        const InterruptGuard guard;
+        const auto done = [&](double part) {
+            if (guard.interrupted()) throw Interrupted();
+            progress.done(part);
+        };
+        for (const int coarser : {3, 4}) {  // whole numbers, which a period can be divided by
+            Seen seen(file.look);
+            const auto show = [&](const Frame& frame, const Simulation&) { seen.add(frame); };
+            if (!run_coarsely(file, coarser, moments, fields, show, done)) continue;  // impossible, or it diverges
+            seen.choose(file);
+            break;
+        }
     }
     return with_estimates(std::move(file), start);
 }

@@ -45,10 +45,11 @@ float film_streak_time(const LookOptions& look, const Simulation& simulation);
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
 /// The same from the flow itself: the scene is run to
-/// its end at twice its spacing (an eighth of the time in the plane, a sixteenth in space). The range then holds 99 % of the particles at
+/// its end at three times its spacing (a 27th of the time in the plane, an 81st in space). The range then holds 99 % of the particles at
 /// each of 24 moments, the box what is seen at them (add_seen()). If that cannot be run, and without images, both are estimates from the
-/// scene alone. So is the range of density.
+/// scene alone. So are the range of density and the box of a room that is full at the start.
 /// @param start the run at its beginning @param quiet say nothing on the terminal
+/// @throws Interrupted
 SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet);
 
 /// The same from the frames that a run exported, all of them whichever are drawn, so that pieces agree. Also the time that streaks show.

@@ -35,7 +35,8 @@ void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     for (const SceneFile& panel : panels) {
         const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
         check_probes(start);
-        if (!wants_range(panel.look) && !wants_extent(panel)) continue;
+        const bool ranged = !wants_range(panel.look) || (choose && shared.count({panel.look.field, panel.look.colour_map}) > 0);
+        if (ranged && (!wants_extent(panel) || (choose && !extent.isEmpty()))) continue;
         const SceneFile chosen = choose ? choose(panel, start) : with_estimates(panel, start);
         const auto range = chosen.look.range;
         if (wants_range(panel.look)) {

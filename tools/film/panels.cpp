@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/version.h"
@@ -49,20 +50,16 @@ public:
 
     int go() {
         write_report("running", "");
-        for (std::size_t k = 0; k < scenes_.size(); ++k) {
-            const int code = run(k);
-            if (code == exit_interrupted) {
-                const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
-                write_report("interrupted", "go on with: " + go_on);
-                std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: %s\n", k + 1, scenes_.size(),
-                             go_on.c_str());
-                return code;
-            }
-            if (code != exit_done) failed_ = k;
+        if (const std::optional<std::size_t> stopped = run_all()) {
+            const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
+            write_report("interrupted", "go on with: " + go_on);
+            std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: %s\n", *stopped + 1, scenes_.size(),
+                         go_on.c_str());
+            return exit_interrupted;
         }
         const int frames = least_frames();
         const bool filmed = wants_pictures(request_) && frames > 0;
-        if (filmed) film(frames);
+        if (filmed) film(1, frames, true);
         const std::string status = failed_ ? "diverged" : "done";
         write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
         if (!request_.quiet && !request_.json)
@@ -150,22 +147,59 @@ private:
         panel.file = scenes_[k];
         panel.folder = panel_folder(folder_.path(), k);
         panel.frames = request_.frames;
-        panel.no_draw = request_.no_draw;
+        panel.no_draw = request_.no_draw, panel.force = request_.force;
         panel.quiet = request_.quiet, panel.json = request_.json;
         return panel;
     }
 
-    int run(std::size_t k) const {
+    /// Makes panel k's request one to begin or to resume. @return whether there is anything to do
+    bool prepare(std::size_t k, RunRequest& panel) {
         const Next next = next_of(k);
-        RunRequest panel = request_of(k);
-        if (next == Next::nothing) return is_done(k) ? exit_done : exit_failed;
+        if (next == Next::nothing) {
+            if (!is_done(k)) failed_ = k;
+            return false;
+        }
         const bool anew = anew_ && next == Next::begins;
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
                          anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
         panel.earlier = RunFolder::Earlier::replaced;
         if (next == Next::goes_on) resume_from_newest(panel);
-        return run_scene(panel);
+        return true;
+    }
+
+    /// Simulates the frames of all panels in turn, and films those that all panels have. @return the first panel that was interrupted
+    std::optional<std::size_t> run_all() {
+        const InterruptGuard guard;
+        const std::size_t count = scenes_.size();
+        std::vector<RunRequest> requests;
+        for (std::size_t k = 0; k < count; ++k) requests.push_back(request_of(k));
+        std::vector<std::unique_ptr<FramedRun>> runs(count);
+        for (std::size_t k = 0; k < count; ++k)
+            if (prepare(k, requests[k])) runs[k] = begin_run(requests[k]);
+        std::optional<std::size_t> stopped;
+        for (int frame = 0; std::any_of(runs.begin(), runs.end(), [](const auto& run) { return run != nullptr; }); ++frame) {
+            for (std::size_t k = 0; k < count; ++k) {
+                if (!runs[k] || runs[k]->frame() > frame || runs[k]->next()) continue;
+                const int code = runs[k]->finish();
+                runs[k].reset();
+                if (code == exit_failed) failed_ = k;
+                if (code == exit_interrupted && !stopped) stopped = k;
+            }
+            if (wants_pictures(request_)) film_ready(runs);
+        }
+        return stopped;
+    }
+
+    bool goes_by_whole_film() const { return has_differences() || !scene_.output.chart.empty(); }
+
+    /// Frames whose pictures all panels have; those that are made again at the end at intervals of 2 s.
+    void film_ready(const std::vector<std::unique_ptr<FramedRun>>& runs) {
+        int ready = std::numeric_limits<int>::max();
+        for (std::size_t k = 0; k < runs.size(); ++k) ready = std::min(ready, runs[k] ? runs[k]->frames_written() : frames_of(k));
+        if (ready <= filmed_ || (goes_by_whole_film() && filmed_ > 0 && wall_seconds() - filmed_at_ < 2)) return;
+        film(filmed_ + 1, ready, false);
+        filmed_ = ready, filmed_at_ = wall_seconds();
     }
 
     /// Frames that every panel has.
@@ -176,17 +210,17 @@ private:
     }
 
     /// Where the pictures of a place in the film are, drawn first where it is a difference.
-    fs::path pictures_of(std::size_t panel, int frames) const {
+    fs::path pictures_of(std::size_t panel, int first, int last) const {
         const PanelCell& cell = cells_[panel];
         if (cell.run >= 0) return panel_folder(folder_.path(), static_cast<std::size_t>(cell.run));
         const fs::path folder = folder_.path() / "panels" / ("difference-" + std::to_string(panel + 1));
         const auto run_folder = [&](int n) { return panel_folder(folder_.path(), static_cast<std::size_t>(cell.between[n])); };
         const std::string& label = scene_.panels[panel].label;
-        draw_differences(scenes_[cell.between[0]], label.empty() ? "difference" : label, run_folder(0), run_folder(1), folder, frames);
+        draw_differences(scenes_[cell.between[0]], label.empty() ? "difference" : label, run_folder(0), run_folder(1), folder, first, last);
         return folder;
     }
 
-    /// Its curves are read when all runs are over, so the axes stand still. No chart: none of its pixels.
+    /// Of the curves so far. No chart: none of its pixels.
     PanelChart chart() const {
         const std::string& of = scene_.output.chart;
         const std::size_t dot = of.rfind('.');
@@ -205,25 +239,31 @@ private:
         return chart;
     }
 
-    void film(int frames) const {
+    /// @param whole all frames, for the video; those that stand there already are kept where nothing in them goes by the whole film
+    void film(int first, int last, bool whole) const {
         fs::create_directories(folder_.path() / "frames");
         const int width = scene_.output.size[0], height = scene_.output.size[1];
         const std::array<int, 2>& panel_size = scenes_[0].scene.output.size;
         std::vector<fs::path> folders;
-        for (std::size_t k = 0; k < cells_.size(); ++k) folders.push_back(pictures_of(k, frames));
+        for (std::size_t k = 0; k < cells_.size(); ++k) folders.push_back(pictures_of(k, first, last));
         const PanelChart chart = this->chart();
         std::optional<VideoEncoder> encoder;
-        if (scene_.output.video) encoder.emplace(video(), width, height, VideoOptions{scene_.time.fps, 18});
-        for (int frame = 1; frame <= frames; ++frame) {
+        if (whole && scene_.output.video) encoder.emplace(video(), width, height, VideoOptions{scene_.time.fps, 18});
+        for (int frame = first; frame <= last; ++frame) {
+            if (frame <= filmed_ && !goes_by_whole_film()) {
+                if (encoder) encoder->add(read_picture(folder_.path(), frame, width, height));
+                continue;
+            }
             std::vector<Image> images;
             for (const fs::path& folder : folders) images.push_back(read_picture(folder, frame, panel_size[0], panel_size[1]));
-            Image whole = side_by_side(images, panel_columns(scene_), panel_gap, width, height - chart.height);
-            if (chart.height > 0) whole = one_above_other(whole, chart.at(frame_time(scene_, frame)));
-            write_png(picture_file(folder_.path(), frame), whole);
-            if (encoder) encoder->add(whole);
+            Image picture = side_by_side(images, panel_columns(scene_), panel_gap, width, height - chart.height);
+            if (chart.height > 0) picture = one_above_other(picture, chart.at(frame_time(scene_, frame)));
+            write_png(picture_file(folder_.path(), frame), picture);
+            if (encoder) encoder->add(picture);
         }
+        if (!whole) return;
         if (encoder) encoder->finish();
-        write_contact_sheet(folder_.path(), frames);
+        write_contact_sheet(folder_.path(), last);
         for (std::size_t k = 0; has_differences() && !scene_.exported("raw") && k < scenes_.size(); ++k)
             fs::remove_all(panel_folder(folder_.path(), k) / "raw");
     }
@@ -233,7 +273,8 @@ private:
         double wall = 0, cpu = 0;
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
             const nlohmann::json run = report_of(panel_folder(folder_.path(), k));
-            wall += run.value("wall_seconds", 0.0), cpu += run.value("cpu_seconds", 0.0);
+            // They run side by side, and each counts the process.
+            wall = std::max(wall, run.value("wall_seconds", 0.0)), cpu = std::max(cpu, run.value("cpu_seconds", 0.0));
             panels.push_back({{"label", scene_.panels[panel_of(k)].label},
                               {"folder", "panels/" + std::to_string(k + 1)},
                               {"status", run.value("status", "waiting")},
@@ -252,6 +293,8 @@ private:
     RunFolder folder_;
     bool anew_ = false;  ///< panels whose frames a difference lacks begin anew
     std::optional<std::size_t> failed_;
+    int filmed_ = 0;        ///< frames whose pictures stand side by side
+    double filmed_at_ = 0;  ///< s, wall
 };
 
 }  // namespace
@@ -264,20 +307,20 @@ int run_panels(const RunRequest& request, PanelRuns how) {
 }
 
 void draw_differences(const SceneFile& file, const std::string& title, const fs::path& one, const fs::path& other, const fs::path& folder,
-                      int frames) {
-    if (!fs::exists(frame_file(one, frames)) && fs::exists(picture_file(folder, frames))) return;
+                      int first, int last) {
+    if (!fs::exists(frame_file(one, last)) && fs::exists(picture_file(folder, last))) return;
     const auto pair_of = [&](int number) { return std::pair{read_frame(frame_file(one, number)), read_frame(frame_file(other, number))}; };
     constexpr int looked_at = 24;  // frames
     float most = 0;
-    for (int n = 0; n < std::min(frames, looked_at); ++n) {
-        const auto [a, b] = pair_of(frames <= looked_at ? n + 1 : 1 + n * (frames - 1) / (looked_at - 1));
+    for (int n = 0; n < std::min(last, looked_at); ++n) {
+        const auto [a, b] = pair_of(last <= looked_at ? n + 1 : 1 + n * (last - 1) / (looked_at - 1));
         most = std::max(most, usual_difference(a, b, file.look));
     }
     const float high = most > 0 ? static_cast<float>(round_number_above(most)) : 1;
     LookOptions look = file.look;
     look.title = title;
     fs::create_directories(folder / "frames");
-    for (int number = 1; number <= frames; ++number) {
+    for (int number = first; number <= last; ++number) {
         const auto [a, b] = pair_of(number);
         const auto& size = file.scene.output.size;
         write_png(picture_file(folder, number), draw_difference_plate(a, b, look, {-high, high}, size[0], size[1]));

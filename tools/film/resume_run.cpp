@@ -33,6 +33,15 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
     throw InputError(problems);
 }
 
+/// @throws InputError with every mesh, picture and table that was edited since the run read it
+void check_inputs(const Checkpoint& checkpoint, const SceneFile& now) {
+    std::vector<Problem> problems;
+    for (const auto& [file, sum] : input_checksums(now))
+        if (const auto before = checkpoint.inputs.find(file); before != checkpoint.inputs.end() && before->second != sum)
+            problems.push_back({{file, 0, 0}, "was edited after the run began", "put it back, or go on with it as it is: --force", ""});
+    if (!problems.empty()) throw InputError(problems);
+}
+
 /// What the plan takes for this scene, where the simulation goes by it. The preconditioner it chooses by how many particles press.
 NamedTexts decisions(const Plan& plan) {
     NamedTexts all;
@@ -120,6 +129,7 @@ void resume_from_newest(RunRequest& request) {
 
     const std::filesystem::path scene_file = request.folder / "scene.resolved.toml";
     check_settings(*checkpoint, request.file.scene, scene_file);
+    if (!request.force) check_inputs(*checkpoint, request.file);
     const Scene before = read_resolved(checkpoint->scene, scene_file.string()).scene;
     check_plan(before, request.file.scene, scene_file);
     // A run that --frames had cut short keeps its end, unless time.end has moved.

@@ -61,10 +61,13 @@ std::vector<std::string> snapshot_fields(const SceneFile& file, const World& wor
     return fields;
 }
 
-class Run : public FrameLoopHost {
+class Run : public FrameLoopHost, public FramedRun {
 public:
     Run(const RunRequest& request, const Plan& plan, std::string encoder);
-    int run();
+    bool next() override;
+    int frame() const override { return frame_; }
+    int frames_written() const override { return std::max(first_ - 1, film_->frames_written()); }
+    int finish() override;
 
 private:
     SceneFile with_choices() const;
@@ -79,24 +82,26 @@ private:
     void add_budget(const BudgetRow& row) override { tables_->add_budget(row); }
     void set_pictures(const SceneFile& file) override;
 
-    std::optional<Divergence> simulate();
+    template <class Work>
+    auto keeping(const Work& work);
+    bool simulate();
     void add_frame();
     std::shared_ptr<Checkpoint> state() const;
     StageTimes stages() const { return times_.stages(simulation_.times(), film_->times()); }
 
-    int finish(const std::optional<Divergence>& diverged);
+    int complete();
     int conclude(const std::string& status, const std::string& message);
     void say_done(double wall);
     void print_result(const std::string& status, const std::string& message, double wall) const;
     void write_report(const std::string& status, const std::string& message);
     void save_newest();
-    int frames_written() const { return std::max(first_ - 1, film_->frames_written()); }
 
     const RunRequest& request_;
     const Scene& scene_;
     RunTimes times_;
+    std::map<std::string, std::uint64_t> inputs_ = input_checksums(request_.file);
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
-    int frame_ = 1;             ///< on its way
+    int frame_ = 0;             ///< on its way
     Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
     SceneFile file_;            ///< the request's, with what is chosen at the start put in
     Replay replay_;             ///< what changes while the scene runs
@@ -124,6 +129,7 @@ Run::Run(const RunRequest& request, const Plan& plan, std::string encoder)
     make_folders();
     foreseen_ = foreseen_frames(plan);
     if (request.from) resume();
+    frame_ = first_ - 1;
     loop_.emplace(*this, simulation_, replay_.now(), last_, TheorySearch::wait);
     tables_.emplace(folder_.path(), simulation_, loop_->probes(), scene_.budget.any(), request.from ? &*request.from : nullptr);
     if (request.from) loop_->governor().set(tables_->last_given_up());
@@ -202,6 +208,7 @@ std::shared_ptr<Checkpoint> Run::state() const {
     auto state = std::make_shared<Checkpoint>();
     state->build = build_id();
     state->scene = scene_text_;
+    state->inputs = inputs_;
     state->frame = frame_;
     state->frames = last_;
     state->wall = times_.wall(), state->cpu = times_.cpu(), state->stages = stages(), state->resumed = times_.resumed();
@@ -227,13 +234,12 @@ void Run::after_step(const StepReport& report, double began) {
         loop_->scene_changed(replay_.now());
 }
 
-/// @return where the run diverged, if it did
-std::optional<Divergence> Run::simulate() {
-    for (frame_ = first_; frame_ <= last_; ++frame_) {
-        if (!times_.simulate([&] { return loop_->step_to(frame_time(scene_, frame_)); })) return simulation_.world().report.diverged;
-        add_frame();
-    }
-    return std::nullopt;
+/// The next frame. @return false where it was not reached
+bool Run::simulate() {
+    ++frame_;
+    if (!times_.simulate([&] { return loop_->step_to(frame_time(scene_, frame_)); })) return false;
+    add_frame();
+    return true;
 }
 
 /// The frame's row, its lines in the probes' tables, and its picture on the way.
@@ -312,7 +318,8 @@ int Run::conclude(const std::string& status, const std::string& message) {
     return status == "interrupted" ? exit_interrupted : exit_failed;
 }
 
-int Run::finish(const std::optional<Divergence>& diverged) {
+int Run::complete() {
+    const std::optional<Divergence>& diverged = simulation_.world().report.diverged;
     const std::string folder = folder_.path().string();
     if (diverged) {
         film_->finish(true);
@@ -334,7 +341,11 @@ int Run::finish(const std::optional<Divergence>& diverged) {
                                                folder, request_.no_draw ? " --no-draw" : ""));
 }
 
-int Run::run() try { return finish(simulate()); } catch (const std::exception& error) {
+/// Does a part of the run. What was made stays where it throws.
+template <class Work>
+auto Run::keeping(const Work& work) try {
+    return work();
+} catch (const std::exception& error) {
     log_->error("{}", error.what());
     try {
         save_newest();
@@ -346,6 +357,13 @@ int Run::run() try { return finish(simulate()); } catch (const std::exception& e
         throw EnvironmentError("the folder " + folder + " was removed or renamed while the run was at work", "",
                                "where it is elsewhere, put it back and go on with: whorl resume " + folder);
     throw;
+}
+
+bool Run::next() {
+    return keeping([&] { return frame_ < last_ && simulate(); });
+}
+int Run::finish() {
+    return keeping([&] { return complete(); });
 }
 
 }  // namespace
@@ -360,7 +378,7 @@ void check_video_rate(const Scene& scene) {
                          "set output.video = false", fmt::format("allowed: at least {:g}", least_video_fps));
 }
 
-int run_scene(const RunRequest& request) {
+std::unique_ptr<FramedRun> begin_run(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
     if (!request.from) RunFolder::check_fresh(request.folder);  // not only after a first pass
     std::string encoder;
@@ -368,7 +386,13 @@ int run_scene(const RunRequest& request) {
         check_video_rate(request.file.scene);
         encoder = check_encoder(without_video(request.from || request.earlier == RunFolder::Earlier::begun_again));
     } else if (request.file.scene.output.frames && request.file.scene.output.video) encoder = encoder_version();
-    return Run(request, plan, std::move(encoder)).run();
+    return std::make_unique<Run>(request, plan, std::move(encoder));
+}
+
+int run_scene(const RunRequest& request) {
+    const std::unique_ptr<FramedRun> run = begin_run(request);
+    while (run->next()) {}
+    return run->finish();
 }
 
 }  // namespace whorl

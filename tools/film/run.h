@@ -1,6 +1,7 @@
 #pragma once
 /// A run from its scene to its run folder: what `whorl render` and `whorl resume` share.
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ struct RunRequest {
     std::optional<int> frames;  ///< end with this frame, whatever time.end says
     bool no_draw = false;       ///< frames are exported (raw) and drawn later, by whorl draw
     bool quiet = false, json = false;
+    bool force = false;                                     ///< resume although a file that the scene names was edited
     RunFolder::Earlier earlier = RunFolder::Earlier::kept;  ///< treatment of a run that is already in the folder
     std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
 };
@@ -25,6 +27,20 @@ struct RunRequest {
 const char* without_video(bool goes_on);
 /// Before a film is begun that is to have a video. @throws InputError where a video cannot have so few frames a second
 void check_video_rate(const Scene& scene);
+
+/// A run that is made frame by frame, so that several can go side by side.
+class FramedRun {
+public:
+    virtual ~FramedRun() = default;
+    /// Simulates the next frame and hands it on. @return false where none is left, the run diverged or is interrupted: then finish()
+    virtual bool next() = 0;
+    virtual int frame() const = 0;           ///< the newest that next() began
+    virtual int frames_written() const = 0;  ///< whose pictures and exports are on disk
+    /// Completes the frames on their way. @return as run_scene()
+    virtual int finish() = 0;
+};
+/// @param request outlives the run @throws as run_scene()
+std::unique_ptr<FramedRun> begin_run(const RunRequest& request);
 
 /// Simulates, measures, draws, writes; the scene's panels are left out (run_panels() runs them). Interrupted by SIGINT or SIGTERM it
 /// completes the frames that are on their way, saves the state of the newest one and says how to resume.
@@ -35,18 +51,19 @@ int run_scene(const RunRequest& request);
 
 /// Several runs of one scene, with keys of their own, side by side in one film ([[panel]]).
 ///
-/// Each panel is a run like any other, in panels/1, panels/2, ... of the run folder, one after the other; their pictures of the same time,
-/// with their labels, then make one picture, over a chart where the scene asks for one. A difference of two panels is drawn when both are
-/// there. A run that stops goes on with the panel where it stopped.
+/// Each panel is a run like any other, in panels/1, panels/2, ... of the run folder, frame by frame beside the others; their pictures of
+/// the same time, with their labels, make one picture, over a chart where the scene asks for one. Pictures with a chart or a difference of
+/// two panels, whose axes and colours go by the whole film, are drawn again at its end.
 enum class PanelRuns { fresh, resumed };
 /// @return as run_scene(); where a panel diverged the film ends with its last picture
 int run_panels(const RunRequest& request, PanelRuns how);
 
 /// Draws into `folder` (frames/) from the frames that both runs exported (raw/). The colour map's range holds 99 % of the fluid in every
 /// frame of the film. Where raw/ is gone, pictures that stand there already stay.
-/// @param file of the first run @param title of the pictures @throws InputError where a frame is missing or damaged
+/// @param file of the first run @param title of the pictures @param first,last frames that are drawn; `last` are there
+/// @throws InputError where a frame is missing or damaged
 void draw_differences(const SceneFile& file, const std::string& title, const std::filesystem::path& one, const std::filesystem::path& other,
-                      const std::filesystem::path& folder, int frames);
+                      const std::filesystem::path& folder, int first, int last);
 
 /// Completes a request for the run in its folder, whose scene is request.file as it stands there now: the newest checkpoint, and where to
 /// end (request.frames, where nothing was asked, is what the run was to make). Where no checkpoint was written yet, the run begins again;

@@ -155,7 +155,8 @@ RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
     }
     if (taken == 0) return;
     if (errno == EWOULDBLOCK) {
-        ::close(lock_);
+        ::close(std::exchange(lock_, -1));
+        if (hold == Hold::looking) return;
         throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
                          "wait for it, or choose another folder with --out");
     }
@@ -209,8 +210,9 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
 
 /// Renames the folder, and continues with an empty one.
 void RunFolder::keep() {
-    add_note("the run that stood in " + path_.string() + " is now in " + set_aside(path_).string());
-    make_folder(path_);
+    const fs::path real = fs::canonical(path_);  // a symbolic link stays
+    add_note("the run that stood in " + path_.string() + " is now in " + set_aside(fs::is_symlink(plain(path_)) ? real : path_).string());
+    make_folder(real);
     RunFolder empty(path_);
     std::swap(lock_, empty.lock_);
 }

@@ -17,8 +17,9 @@ public:
     static RunFolder fresh(const std::filesystem::path& path, Earlier earlier = Earlier::kept);
     /// Refuses what fresh() refuses, and writes nothing. @throws InputError as fresh()
     static void check_fresh(const std::filesystem::path& path);
-    enum class Hold { alone, shared };
-    /// A run to go on with. @throws InputError where there is none, or another process is at work in it (that does not share it, too)
+    enum class Hold { alone, shared, looking };
+    /// A run to go on with; `looking`: also one that another process is at work in (is_held() is false then). @throws InputError where
+    /// there is none, or another process is at work in it (that does not share it, too)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
     /// Pictures of another run: makes the folder, marks it as drawn from that run, and writes the scene as the last drawing shows it.
     /// Pictures of the same run are added to those that stand there; a run of its own, or pictures of a run that stood where this one does,
@@ -29,6 +30,7 @@ public:
     ~RunFolder();
     RunFolder(RunFolder&& other) noexcept;
 
+    bool is_held() const { return lock_ >= 0; }
     const std::filesystem::path& path() const { return path_; }
     /// What became of an earlier run, and other remarks, as sentences; "" if there are none.
     const std::string& note() const { return note_; }

@@ -30,6 +30,9 @@ int run_guarded(const std::function<int()>& job) {
     } catch (const InputError& e) {
         for (const Problem& p : e.problems()) fmt::print(stderr, "{}\n", p.message());
         return exit_bad_input;
+    } catch (const Interrupted&) {
+        fmt::print(stderr, "whorl: interrupted before the first frame\n");
+        return exit_interrupted;
     } catch (const std::bad_alloc&) {
         fmt::print(stderr, "whorl: memory ran out\n  remedy: free some, or allow more (ulimit -v), or take a larger fluid.spacing\n");
         return exit_failed;
@@ -50,6 +53,7 @@ namespace {
 
 /// The signal may come to any thread.
 std::atomic<bool> received = false;
+std::atomic<int> guards = 0;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void note(int) {
@@ -66,10 +70,13 @@ void handle(void (*handler)(int)) {
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
+    if (guards++ > 0) return;
     received = false;
     handle(note);
 }
-InterruptGuard::~InterruptGuard() { handle(SIG_DFL); }
+InterruptGuard::~InterruptGuard() {
+    if (--guards == 0) handle(SIG_DFL);
+}
 bool InterruptGuard::interrupted() const { return received; }
 
 namespace fs = std::filesystem;

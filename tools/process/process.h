@@ -18,10 +18,13 @@ enum ExitCode : int {
     exit_interrupted = 130  ///< SIGINT or SIGTERM; the state is saved
 };
 
+/// SIGINT or SIGTERM came before anything was made.
+struct Interrupted {};
+
 /// Runs the job; prints whatever it throws on standard error ("whorl: ..."), one line a problem, and returns the exit code.
 int run_guarded(const std::function<int()>& job);
 
-/// While it lives, the first SIGINT or SIGTERM only sets a flag; the second ends the program at once.
+/// While one lives, the first SIGINT or SIGTERM only sets a flag; the second ends the program at once.
 class InterruptGuard {
 public:
     InterruptGuard();

@@ -49,8 +49,9 @@ int draw(const DrawOptions& options) {
     std::error_code none;
     const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, options.folder, none);
     const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
-    const RunFolder held = RunFolder::existing(options.folder, elsewhere ? RunFolder::Hold::shared : hold);
+    const RunFolder held = RunFolder::existing(options.folder, elsewhere ? RunFolder::Hold::looking : hold);
     if (!held.note().empty()) tell_note(held.note(), false);
+    if (!held.is_held()) tell_note("the run goes on: the frames that it has so far are drawn", false);
     Options own = options.shared;
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);

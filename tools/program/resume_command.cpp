@@ -41,6 +41,7 @@ int resume(const ResumeOptions& options) {
     request.folder = options.folder;
     request.no_draw = options.shared.no_draw;
     if (request.no_draw) export_raw(request.file.scene);
+    request.force = options.shared.force;
     request.quiet = options.shared.quiet;
     request.json = options.shared.json;
     if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::resumed);
@@ -54,7 +55,8 @@ void add_resume(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<ResumeOptions>();
     CLI::App* app = program.add_subcommand("resume", "go on from a run's newest checkpoint, to the same result as if it had never stopped");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-    add_options(*app, options->shared, {Option::until, Option::frames, Option::no_draw, Option::threads, Option::quiet, Option::json});
+    add_options(*app, options->shared,
+                {Option::until, Option::frames, Option::force, Option::no_draw, Option::threads, Option::quiet, Option::json});
     app->footer(
         "With --until or --frames a run ends later (or earlier) than it was to, also one that is done. scene.resolved.toml says so then, "
         "and\n"

@@ -85,7 +85,10 @@ void add_video(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<EncodeOptions>();
     CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-    app->add_option("--fps", options->fps, "frames a second (default: the scene's)")->type_name("N")->check(any_number("", true));
+    app->add_option("--fps", options->fps, "frames a second (default: the scene's)")
+        ->type_name("N")
+        ->transform(quotient)
+        ->check(any_number("", true));
     app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51, lower is better and larger")
         ->capture_default_str()
         ->check(whole_number(0, 51));

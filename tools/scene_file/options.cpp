@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 namespace whorl {
 
@@ -29,6 +30,13 @@ NumberCheck any_number(const std::string& unit, bool above_zero) {
         if (end != text.c_str() && *end == 0 && (!above_zero || (number > 0 && std::isfinite(number)))) return "";
         return fmt::format("must be a number{}{}, not \"{}\"", above_zero ? " above 0" : "", unit.empty() ? "" : " [" + unit + "]", text);
     };
+}
+
+std::string quotient(const std::string& text) {
+    const char* const slash = std::strchr(text.c_str(), '/');
+    char *above = nullptr, *below = nullptr;
+    const double number = std::strtod(text.c_str(), &above), divisor = slash ? std::strtod(slash + 1, &below) : 0;
+    return above == slash && divisor > 0 && *below == 0 ? fmt::format("{}", number / divisor) : text;
 }
 
 std::string not_empty(const std::string& text) { return text.empty() ? "is empty; give a name, or leave it out" : ""; }
@@ -58,6 +66,9 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                 app.add_flag("--overwrite", o.overwrite,
                              "replace a run that stands in the folder (default: it is kept as FOLDER.1, .2, ...)");
                 break;
+            case Option::force:
+                app.add_flag("--force", o.force, "go on although a mesh, picture or table that the scene names was edited");
+                break;
             case Option::until:
                 app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T")->check(any_number("s"));
                 break;
@@ -68,7 +79,10 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                 app.add_option("--size", o.size, "pixels of a picture, as in 1280x720 (output.size)")->type_name("WxH");
                 break;
             case Option::fps:
-                app.add_option("--fps", o.fps, "frames a second of film (time.fps)")->type_name("N")->check(any_number());
+                app.add_option("--fps", o.fps, "frames a second of film, as in 25, 29.97 or 24000/1001 (time.fps)")
+                    ->type_name("N")
+                    ->transform(quotient)
+                    ->check(any_number());
                 break;
             case Option::quality:
                 app.add_option("--quality", o.quality,

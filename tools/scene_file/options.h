@@ -31,6 +31,7 @@ struct Options {
     std::vector<std::string> exports;          ///< output.export
     int threads = 0;                           ///< 0: all cores
     std::optional<std::uint64_t> seed;         ///< seed
+    bool force = false;                        ///< resume with files that were edited since
     bool overwrite = false;                    ///< replace a run that stands in the folder
     bool dry_run = false, quiet = false, json = false;
 };
@@ -41,6 +42,7 @@ enum class Option {
     with,
     out,
     overwrite,
+    force,
     until,
     frames,
     size,
@@ -61,6 +63,8 @@ enum class Option {
 using NumberCheck = std::function<std::string(const std::string&)>;
 NumberCheck whole_number(long long least, long long most = std::numeric_limits<int>::max());
 NumberCheck any_number(const std::string& unit = "", bool above_zero = false);
+/// For CLI11's transform(): "24000/1001" as a decimal number; any other text as it is.
+std::string quotient(const std::string& text);
 
 /// A check of CLI11's: what is wrong with an empty name, "" where it is none.
 std::string not_empty(const std::string& text);

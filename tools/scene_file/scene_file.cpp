@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "engine/core/utf8.h"
+#include "engine/io/csv.h"
+#include "engine/io/packed.h"
 #include "engine/scene/model_facts.h"
 #include "engine/scene/read.h"
 #include "render/look/environment.h"
@@ -251,6 +253,18 @@ void find_environment(SceneFile& file) {
                          "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
                          "allowed: a Radiance picture (.hdr)");
     }
+}
+
+std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file) {
+    std::map<std::string, std::uint64_t> sums;
+    const auto add = [&](const fs::path& input) {
+        if (!input.empty()) sums[input.string()] = checksum(read_whole(input));
+    };
+    for (const BlockKeys& block : file.scene.blocks) add(block.shape.file);
+    for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file);
+    for (const ProbeKeys& probe : file.scene.probes) add(probe.compare);
+    add(file.look.environment);
+    return sums;
 }
 
 SceneFile read_resolved(const std::string& text, const std::string& path) {

@@ -1,6 +1,8 @@
 #pragma once
 /// A scene file as the options of the command line change it.
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +33,8 @@ SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<s
 SceneFile read_resolved(const std::string& text, const std::string& file);
 /// The picture that stands round the scene is found from the scene file's folder. @throws InputError where it cannot be read, at its key
 void find_environment(SceneFile& file);
+/// The checksum of each mesh, picture and table that the scene names, by absolute path. @throws InputError where one cannot be read
+std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file);
 /// scene.resolved.toml: every value used. Reading it back gives the same scene.
 std::string resolved_toml(const SceneFile& file);
 

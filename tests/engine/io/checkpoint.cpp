@@ -80,7 +80,7 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
         content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
     }
     SECTION("empty") { message = "not of this kind"; }
-    SECTION("sealed, with less in it than a checkpoint has") { content = sealed("WHORLCP2", "few"), message = "ends too early"; }
+    SECTION("sealed, with less in it than a checkpoint has") { content = sealed("WHORLCP3", "few"), message = "ends too early"; }
     std::ofstream(newest, std::ios::binary) << content;
     SECTION("a folder") {
         fs::remove(newest);

@@ -92,14 +92,14 @@ TEST_CASE("flat colours survive the video within 2/255", "[video]") {
 TEST_CASE("a finished video is tagged, starts fast and leaves no partial file", "[video]") {
     test::ScratchFolder folder;
     const auto names = test::names_made(folder.path(), [&] {
-        VideoEncoder encoder(folder / "film.mp4", 65, 49, {30, 18});  // odd sizes lose a row and a column
+        VideoEncoder encoder(folder / "film.mp4", 65, 49, {29.97, 18});  // odd sizes lose a row and a column
         for (int i = 0; i < 12; ++i) encoder.add(test::studio_picture(65, 49));
         encoder.finish();
     });
     check_hidden(names, "film.mp4");
     const std::string found = tags(folder / "film.mp4");
     for (const char* tag : {"codec_name=h264", "pix_fmt=yuv420p", "color_range=tv", "color_space=bt709", "color_transfer=bt709",
-                            "color_primaries=bt709", "avg_frame_rate=30/1"}) {
+                            "color_primaries=bt709", "avg_frame_rate=30000/1001"}) {
         INFO(found);
         REQUIRE(found.find(tag) != std::string::npos);
     }
