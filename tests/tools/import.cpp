@@ -1,4 +1,7 @@
 // Scenes of SPlisHSPlasH, written for these tests from that program's page on its format.
+#include <zlib.h>
+
+#include <bit>
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -188,6 +191,41 @@ TEST_CASE("import reads parameters in a method's section, with that format's num
     CHECK(has(thin, "transfer_viscosity = 120.0"));
     CHECK(has(thin, "micro_inertia = 2.0"));
     CHECK(has(thin, "xsph_spin = 0.1"));
+}
+
+TEST_CASE("particles of a .bgeo file, packed or not, become a block with the volume of their number", "[tools][import]") {
+    const double d = 0.02;
+    std::string bytes = "BgeoV";
+    const auto put = [&](std::uint32_t value, int size) {
+        while (size-- > 0) bytes += static_cast<char>(value >> (8 * size));
+    };
+    put(5, 4);
+    for (const std::uint32_t count : {1000, 0, 0, 0, 2, 0, 0, 0}) put(count, 4);
+    put(2, 2), bytes += "id", put(1, 2), put(1, 4), put(0, 4);
+    put(4, 2), bytes += "kind", put(1, 2), put(4, 4), put(1, 4), put(3, 2), bytes += "wet";  // one of several texts
+    for (int k = 0; k < 1000; ++k) {
+        for (const int along : {k % 10, k / 10 % 10, k / 100}) put(std::bit_cast<std::uint32_t>(static_cast<float>(d * along)), 4);
+        put(std::bit_cast<std::uint32_t>(1.0f), 4), put(k, 4), put(0, 4);
+    }
+    const Scratch scratch(R"({"Configuration": {"particleRadius": 0.01, "stopAt": 1},
+ "FluidModels": [{"particleFile": "cube.bgeo", "translation": [0, 1, 0]}]})");
+    const auto volume = [&] {
+        const ConvertedScene made = convert_splishsplash(scratch / "scene.json");
+        const TriangleMesh& mesh = made.meshes.at(0).second;
+        double six = 0;
+        for (const auto& t : mesh.triangle)
+            six += mesh.position[t[0]].cast<double>().dot(mesh.position[t[1]].cast<double>().cross(mesh.position[t[2]].cast<double>()));
+        return six / 6;
+    };
+    std::ofstream(scratch / "cube.bgeo") << bytes;
+    const double plain = volume();
+    CHECK(plain == Approx(1000 * d * d * d).epsilon(0.06));  // edges and corners are round
+    const gzFile packed = gzopen((scratch / "cube.bgeo").c_str(), "wb");
+    gzwrite(packed, bytes.data(), static_cast<unsigned>(bytes.size()));
+    gzclose(packed);
+    CHECK(volume() == plain);
+    std::ofstream(scratch / "cube.bgeo") << bytes.substr(0, 900);
+    CHECK_THROWS_WITH(convert_splishsplash(scratch / "scene.json"), Catch::Contains("particleFile") && Catch::Contains("ends too early"));
 }
 
 TEST_CASE("an imported scene in the plane has two numbers a place, and one that never ends says so", "[tools][import]") {

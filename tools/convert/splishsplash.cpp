@@ -1,14 +1,20 @@
 #include "tools/convert/splishsplash.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "engine/core/utf8.h"
 #include "engine/geometry/mesh_file.h"
+#include "render/surface/surface.h"
 #include "tools/convert/json_tree.h"
 
 namespace whorl {
@@ -33,6 +39,59 @@ Placement placement_of(const JsonNode& node) {
     const double angle = node.number_of("rotationAngle").value_or(0);
     if (angle != 0 && axis.norm() > 0) at.rotation = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
     return at;
+}
+
+/// Places of the particles in a file of Houdini's, version 5 of .bgeo, which may be packed (gzip): big-endian counts, the names and sizes
+/// of the points' attributes, then x, y, z, w and the attributes of each point. @throws InputError
+std::vector<Vec3f> read_particles(const std::filesystem::path& file) {
+    const auto fail = [&](const char* why) { throw InputError({file.string(), 0, 0}, why, "", "particles in version 5 of .bgeo"); };
+    std::string bytes;
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), &gzclose);
+    std::array<char, 1 << 16> part;
+    for (int n = 0; in && bytes.size() < (1u << 30) && (n = gzread(in.get(), part.data(), part.size())) > 0;)
+        bytes.append(part.data(), static_cast<std::size_t>(n));
+    std::size_t at = 5;
+    const auto take = [&](int size) {
+        std::uint32_t value = 0;
+        if (bytes.size() < at + static_cast<std::size_t>(size)) fail("ends too early");
+        for (; size > 0; --size) value = value << 8 | static_cast<std::uint8_t>(bytes[at++]);
+        return value;
+    };
+    if (bytes.rfind("BgeoV", 0) != 0 || take(4) != 5) fail("holds no particles that can be read");
+    std::array<std::uint32_t, 8> counts;  // points, primitives, groups of both, attributes of points, ...
+    for (std::uint32_t& count : counts) count = take(4);
+    std::size_t each = 16;  // bytes of a point
+    for (std::uint32_t k = 0; k < counts[4]; ++k) {
+        constexpr std::uint32_t names = 4;  // the type of attributes that are one of several texts
+        const std::uint32_t length = take(2);
+        at += length;
+        const std::uint32_t size = take(2), type = take(4);
+        each += 4 * size;
+        if (type != names) at += 4 * size;
+        else
+            for (std::uint32_t n = take(4); n > 0; --n) {
+                const std::uint32_t text = take(2);
+                at += text;
+            }
+    }
+    std::vector<Vec3f> places;
+    for (std::uint32_t i = 0; i < counts[0]; ++i, at += each - 12)
+        for (places.emplace_back(); float& x : places.back()) x = std::bit_cast<float>(take(4));
+    return places;
+}
+
+/// The surface about particles of this spacing [m].
+TriangleMesh surface_of(const std::vector<Vec3f>& places, double spacing) {
+    Frame frame;
+    frame.spacing = static_cast<float>(spacing);
+    frame.position = places;
+    frame.velocity.resize(places.size(), Vec3f::Zero());
+    Eigen::AlignedBox3f room;
+    for (const Vec3f& x : places) room.extend(x);
+    frame.domain_min = room.min().array() - 8 * frame.spacing, frame.domain_max = room.max().array() + 8 * frame.spacing;
+    SurfaceOptions how;
+    how.distance = false;
+    return build_surface(frame, how).mesh;
 }
 
 /// The program's box of edge 1 about the origin, which its scenes are walled with.
@@ -123,6 +182,7 @@ private:
     const Fluid& fluid_of(const JsonNode& user, bool can_differ);
     void blocks();
     void models();
+    void model(const JsonNode& node, const TriangleMesh& mesh, const Placement& at);
     void emitters();
     void bodies();
     void body(const JsonNode& node);
@@ -247,11 +307,13 @@ void Converter::viscosity(Fluid& fluid, bool is_scene) {
     if (!is_scene || fluid.node->number_of("vorticityMethod").value_or(0) != 1) return;
     const JsonNode& spin = section_of(*fluid.node, vorticities[0]);
     const double inverse = spin.number_of("inertiaInverse").value_or(0.5);  // their default
-    models_ += "micropolar = \"bender\"\n";
+    // The published coupling gains energy at free surfaces where it exceeds the viscosity.
+    const double transfer = spin.number_of("vorticity").value_or(0) * fluid.density;
+    models_ += fmt::format("micropolar = \"{}\"\n", transfer > fluid.viscosity ? "eringen" : "bender");
     micropolar_ = "\n[micropolar]\n";
     if (inverse > 0) line(micropolar_, "micro_inertia", number(1 / inverse));
-    if (const auto nu = spin.number_of("vorticity")) {
-        line(micropolar_, "transfer_viscosity", number(*nu * fluid.density));
+    if (transfer > 0) {
+        line(micropolar_, "transfer_viscosity", number(transfer));
         note(spin, "vorticity", "is taken as a kinematic transfer viscosity in m^2/s");
     }
     if (const auto smoothing = spin.number_of("viscosityOmega")) {
@@ -298,17 +360,33 @@ void Converter::models() {
     for (const JsonNode* node : root_.objects_of("FluidModels")) {
         const std::string file = node->text_of("particleFile").value_or("");
         const std::string suffix = std::filesystem::path(file).extension().string();
+        if (suffix == ".bgeo" && !plane_) {
+            std::vector<Vec3f> places;
+            try {
+                places = read_particles(file_.parent_path() / file);
+            } catch (const InputError& error) {
+                throw InputError(node->find("particleFile")->place, node->path + ".particleFile: " + error.what());
+            }
+            const Placement at = placement_of(*node);
+            for (Vec3f& x : places) x = at(x.cast<double>()).cast<float>();
+            note(*node, "particleFile", fmt::format("holds {} particles: fluid begins in the surface about them", places.size()));
+            model(*node, surface_of(places, spacing_), {});
+            continue;
+        }
         if (suffix != ".obj" && suffix != ".ply" && suffix != ".stl") {
             note(*node, "particleFile", "holds particles, and fluid here begins as a shape: left out");
             placement_of(*node), fluid_of(*node, false);
             continue;
         }
-        const TriangleMesh mesh = mesh_at(*node, "particleFile");
-        fluid_of(*node, false);
-        shapes_ += "\n[[block]]\n";
-        mesh_shape(mesh, placement_of(*node), fmt::format("fluid_{}", made_.meshes.size() + 1));
-        if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
+        model(*node, mesh_at(*node, "particleFile"), placement_of(*node));
     }
+}
+
+void Converter::model(const JsonNode& node, const TriangleMesh& mesh, const Placement& at) {
+    fluid_of(node, false);
+    shapes_ += "\n[[block]]\n";
+    mesh_shape(mesh, at, fmt::format("fluid_{}", made_.meshes.size() + 1));
+    if (const auto u = node.vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
 }
 
 void Converter::emitters() {
@@ -349,6 +427,8 @@ bool Converter::holds_fluid(const Extent3& extent) const {
 void Converter::body(const JsonNode& node) {
     const Placement at = placement_of(node);
     const TriangleMesh mesh = mesh_at(node, "geometryFile");
+    const bool box = std::filesystem::path(*node.text_of("geometryFile")).stem() == "UnitBox" && !at.turned();
+    if (plane_ && !box) return note(node, "geometryFile", "is a mesh, which a flow in the plane does not cut: left out");
     Extent3 extent;
     for (const Vec3f& x : mesh.position) extent.extend(at(x.cast<double>()));
     const bool wall = node.truth_of("isWall").value_or(false), inverted = node.truth_of("mapInvert").value_or(false),
@@ -356,8 +436,7 @@ void Converter::body(const JsonNode& node) {
     const bool inside = !dynamic && (inverted || (wall && holds_fluid(extent)));
     if (!dynamic) extent_.extend(extent);
     shapes_ += "\n[[solid]]\n";
-    if (std::filesystem::path(*node.text_of("geometryFile")).stem() == "UnitBox" && !at.turned())
-        shapes_ += fmt::format("shape = \"box\"\nmin = {}\nmax = {}\n", vector(extent.min()), vector(extent.max()));
+    if (box) shapes_ += fmt::format("shape = \"box\"\nmin = {}\nmax = {}\n", vector(extent.min()), vector(extent.max()));
     else mesh_shape(mesh, at, fmt::format("body_{}", made_.meshes.size() + 1));
     if (inside) line(shapes_, "inside", "true");
     if (inside && !inverted) note(node, "isWall", "and fluid is inside: taken as a container (inside = true)");

@@ -158,10 +158,14 @@ def guide_pictures(m):
         for name, body in files.items():
             if not m.dry:
                 write_file(folder / name, body.encode())
+        scene = None
         for name in (file[:-5] for file in files if file.endswith(".toml")):
+            whole = "[time]" in files[f"{name}.toml"]  # else it is laid over the whole scene before it
+            scene = folder / f"{name}.toml" if whole else scene
             if f"pictures/guide/{name}.jpg" in text and m.wanted(name):
-                run = m.render(folder / f"{name}.toml", f"guide/{page.stem}/{name}", threads=2, images=True,
-                               options=["--fps", 8, "--size", "960x540", "--no-video"])
+                over = [] if whole else ["--with", folder / f"{name}.toml"]
+                run = m.render(scene, f"guide/{page.stem}/{name}", threads=2, images=True,
+                               options=["--fps", 8, "--size", "960x540", "--no-video", *over])
                 last = max(run.folder.glob("frames/*.png"), default=run.folder)
                 drawing.picture(m, f"docs/pictures/guide/{name}.jpg", [last], 960, ["-q:v", "4"])
             for probe in re.findall(r"pictures/guide/(\w+)\.svg", text):
