@@ -103,12 +103,15 @@ TEST_CASE("a folder in which another process is at work is left alone by all tha
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--frames", "1", "--quiet", "--out", scratch.run()}).code == 0);
     const RunFolder held = RunFolder::existing(scratch.run());
+    const std::string study = (scratch / "study.toml").string();
+    std::ofstream(study) << "scenes = [\"scene.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[stability]\n[[knob]]\n"
+                            "key = \"time.cfl\"\nvalues = [0.2, 0.4]\n";
     for (const std::vector<std::string>& words : {std::vector<std::string>{"video", scratch.run()},
                                                   {"video", scratch.run(), "--out", scratch.run("film.mp4")},
                                                   {"draw", scratch.run()},
                                                   {"resume", scratch.run()},
-                                                  {"tradeoff", "coil_frequency", "--out", scratch.run()},
-                                                  {"stability", "viscous_steps", "--out", scratch.run()}}) {
+                                                  {"tradeoff", study, "--out", scratch.run()},
+                                                  {"stability", study, "--out", scratch.run()}}) {
         const Outcome refused = test::whorl(words);
         INFO(words[0] << refused.err);
         CHECK(refused.code == 2);
