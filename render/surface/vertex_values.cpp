@@ -51,13 +51,13 @@ struct LinearFit {
     void find(const ParticleRows& rows, const Vec3f& point, float reach);
 };
 
-/// C^-1 of a symmetric matrix with the directions in which it has next to nothing left out.
-Mat3f spread_inverse(const Mat3f& C) {
+/// C^-1 of a symmetric matrix without the directions in which the particles hardly spread. @param least eigenvalue that counts as spread
+Mat3f spread_inverse(const Mat3f& C, float least) {
     Eigen::SelfAdjointEigenSolver<Mat3f> axes;
     axes.computeDirect(C);
     Vec3f inverse = axes.eigenvalues();
-    const float least = 0.02f * inverse[2];
-    for (float& value : inverse) value = value > least && value > 0 ? 1 / value : 0;
+    least = std::max(least, 0.02f * inverse[2]);
+    for (float& value : inverse) value = value > least ? 1 / value : 0;
     return axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
 }
 
@@ -83,9 +83,36 @@ void LinearFit::find(const ParticleRows& rows, const Vec3f& point, float reach) 
         const Vec3f r = from_point[k] - mean;
         spread += weight[k] / sum * r * r.transpose();
     }
-    const Vec3f slope = spread_inverse(spread) * mean;
+    // The spread of one particle, or of two at one place, is rounding.
+    const Vec3f slope = spread_inverse(spread, 1e-3f * reach * reach) * mean;
     for (std::size_t k = 0; k < particle.size(); ++k) weight[k] *= (1 - slope.dot(from_point[k] - mean)) / sum;
 }
+
+/// A field of one or three components, of the particles and at the points.
+struct CarriedField {
+    const float* of;
+    float* at;
+    int components;
+
+    /// The fit's value within those of its particles: each component, and the length of a vector.
+    void put(const LinearFit& fit, Index point) const {
+        Vec3f sum = Vec3f::Zero(), mean = sum, least = Vec3f::Constant(std::numeric_limits<float>::max()), most = -least;
+        float longest = 0;
+        for (std::size_t k = 0; k < fit.particle.size(); ++k) {
+            Vec3f value = Vec3f::Zero();
+            std::copy_n(of + components * fit.particle[k], components, value.data());
+            sum += fit.weight[k] * value, least = least.cwiseMin(value), most = most.cwiseMax(value);
+            mean += value / static_cast<float>(fit.particle.size()), longest = std::max(longest, value.norm());
+        }
+        if (!fit.particle.empty()) sum = sum.cwiseMax(least).cwiseMin(most);
+        if (sum.norm() > longest) {  // on the way to the mean, which no bound excludes
+            const Vec3f d = sum - mean;
+            const float b = mean.dot(d), q = b * b + d.squaredNorm() * (longest * longest - mean.squaredNorm());
+            sum = mean + (std::sqrt(std::max(q, 0.0f)) - b) / d.squaredNorm() * d;
+        }
+        std::copy_n(sum.data(), components, at + components * point);
+    }
+};
 
 }  // namespace
 
@@ -94,40 +121,22 @@ VertexFields carried_at(Span<const Vec3f> point, const Frame& frame, float reach
     const bool own = ghosted.original.empty();
     const ParticleRows rows(own ? frame.position : ghosted.position, reach);
     VertexFields fields;
-    struct ScalarField {
-        const std::vector<float>& of;
-        std::vector<float>& at;
+    std::vector<CarriedField> carried;
+    const auto add = [&](const auto& of, auto& at) {
+        at.resize(point.size());
+        constexpr int components = sizeof(of[0]) / sizeof(float);
+        carried.push_back({reinterpret_cast<const float*>(of.data()), reinterpret_cast<float*>(at.data()), components});
     };
-    struct VectorField {
-        const std::vector<Vec3f>& of;
-        std::vector<Vec3f>& at;
-        float least, most;
-    };
-    std::vector<ScalarField> scalars;
-    std::vector<VectorField> vectors;
-    constexpr float any = std::numeric_limits<float>::infinity();
-    vectors.push_back({frame.velocity, fields.vector["velocity"], -any, any});
-    if (const auto ink = frame.vector.find("ink"); ink != frame.vector.end()) vectors.push_back({ink->second, fields.vector["ink"], 0, 1});
+    add(frame.velocity, fields.vector["velocity"]);
+    if (const auto ink = frame.vector.find("ink"); ink != frame.vector.end()) add(ink->second, fields.vector["ink"]);
     for (const char* name : {"age", "viscosity"})
-        if (const auto found = frame.scalar.find(name); found != frame.scalar.end())
-            scalars.push_back({found->second, fields.scalar[name]});
-    for (const ScalarField& f : scalars) f.at.resize(point.size());
-    for (const VectorField& f : vectors) f.at.resize(point.size());
+        if (const auto found = frame.scalar.find(name); found != frame.scalar.end()) add(found->second, fields.scalar[name]);
     parallel_for(static_cast<Index>(point.size()), [&](Index n) {
         thread_local LinearFit fit;
         fit.find(rows, point[n], reach);
         if (!own)
             for (Index& p : fit.particle) p = ghosted.original[p];
-        for (const ScalarField& f : scalars) {
-            float sum = 0;
-            for (std::size_t k = 0; k < fit.particle.size(); ++k) sum += fit.weight[k] * f.of[fit.particle[k]];
-            f.at[n] = std::max(sum, 0.0f);
-        }
-        for (const VectorField& f : vectors) {
-            Vec3f sum = Vec3f::Zero();
-            for (std::size_t k = 0; k < fit.particle.size(); ++k) sum += fit.weight[k] * f.of[fit.particle[k]];
-            f.at[n] = sum.cwiseMax(f.least).cwiseMin(f.most);
-        }
+        for (const CarriedField& field : carried) field.put(fit, n);
     });
     return fields;
 }

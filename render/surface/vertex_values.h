@@ -20,10 +20,10 @@ struct VertexFields {
     std::map<std::string, std::vector<Vec3f>> vector;  ///< velocity [m/s], ink
 };
 
-/// The linear field that fits the particles within `reach` [m] best, by weighted least squares, taken at the point: linear fields come out
-/// as they are, at a surface too, where means lag behind by what the field changes from the surface to the particles. Where the particles
-/// stand in a line or a sheet it is linear along it alone. Amounts that cannot be negative stay positive, inks stay within 0 and 1. 0 where
-/// no particle is that near. The same bits for any number of threads.
+/// The linear field that fits the particles within `reach` [m] best, by weighted least squares, taken at the point and held within the
+/// values of those particles (each component, and the length of a vector): linear fields are exact between particles. Where the particles
+/// lie in a line or a sheet it is linear along it alone; of particles at one place it is the mean. 0 if no particle is within reach. The
+/// same bits for any number of threads.
 VertexFields carried_at(Span<const Vec3f> point, const Frame& frame, float reach);
 
 /// At a vertex: how far it is from the nearest edge of its large plate and of its small plate [spacings], a number of its large plate's own
