@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
@@ -101,6 +102,42 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
             values_at(surface.mesh.position, frame.position, frame.velocity, static_cast<float>(options.radius * frame.spacing));
     if (options.distance) surface.distance = distance_volume(surface.mesh, voxel, 8);
     return surface;
+}
+
+TriangleMesh without_slivers(TriangleMesh mesh) {
+    std::vector<std::uint32_t> into(mesh.position.size());
+    std::iota(into.begin(), into.end(), 0u);
+    const auto root = [&](std::uint32_t v) {
+        while (into[v] != v) v = into[v];
+        return v;
+    };
+    for (bool any = true; any;) {
+        any = false;
+        for (const auto& t : mesh.triangle) {
+            std::array<Vec3f, 3> edge;
+            for (int k = 0; k < 3; ++k) edge[k] = mesh.position[t[(k + 1) % 3]] - mesh.position[t[k]];
+            const auto [shortest, longest] = std::minmax_element(
+                edge.begin(), edge.end(), [](const Vec3f& a, const Vec3f& b) { return a.squaredNorm() < b.squaredNorm(); });
+            if (edge[0].cross(edge[1]).norm() > 1e-5f * longest->squaredNorm() && shortest->norm() > 1e-3f * longest->norm()) continue;
+            const auto k = shortest - edge.begin();
+            const std::uint32_t a = root(t[k]), b = root(t[(k + 1) % 3]);
+            into[std::max(a, b)] = std::min(a, b), any = true;
+        }
+        for (auto& t : mesh.triangle)
+            for (std::uint32_t& v : t) v = root(v);
+        std::erase_if(mesh.triangle, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    }
+    std::uint32_t count = 0;
+    for (std::size_t v = 0; v < into.size(); ++v) {
+        if (into[v] != v) continue;
+        mesh.position[count] = mesh.position[v];
+        if (!mesh.normal.empty()) mesh.normal[count] = mesh.normal[v];
+        into[v] = count++;
+    }
+    mesh.position.resize(count), mesh.normal.resize(std::min<std::size_t>(count, mesh.normal.size()));
+    for (auto& t : mesh.triangle)
+        for (std::uint32_t& v : t) v = into[v];
+    return mesh;
 }
 
 }  // namespace whorl

@@ -45,6 +45,10 @@ struct Surface {
 /// Builds the surface of the frame's fluid. The same bits for any number of threads. An empty frame gives an empty surface.
 Surface build_surface(const Frame& frame, const SurfaceOptions& options);
 
+/// The mesh without triangles of next to no area and vertices at one place (where walls meet it is drawn flat onto their edge): such a
+/// triangle's shortest edge becomes its earlier vertex. Closed and manifold as before. `mesh.scalar` must be empty.
+TriangleMesh without_slivers(TriangleMesh mesh);
+
 /// Signed distance to a closed mesh, negative inside, clamped to `band` voxels either way. Exact within 1.75 voxels of the surface; further
 /// off the distance to a point of the surface that is the closest or beside it (an upper bound, good to 0.15 of a voxel). The volume covers
 /// the mesh and two voxels round it; where that would take more than 16 million voxels it is made coarser.

@@ -53,17 +53,16 @@ void Exports::write(const Frame& frame, const Surface& surface, const PictureOpt
         if (wants(kind)) timed(kind, make);
     };
     std::optional<VertexFields> fields;
+    const TriangleMesh mesh = wants("mesh") || wants("obj") || wants("vtk") ? without_slivers(surface.mesh) : TriangleMesh();
     const auto carried = [&]() -> const VertexFields& {
-        if (!fields) fields = carried_at(surface.mesh.position, frame, static_cast<float>(how.surface.radius) * frame.spacing);
+        if (!fields) fields = carried_at(mesh.position, frame, static_cast<float>(how.surface.radius) * frame.spacing);
         return *fields;
     };
     made("points", [&] { write_ply(file("points", frame.number, "ply"), note_of(frame), particle_attributes(frame)); });
-    made("mesh", [&] {
-        write_ply(file("mesh", frame.number, "ply"), note_of(frame), vertex_attributes(surface.mesh, carried()), &surface.mesh.triangle);
-    });
-    made("obj", [&] { write_obj_mesh(file("obj", frame.number, "obj"), surface.mesh); });
+    made("mesh", [&] { write_ply(file("mesh", frame.number, "ply"), note_of(frame), vertex_attributes(mesh, carried()), &mesh.triangle); });
+    made("obj", [&] { write_obj_mesh(file("obj", frame.number, "obj"), mesh); });
     made("vdb", [&] { write_grids(frame, surface, how); });
-    made("vtk", [&] { write_vtk(frame, surface, carried); });
+    made("vtk", [&] { write_vtk(frame, mesh, carried); });
     made("raw", [&] { write_frame(frame_file(options_.folder, frame.number), frame); });
     made("scene", [&] { add_to_scene(frame, how, whole_film); });
 }
@@ -83,7 +82,7 @@ void Exports::write_grids(const Frame& frame, const Surface& surface, const Pict
               fields);
 }
 
-void Exports::write_vtk(const Frame& frame, const Surface& surface, const std::function<const VertexFields&()>& carried) {
+void Exports::write_vtk(const Frame& frame, const TriangleMesh& mesh, const std::function<const VertexFields&()>& carried) {
     const auto made = [&](const char* part, const char* suffix) {
         const std::filesystem::path path = vtk_file(part, frame.number, suffix);
         timed_.push_back({frame.time, part, path.filename().string()});
@@ -91,8 +90,7 @@ void Exports::write_vtk(const Frame& frame, const Surface& surface, const std::f
     };
     const Attributes particles = particle_attributes(frame);
     write_vtp(made("points", "vtp"), frame.time, particles);
-    if (frame.dimensions == 3)
-        write_vtp(made("mesh", "vtp"), frame.time, vertex_attributes(surface.mesh, carried()), &surface.mesh.triangle);
+    if (frame.dimensions == 3) write_vtp(made("mesh", "vtp"), frame.time, vertex_attributes(mesh, carried()), &mesh.triangle);
     write_vti(made("flow", "vti"), frame, particles);
     write_pvd(options_.folder / "vtk" / (options_.name + ".pvd"), timed_);
 }

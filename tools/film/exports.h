@@ -52,7 +52,7 @@ private:
     void add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film);
     void write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
     /// @param carried what the fluid carries on the surface, made when it is first asked for
-    void write_vtk(const Frame& frame, const Surface& surface, const std::function<const VertexFields&()>& carried);
+    void write_vtk(const Frame& frame, const TriangleMesh& mesh, const std::function<const VertexFields&()>& carried);
     std::filesystem::path scene_file() const { return options_.folder / "scene" / (options_.name + ".glb"); }
 
     ExportOptions options_;

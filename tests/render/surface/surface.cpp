@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <set>
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
@@ -327,6 +328,22 @@ TEST_CASE("water fills its glass: a surface runs along the walls of a box and of
     CHECK(beyond < (round ? 0.02f : 1e-3f));  // a facet's plane goes on a little beyond the next facet
     CHECK(on_floor > 3.5 * floor_area);       // voxels are half a spacing wide
     CHECK(on_wall > 3 * (round ? 50 * 8 : 64 * 8));
+
+    // Exported meshes have no triangle of zero area and no two vertices at one place. Only triangles on the edges between walls go.
+    const TriangleMesh clean = without_slivers(mesh);
+    CHECK(topology(clean).manifold);
+    CHECK(volume(clean) == Approx(volume(mesh)).epsilon(5e-5));  // a round wall's facets are cut a little
+    CHECK(clean.normal.size() == clean.position.size());
+    CHECK(clean.triangle.size() > 0.9 * static_cast<double>(mesh.triangle.size()));
+    float flattest = 1;
+    for (const auto& [a, b, c] : clean.triangle) {
+        const Vec3f ab = clean.position[b] - clean.position[a], ac = clean.position[c] - clean.position[a];
+        flattest = std::min(flattest, ab.cross(ac).norm() / std::max(ab.squaredNorm(), ac.squaredNorm()));
+    }
+    CHECK(flattest > 2e-6f);
+    std::set<std::array<float, 3>> places;
+    for (const Vec3f& x : clean.position) places.insert({x.x(), x.y(), x.z()});
+    CHECK(places.size() == clean.position.size());
 }
 
 TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surface]") {
