@@ -63,7 +63,9 @@ std::vector<std::string> mp4(const VideoOptions& options) {
 
 /// ProRes 422 HQ, or 4444 with alpha: for cutting programs.
 std::vector<std::string> mov(const VideoOptions& options) {
-    const std::string format = options.alpha ? "format=yuva444p10le" : "format=yuv422p10le";
+    // The encoder writes the tags of the pictures, and only the container has those of the stream.
+    const std::string format = std::string("setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709,format=") +
+                               (options.alpha ? "yuva444p10le" : "yuv422p10le");
     std::vector<std::string> words{
         "-vf", std::string(even) + to_bt709 + format, "-c:v", "prores_ks", "-profile:v", options.alpha ? "4" : "3", "-threads", "1"};
     if (options.alpha) words.insert(words.end(), {"-alpha_bits", "16"});

@@ -126,6 +126,8 @@ TEST_CASE("the suffix decides how a video is encoded", "[video]") {
         INFO(name << ": " << found);
         CHECK(found.find(codec) != std::string::npos);
         CHECK(found.find("avg_frame_rate=20/1") != std::string::npos);
+        for (const char* tag : {"color_range=tv", "color_space=bt709", "color_transfer=bt709", "color_primaries=bt709"})
+            CHECK((found.find(tag) != std::string::npos || std::string(name) == "film.gif"));
         CHECK(decoded(folder / name, folder).size() == 10);
         CHECK_FALSE(std::filesystem::exists(partial_video(folder / name)));
     }
