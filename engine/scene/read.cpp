@@ -19,21 +19,26 @@ namespace fs = std::filesystem;
 
 const char* const allowed_names = "allowed: letters, digits, _ - ., at most 200 of them";
 constexpr std::size_t longest_name = 200;  ///< longer ones get their endings, too: the system takes 255
+/// Letters of any language are UTF-8 beyond ASCII.
+bool in_file_name(unsigned char c) { return c >= 0x80 || std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; }
 bool file_name(const std::string& text) {
-    return !text.empty() && text.size() <= longest_name && text[0] != '.' && text[0] != '-' &&
-           std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
+    return !text.empty() && text.size() <= longest_name && text[0] != '.' && text[0] != '-' && is_utf8(text) &&
+           std::all_of(text.begin(), text.end(), in_file_name);
 }
 
 /// The file's name as that of a scene: each character that no name has is _.
 std::string name_after(const fs::path& file) {
+    const std::string stem = file.stem().string();
+    const bool text = is_utf8(stem);
     std::string name;
-    for (const char c : file.stem().string()) {
+    for (const char c : stem) {
         const auto byte = static_cast<unsigned char>(c);
         const bool at_start = name.empty() && (c == '-' || c == '.');
-        if (byte < 0x80 && !at_start && file_name("a" + std::string(1, c))) name += c;
+        if ((byte < 0x80 || text) && !at_start && in_file_name(byte)) name += c;
         else if ((byte & 0xC0) != 0x80) name += '_';  // once a character
     }
     if (name.size() > longest_name) name.resize(longest_name);
+    while (!is_utf8(name)) name.pop_back();  // half of a letter
     return name.empty() ? "scene" : name;
 }
 
@@ -68,8 +73,9 @@ public:
         probes();
         scene_.identities = scene_.any_flux();
         for (const int pixels : scene_.output.size)
-            if (pixels % 2 != 0) {
-                reader_.disagree({"output.size"}, "output.size has the odd number " + std::to_string(pixels), "video needs even sizes");
+            if (pixels % 2 != 0 && scene_.output.video && scene_.output.frames) {
+                reader_.disagree({"output.size"}, "output.size has the odd number " + std::to_string(pixels),
+                                 "a video needs even sizes: output.video = false (--no-video) films without one");
                 break;
             }
         if (scene_.blocks.empty() && scene_.emitters.empty())

@@ -437,7 +437,7 @@ KeyTable output_keys() {
     t.key("format", &OutputKeys::format, "", "of the pictures; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
         .one_of({"png", "exr"});
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
-    t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers").at_least(16).at_most(8192);
+    t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers for a video").at_least(16).at_most(8192);
     t.key("panel_columns", &OutputKeys::panel_columns, "",
           "panels in a row; auto: in the plane as many as make the flow largest, else all of two or three, from four on a square")
         .at_least(1)

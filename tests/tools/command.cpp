@@ -167,7 +167,12 @@ TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]
     o.size = "640";
     CHECK_THROWS_WITH(read_scene_file(o), "--size 640: a size is width x height in pixels; allowed: as in 1280x720");
     o.size = "641x360";
-    CHECK_THROWS_WITH(read_scene_file(o), "--size 641x360: output.size has the odd number 641; video needs even sizes");
+    CHECK_THROWS_WITH(read_scene_file(o),
+                      "--size 641x360: output.size has the odd number 641; a video needs even sizes: output.video = false "
+                      "(--no-video) films without one");
+    o.no_video = true;
+    CHECK(read_scene_file(o).scene.output.size[0] == 641);
+    o.no_video = false;
     o.size = "";
     o.quality = "drft";
     CHECK_THROWS_WITH(read_scene_file(o), "--quality drft: no such quality; did you mean \"draft\"?; allowed: draft, standard or fine");

@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "engine/core/clock.h"
+#include "engine/core/utf8.h"
 #include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "render/video/process.h"
@@ -67,8 +68,10 @@ ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& ou
 std::string folder_name(const std::string& text) {
     std::string name;
     for (const char c : text)
-        name += std::isalnum(static_cast<unsigned char>(c)) || std::string("=.-+_").find(c) != std::string::npos ? c : '_';
+        name +=
+            static_cast<unsigned char>(c) >= 0x80 || std::isalnum(c) != 0 || std::string("=.-+_").find(c) != std::string::npos ? c : '_';
     if (name.size() > 100) name.resize(100);
+    while (!is_utf8(name)) name.pop_back();  // half of a letter
     return fmt::format("{}-{:08x}", name, static_cast<unsigned>(std::hash<std::string>{}(text)));
 }
 

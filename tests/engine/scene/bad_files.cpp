@@ -187,7 +187,7 @@ const std::vector<Case> cases = {
     {"", "[[probe]]\nname = \"a/b\"\nkind = \"coil\"\nheight = 0.1",
      "bad.toml:10:8: probe[0].name = \"a/b\" cannot name a file; allowed: letters, digits, _ - ., at most 200 of them"},
     {"", "[output]\nsize = [1280, 721]\nexport = [\"mesh\", \"pionts\"]",
-     "bad.toml:10:8: output.size has the odd number 721; video needs even sizes\n"
+     "bad.toml:10:8: output.size has the odd number 721; a video needs even sizes: output.video = false (--no-video) films without one\n"
      "bad.toml:11:19: output.export[1] = \"pionts\" is not known; did you mean \"points\"?; allowed: points, mesh, obj, vdb, scene, vtk, "
      "raw"},
     {"", "[output]\nsize = \"big\"\nexport = \"mesh\"",

@@ -87,8 +87,12 @@ TEST_CASE("what a scene leaves out takes the defaults of the structs", "[scene]"
     CHECK(scene.pressure.gamma == 7);
     const std::string nameless = "[time]\nend = 1\n[fluid]\nspacing = 1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n";
     CHECK(read_scene_text(nameless, "dir/name.toml").name == "name");
-    for (const auto& [file, name] : std::vector<std::array<std::string, 2>>{
-             {"a/my scene (2).toml", "my_scene__2_"}, {"caf\u00e9.toml", "caf_"}, {"-v.1.toml", "_v.1"}, {".toml", "_toml"}, {"", "scene"}})
+    for (const auto& [file, name] : std::vector<std::array<std::string, 2>>{{"a/my scene (2).toml", "my_scene__2_"},
+                                                                            {"caf\u00e9.toml", "caf\u00e9"},
+                                                                            {"gr\xfcn.toml", "gr_n"},
+                                                                            {"-v.1.toml", "_v.1"},
+                                                                            {".toml", "_toml"},
+                                                                            {"", "scene"}})
         CHECK(read_scene_text(nameless, file).name == name);
 }
 
