@@ -88,6 +88,17 @@ TEST_CASE("a change to a file that is not there, or is none of its kind, is refu
     refused("solid[0].file", std::string(300, 'a'), "no file \"aaa");
 }
 
+TEST_CASE("mistakes found after a change name the scene's file, and the change if it made them", "[tools][scene]") {
+    const Scratch scratch("");
+    const SceneFile file = read_scene_file(scratch.scene());
+    const Scene now = changed(file, {{"fluid.viscosity", Value(3.0), {"here", 0, 0}}}).scene;
+    CHECK(now.place("fluid.viscosity").file == "here");
+    for (const char* key : {"fluid.spacing", "emitter[0].radius", "time.cfl"}) {
+        CHECK(now.place(key).file == scratch.scene().string());
+        CHECK(now.place(key).line == file.scene.place(key).line);
+    }
+}
+
 TEST_CASE("a mesh or picture whose path is no UTF-8 is refused, as the run's settings could not be read back", "[tools][scene]") {
     for (const char* what : {mesh, "[look]\nenvironment = \"room.hdr\"\n"}) {
         const Scratch scratch(what);

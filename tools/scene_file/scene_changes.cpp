@@ -124,6 +124,8 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
         // Reading it again tells what does not fit together, and makes expressions of its own.
         SceneFile fresh = read_resolved(resolved_toml(copy), std::filesystem::path(file.scene.directory) / "scene.toml");
         fresh.scene.directory = file.scene.directory;
+        for (auto& [key, place] : fresh.scene.places) place = file.scene.place(key);  // the text above is no file
+        for (const KeyChange& change : changes) fresh.scene.places[full_path(change.path)] = change.source;
         if (fresh.look.environment != file.look.environment) find_environment(fresh);
         return fresh;
     } catch (const InputError& error) {
