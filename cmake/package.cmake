@@ -16,6 +16,8 @@ file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian "whorl (${PROJECT_VERSIO
 add_custom_command(OUTPUT changelog.Debian.gz COMMAND sh -c "gzip -9nc changelog.Debian > changelog.Debian.gz" VERBATIM)
 add_custom_target(manual ALL DEPENDS whorl.1.gz whorl.bash changelog.gz changelog.Debian.gz)
 
+# A folder in which the program alone was built lacks them.
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target manual COMMAND_ERROR_IS_FATAL ANY)")
 set(doc ${CMAKE_INSTALL_DATADIR}/doc/whorl)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME whorl)
