@@ -113,7 +113,7 @@ void check_assembled(const Plan& plan, double viscous_number, const KeyProblems&
 void check_viscous_solver(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (!plan.facts.viscosity.correction.value_or(true) && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
         report("viscosity.preconditioner",
-               "viscosity.preconditioner = \"two_level\" needs viscosity.correction: as published, a rotation is no rigid motion",
+               "viscosity.preconditioner = \"two_level\" needs viscosity.correction: without it a rotation is no rigid motion",
                "take \"block_jacobi\"", "allowed: auto, none or block_jacobi");
 }
 
@@ -127,7 +127,7 @@ void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report)
                    "take \"no\" or \"free\", or models.micropolar = \"none\"", "allowed: no or free");
         if (viscosity.viscous && !viscosity.knows_slip_length)
             report(key,
-                   "the viscosity as published, without corrected gradients, has half of the shear where neighbours are missing: it knows "
+                   "the viscosity without corrected gradients has half of the shear where neighbours are missing: it knows "
                    "no slip length",
                    "take models.viscosity = " + described(viscosity_models(), &ViscosityFacts::knows_slip_length), "allowed: no or free");
     }

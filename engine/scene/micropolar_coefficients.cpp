@@ -8,6 +8,7 @@
 
 #include "engine/models/micropolar/micropolar.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/scene/as_printed.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/plan.h"
@@ -72,8 +73,8 @@ double MicropolarNumbers::spin_length() const {
 
 Scene calibrated(const Scene& scene) {
     const MicropolarFacts& facts = facts_of(scene.models.micropolar);
-    if (!facts.spins || !scene.micropolar.effective_viscosity) return scene;
-    Scene chosen = scene;
+    Scene chosen = as_printed(scene);
+    if (!facts.spins || !scene.micropolar.effective_viscosity) return chosen;
     const double twice = 2 * *scene.micropolar.effective_viscosity, l = length_of_spin(scene);
     chosen.fluid.viscosity = Expression(facts.viscosity_by_transfer > 0 ? 0.0 : twice);
     chosen.micropolar.transfer_viscosity = facts.coupling_by_mu > 0 ? 0 : twice;

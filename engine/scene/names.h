@@ -35,6 +35,7 @@ inline Choices<ShiftingModel> choices(ShiftingModel) {
     using S = ShiftingModel;
     return {{S::automatic, "auto"}, {S::none, "none"}, {S::fickian, "fickian"}};
 }
+inline Choices<Notes> choices(Notes) { return {{Notes::amended, "amended"}, {Notes::as_printed, "as_printed"}}; }
 inline Choices<Preconditioner> choices(Preconditioner) {
     return {{Preconditioner::automatic, "auto"},
             {Preconditioner::none, "none"},

@@ -9,6 +9,7 @@
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/scene/as_printed.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/numbers.h"
@@ -93,6 +94,8 @@ private:
     void tell_numbers() {
         if (scene_.domain.dimensions == 2)
             plan_.choices.push_back({"domain.dimensions", "2", false, "masses, forces and energies are those of a metre of depth"});
+        if (scene_.models.printed())
+            plan_.choices.push_back({"models.notes", "as_printed", false, "values and forms of the notes, listed in docs/physics.md 14"});
         plan_.spacing = d_;
         plan_.expected_speed = n_.speed;
         plan_.largest_viscosity = n_.viscosity;
@@ -255,6 +258,7 @@ private:
     void check() {
         std::vector<Problem> problems;
         check_models(given_, plan_, n_, problems);
+        check_printed(given_, plan_, problems);
         check_placement(scene_, plan_, n_, shapes_, problems);
         check_projection(scene_, plan_, shapes_, problems);
         check_plane(scene_, plan_, problems);

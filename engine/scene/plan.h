@@ -45,8 +45,8 @@ struct MicropolarNumbers {
     double spin_length() const;
 };
 
-/// The scene with micropolar.effective_viscosity turned into the viscosities and the micro-inertia that give it; itself where it asks for
-/// none.
+/// The scene with the values of the notes if models.notes asks for them (as_printed()), and with micropolar.effective_viscosity turned
+/// into the viscosities and the micro-inertia that give it; itself if it asks for neither.
 ///
 /// All three systems can be given viscosity = coupling = 2 effective_viscosity; then the effective viscosity is as wanted, the coupling is
 /// half of what would feed energy in, and the first Laplacian's torque on the orbit balances curl u on the spin. spin_viscosity = 2

@@ -63,13 +63,15 @@ enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, full, ful
 enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
+/// How the forms of the three source notes are taken: as docs/physics.md amends them, or as printed (physics.md 14).
+enum class Notes { amended, as_printed };
 enum class Preconditioner { automatic, none, jacobi, multigrid };
 /// automatic: two_level where the diagonal alone would take many iterations.
 enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
 enum class PressureForm { constraint, projection };
-/// What the equation of the projection takes away: the divergence of the velocity, or as published the error of the density.
+/// What the equation of the projection takes away: the divergence of the velocity or the error of the density.
 enum class PressureSource { velocity, density };
-/// How the particles and the coarse levels of a multigrid join: both corrections in sum, or one after the other as published.
+/// How the particles and the coarse levels of a multigrid join: both corrections in sum, or one after the other as printed.
 enum class MultigridCycle { additive, v_cycle };
 enum class GradientForm { symmetric, difference };
 enum class LaplacianForm { brookshaw, monaghan, split };
@@ -118,6 +120,8 @@ struct ModelKeys {
     MicropolarModel micropolar = MicropolarModel::none;
     BoundaryModel boundary = BoundaryModel::automatic;
     ShiftingModel shifting = ShiftingModel::automatic;
+    Notes notes = Notes::amended;
+    bool printed() const { return notes == Notes::as_printed; }
 };
 
 struct PressureKeys {
@@ -149,7 +153,7 @@ struct ViscosityKeys {
     std::optional<LaplacianForm> laplacian;  ///< explicit; none: "auto", split for spinning fluid that turns freely, else brookshaw
     LaplacianForm without_spin() const { return laplacian.value_or(LaplacianForm::brookshaw); }
     double alpha = 0.002;    ///< xsph
-    bool correction = true;  ///< full: corrected gradients; false: as in the note
+    bool correction = true;  ///< full: corrected gradients; false: those of the note
     double penalty = 0.3;    ///< full, full_assembled: of mu, on what alternates from particle to particle
 };
 

@@ -99,6 +99,10 @@ KeyTable model_keys() {
     t.key("micropolar", &ModelKeys::micropolar, "", "particles with a spin of their own");
     t.key("boundary", &ModelKeys::boundary, "", "how solids act on the fluid's density and pressure");
     t.key("shifting", &ModelKeys::shifting, "", "small moves that keep particles evenly spread");
+    t.key(
+        "notes", &ModelKeys::notes, "",
+        "forms of the source notes (full_assembled; ppe; wcsph with seed): amended, or as_printed, which sets and changes what the tables "
+        "of docs/physics.md 14 list");
     return t;
 }
 
@@ -124,16 +128,16 @@ KeyTable pressure_keys() {
          "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
     t.key("source", &PressureKeys::source, "",
-          "projection: what the pressure takes away, the divergence of the velocity, or as published the error of the density")
+          "projection: what the pressure takes away, the divergence of the velocity or the error of the density")
         .only_with(form, {"projection"});
     const std::string source = "pressure.source";
     t.key("tension", &PressureKeys::tension, "",
           "projection: run a body that turns without weight although pressures below that of the air hold it and waves on it grow")
         .only_with(form, {"projection"});
-    t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as published; false: they pull")
+    t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as printed; false: they pull")
         .only_with(source, {"density"});
     t.key("cycle", &PressureKeys::cycle, "",
-          "of the multigrid; additive: corrections by the diagonal and by coarse levels in sum; v_cycle: one after the other, as published")
+          "of the multigrid; additive: corrections by the diagonal and by coarse levels in sum; v_cycle: one after the other, as printed")
         .only_with(source, {"density"});
     t.key("sweeps", &PressureKeys::sweeps, "",
           "of damped Jacobi before and after the correction from each coarse level; as many after as before, for conjugate gradients")
@@ -141,7 +145,7 @@ KeyTable pressure_keys() {
         .at_most(10)
         .only_with(source, {"density"});
     t.key("correction", &PressureKeys::correction, "",
-          "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, whose notes have 1")
+          "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, 1 as printed")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
@@ -209,7 +213,7 @@ KeyTable viscosity_keys() {
     t.key("penalty", &ViscosityKeys::penalty, "",
           "over the viscosity, on velocities that alternate from particle to particle, which gradients do not see; 0, with full_assembled "
           "or "
-          "without correction: the system as printed, in which solids have no stress and every second layer slides")
+          "without correction: solids have no stress, as printed, and every second layer slides")
         .at_least(0)
         .at_most(2)
         .only_with(model, implicit);
@@ -224,19 +228,18 @@ KeyTable micropolar_keys() {
     };
     own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
     own(t.key("micro_inertia", &M::micro_inertia, "m^2",
-              "theta: inertia of the spin over the mass; with 2, as in the notes, the spin hardly changes in scenes of centimetres")
+              "theta: inertia of the spin over the mass; with 2, as printed, the spin hardly changes in scenes of centimetres")
             .above(0))
         .live();
     own(t.key("curl_velocity", &M::curl_velocity, "",
               "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
-              "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as written, with the "
+              "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as printed, with the "
               "projection in place of corrected gradients"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
     own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take these shares; 0: in every step, as in the notes")
-            .at_least(0));
+    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take these shares; 0: in every step, as printed").at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
     own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz").in(InPlane::axis)).live();
@@ -257,7 +260,7 @@ KeyTable boundary_keys() {
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
     t.key("volume_factor", &BoundaryKeys::volume_factor, "",
-          "volume of a solid's particle times the kernel sum over the solid; 1: as published, and fluid hovers; auto: what a lattice that "
+          "volume of a solid's particle times the kernel sum over the solid; 1: as printed, and fluid hovers; auto: what a lattice that "
           "goes on behind the surface would do")
         .above(0)
         .at_most(2)

@@ -106,6 +106,7 @@ public:
 private:
     static Real factor_of_solids(const Scene& scene, const Plan& plan) {
         if (plan.boundary == BoundaryModel::none) return 1;
+        if (scene.models.printed()) return 1;
         if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
         return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
     }
@@ -257,9 +258,14 @@ private:
         kicks();
         force();
         if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
-        if (plan_.viscosity == ViscosityModel::xsph)
-            stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(scene_.viscosity.alpha)}, &EnergyBudget::smoothing);
-        const bool expects = facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface;
+        if (plan_.viscosity == ViscosityModel::xsph) smoothing(scene_.viscosity.alpha);
+        if (facts_.micropolar.spins && scene_.models.printed()) {
+            smoothing(scene_.micropolar.xsph_velocity);
+            stage("XSPH of the spin", "micropolar",
+                  XsphSpin{static_cast<Real>(scene_.micropolar.xsph_spin), scene_.micropolar.micro_inertia});
+        }
+        const bool expects =
+            facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
         // Half of what these two do together belongs to the viscosity: its work is then F.(u + v)/2, with the velocity before the first and
         // that after the solve, in which no pressure of neighbours that cancels out over the steps is left.
         if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
@@ -272,6 +278,10 @@ private:
         if (!scene_.solids.empty()) at_solids();
         if (constraint_)
             stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.tolerance), gate_), &EnergyBudget::moves);
+    }
+
+    void smoothing(double alpha) {
+        stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(alpha), scene_.models.printed()}, &EnergyBudget::smoothing);
     }
 
     WeaklyCompressible sound() const {
@@ -362,6 +372,7 @@ private:
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         options.clamp = scene_.pressure.clamp;
+        options.printed = scene_.models.printed();
         ParticleMultigrid levels = poisson_levels_in(scene_.domain.dimensions);
         levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
         levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
@@ -411,6 +422,7 @@ private:
     void explicit_viscosity() {
         ExplicitOptions options;
         options.monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
+        options.printed = scene_.models.printed();
         options.solid_factor = solid_factor_;
         options.gate = gate_;
         stage("explicit viscosity", "viscosity", ExplicitViscosity{options}, &EnergyBudget::viscosity);
@@ -450,6 +462,7 @@ private:
             AssembledViscosityOptions options;
             options.limits = limits;
             options.penalty = static_cast<Real>(scene_.viscosity.penalty);
+            options.printed = scene_.models.printed();
             options.share = static_cast<Real>(plan_.spin.implicit_share);
             options.solid_factor = solid_factor_;
             options.gate = gate_;
@@ -471,8 +484,9 @@ private:
         options.curl_spin = keys.curl_spin.value_or(options.curl_spin);
         options.co_rotating = keys.co_rotating;
         options.implicit_exchange = n.implicit_exchange;
-        options.smoothing_velocity = keys.xsph_velocity;
-        options.smoothing_spin = keys.xsph_spin;
+        options.printed = scene_.models.printed();
+        options.smoothing_velocity = options.printed ? 0 : keys.xsph_velocity;
+        options.smoothing_spin = options.printed ? 0 : keys.xsph_spin;
         options.smoothing_time = keys.xsph_time;
         options.free_spin_walls = keys.wall_spin == WallSpin::free;
         options.torque = keys.torque;

@@ -4,8 +4,8 @@ import sys
 import traceback
 
 from . import registry, runs
-from . import coils, laboratory_water, laboratory_honey, live, micropolar, notes, pictures, pressure, references, steps  # noqa: F401
-from . import sheet, surfaces, tradeoff, viscosity, vortices  # noqa: F401  (each registers tables)
+from . import coils, departures, laboratory_water, laboratory_honey, live, micropolar, notes, pictures, pressure, references  # noqa: F401
+from . import sheet, steps, surfaces, tradeoff, viscosity, vortices  # noqa: F401  (each registers tables)
 
 examples = """examples:
   tools/measure.py --list                           every name, what it is and how long it takes

@@ -1,4 +1,4 @@
-"""The systems of the source papers as they print them: published rows of the pressure, published full viscosity, micropolar system, gate."""
+"""The systems of the source papers as they print them: density as source, full viscosity, micropolar system, gate."""
 import math
 
 import numpy as np
@@ -11,7 +11,7 @@ from .vortices import spinning
 pi = math.pi
 
 
-@table("published_viscosity", "decay of a wave under the full viscosity as published and with corrected gradients", "1 minute")
+@table("published_viscosity", "decay of a wave under the full viscosity without and with corrected gradients", "1 minute")
 def published_viscosity(m):
     rows, nu = [], 0.1
     for support in (2, 2.5, 3, 4):
@@ -24,10 +24,10 @@ def published_viscosity(m):
                 decay = math.log(d["kinetic_energy"][0] / d["kinetic_energy"][-1])
                 cells.append(f"{decay / (2 * nu * (2 * pi)**2 * d['time'][-1]):.3f}")
         rows.append([f"{support:g} d", *cells])
-    return markdown("support | as published, 16 a wave | 32 | corrected gradients, 16 a wave | 32", rows)
+    return markdown("support | uncorrected, 16 a wave | 32 | corrected gradients, 16 a wave | 32", rows)
 
 
-@table("published_pressure", "water at rest under the published rows of the pressure, by share of correction and cycle", "3 minutes")
+@table("published_pressure", "water at rest with the density as source, by share of correction and cycle", "3 minutes")
 def published_pressure(m):
     rows, depth = [], 0.2
     for correction in (0.1, 1):
@@ -44,7 +44,7 @@ def published_pressure(m):
                     "particles lost", rows)
 
 
-@table("notes_vortices", "the micropolar system as its source prints it: every pair of curls, both Laplacians, with and without XSPH", "3 minutes")
+@table("notes_vortices", "the micropolar system of the source: every pair of curls, both Laplacians, with and without XSPH", "3 minutes")
 def notes_vortices(m):
     rows, curls = [], ("symmetric", "difference", "difference_own_density")
     for of_u in curls:
@@ -53,8 +53,8 @@ def notes_vortices(m):
             for laplacian, support in (("brookshaw", 2), ("monaghan", 4)):
                 for smoothing in (0, 0.125):
                     run = m.render("scenes/studies/notes_vortices.toml", f"notes/vortices-{of_u}-{of_w}-{laplacian}-{smoothing}",
-                                   f"micropolar.curl_velocity={of_u}", f"micropolar.curl_spin={of_w}", f"viscosity.laplacian={laplacian}",
-                                   f"fluid.support={support}", f"micropolar.xsph_spin={smoothing}",
+                                   "models.notes=amended", f"micropolar.curl_velocity={of_u}", f"micropolar.curl_spin={of_w}",
+                                   f"viscosity.laplacian={laplacian}", f"fluid.support={support}", f"micropolar.xsph_spin={smoothing}",
                                    f"micropolar.xsph_velocity={0.002 if smoothing else 0}", "domain.max=[4,4,1]", "block.0.max=[4,4,1]")
                     d = run.table()
                     exact = np.array([U**2 for U, _ in spinning(0.5, 0.8, 0.5, 2, pi / 2, d["time"])])

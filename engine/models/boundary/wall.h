@@ -12,7 +12,7 @@ namespace whorl {
 
 /// What the notes leave out of the layer's volume. A single layer with the volumes 1/sum W weighs more than the layer of fluid that it
 /// stands for (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that
-/// touches a flat wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as in the notes.
+/// touches a flat wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as printed.
 /// @param support, spacing [m]
 Real continued_lattice_factor(KernelForm kernel, Real support, Real spacing);
 

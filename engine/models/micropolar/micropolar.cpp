@@ -33,9 +33,9 @@ struct Own {
 };
 
 /// The forms of a pass that are decided when it is compiled. @tparam curl_alone the velocity's curl and nothing else
-template <bool central_, bool composed_, bool curl_alone_ = false>
+template <bool central_, bool composed_, bool curl_alone_ = false, bool printed_ = false>
 struct Forms {
-    static constexpr bool central = central_, composed = composed_, curl_alone = curl_alone_;
+    static constexpr bool central = central_, composed = composed_, curl_alone = curl_alone_, printed = printed_;
 };
 using CurlAlone = Forms<false, false, true>;
 
@@ -66,7 +66,7 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
             if constexpr (Form::curl_alone) continue;
             const Real ox = w_j[0][l], oy = w_j[1][l], oz = w_j[2][l];
             const Real dux = ux - vx, duy = uy - vy, duz = uz - vz, dwx = wx - ox, dwy = wy - oy, dwz = wz - oz;
-            const Real even = slope * (b_i * b_i + b * b), near = W.value(r) * 2 * b_i * b / (b_i + b);
+            const Real even = slope * (Form::printed ? 2 * b_i * b : b_i * b_i + b * b), near = W.value(r) * 2 * b_i * b / (b_i + b);
             s.viscous.x += even * dux, s.viscous.y += even * duy, s.viscous.z += even * duz;
             s.diffuse.x += even * dwx, s.diffuse.y += even * dwy, s.diffuse.z += even * dwz;
             s.smooth_u.x -= near * dux, s.smooth_u.y -= near * duy, s.smooth_u.z -= near * duz;
@@ -128,8 +128,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
                                Read<field::spin> w) {
     const StepContext& step = around.step;
     const MicropolarOptions& o = options_;
-    const Real lattice = 1 / lattice_gradient(step.kernel, step.support, step.spacing),
-               along_pairs = along_pairs_factor(step.kernel, step.support, step.spacing),
+    const Real lattice = Form::printed ? Real(1) : 1 / lattice_gradient(step.kernel, step.support, step.spacing),
+               along_pairs = Form::printed ? Real(1) : along_pairs_factor(step.kernel, step.support, step.spacing),
                softening = Real(0.01) * step.support * step.support / 4;
     const Real dt = step.dt, m = step.mass;
     const Real lambda = static_cast<Real>(o.coupling), over_theta = static_cast<Real>(1 / o.micro_inertia);
@@ -219,6 +219,10 @@ void Micropolar::operator()(const Surroundings& around, StepReport& report, Read
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         using Kernel = std::decay_t<decltype(kernel)>;
         const bool composed = options_.composed_coupling > 0;
+        if (options_.printed)
+            return options_.central_viscosity != 0
+                       ? advance<Kernel, Forms<true, false, false, true>>(kernel, around, role, rho, u, a, change, spin)
+                       : advance<Kernel, Forms<false, false, false, true>>(kernel, around, role, rho, u, a, change, spin);
         if (options_.central_viscosity != 0)
             return composed ? advance<Kernel, Forms<true, true>>(kernel, around, role, rho, u, a, change, spin)
                             : advance<Kernel, Forms<true, false>>(kernel, around, role, rho, u, a, change, spin);

@@ -31,7 +31,7 @@ struct MicropolarOptions {
     double micro_inertia = 1;      ///< theta [m^2]
     CurlForm curl_velocity = CurlForm::difference_own_density, curl_spin = CurlForm::symmetric;
     /// curl u - 2 w as the curl of the velocity seen from the turning particle, u_j - u_i - w_i x (x_j - x_i): a rigid rotation whose spin
-    /// goes with it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as written.
+    /// goes with it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as printed.
     bool co_rotating = true;
     bool implicit_exchange = true;                      ///< the spin's own decay at the end of the step: no limit of its own
     double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step ...
@@ -40,6 +40,9 @@ struct MicropolarOptions {
     Real part_a_step(double given, Real dt) const {
         return static_cast<Real>(smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / smoothing_time) : given);
     }
+    /// Sums of the notes without lattice factors, Laplacians with the weights m/rho_j. No smoothing here: it follows the kick
+    /// (XsphVelocity).
+    bool printed = false;
     bool free_spin_walls = false;  ///< no couple stress at walls; false: the fluid's spin at a wall is the solid's rotation
     VectorExpression torque;       ///< tau, of t, x, y, z [m^2/s^2]
     Real solid_factor = 1;         ///< on the solids' volumes, see models/boundary/wall.h

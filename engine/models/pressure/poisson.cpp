@@ -14,6 +14,8 @@ namespace {
 /// alpha of a full box comes from uneven neighbours; it is a hundredth of the diagonal once a lattice has melted. Of a few particles on a
 /// floor it is as large as the diagonal.
 constexpr double weakly_tied = 0.05;
+/// As printed, nothing but a drop without surface particles that no solid touches is left without a zero of pressure.
+constexpr double untied = 1e-6;
 
 /// Of the divergence of the position over the dimensions: below it is a free surface.
 constexpr Real full_enough = Real(0.85);
@@ -44,7 +46,7 @@ void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around,
                 divergence -= gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.derivative(r) * r;
             });
         mine = divergence < full_enough * D && rho[i] < around.step.rest_density ? PressureClass::surface : PressureClass::poisson;
-        if (mine == PressureClass::poisson) spread_[i] = std::max(full_enough, divergence / D);
+        if (mine == PressureClass::poisson && !options_.printed) spread_[i] = std::max(full_enough, divergence / D);
     });
 }
 
@@ -52,7 +54,7 @@ template <class Kernel>
 void PoissonPressure::weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho) {
     constexpr Real least = Real(0.25);  // of the space that solids leave: between two walls
     const bool walls = around.layer.size() > 0;
-    const Real lacking = walls ? lacking_along_wall(around.step.kernel, around.step.support, around.step.spacing) : 0;
+    const Real lacking = walls && !options_.printed ? lacking_along_wall(around.step.kernel, around.step.support, around.step.spacing) : 0;
     parallel_for(rho.size(), [&](Index i) {
         gate_[i] = walls ? options_.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options_.solid_factor) : Real(1);
         Real behind = 0;
@@ -72,6 +74,7 @@ Real PoissonPressure::solid_slope(const Kernel& kernel, const Surroundings& arou
 template <class Kernel>
 Vec3 PoissonPressure::of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const {
     const Vec3& normal = around.layer.normal[s];
+    if (options_.printed) return solid_slope(kernel, around, i, s, distance) * r;
     const Real stretch = WallShear{around.step.spacing / 2}.stretch(r, normal);
     return solid_slope(kernel, around, i, s, distance) * (r + (stretch - 1) * r.dot(normal) * normal);
 }
@@ -81,7 +84,7 @@ Vec3 PoissonPressure::of_solid(const Kernel& kernel, const Surroundings& around,
 /// falls.
 template <class Kernel>
 void PoissonPressure::carry(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
-    if (around.layer.size() == 0) return;
+    if (around.layer.size() == 0 || options_.printed) return;
     const StepContext& step = around.step;
     const auto carried = [&](Index i, Index s, const Vec3& r, Real distance) {
         const Vec3& normal = around.layer.normal[s];
@@ -112,13 +115,14 @@ void PoissonPressure::lay_out_rows(const FluidPairs& pairs) {
     matrix_.c.resize(matrix_.first[n]);
 }
 
-/// Right-hand side of i. @param error of the density over rho_0 @param rate of the relative density [1/s]
-Real PoissonPressure::source(const StepContext& step, Index i, Real error, Real rate) const {
+/// Right-hand side of a row. @param factor of the row @param error of the density over rho_0 @param rate of the relative density [1/s]
+Real PoissonPressure::source(const StepContext& step, Real factor, Real error, Real rate) const {
     const Real share = static_cast<Real>(options_.density_correction);
-    return step.rest_density * step.volume * weight_[i] * (share * error + step.dt * rate) / (step.dt * step.dt);
+    return step.rest_density * step.volume * factor * (share * error + step.dt * rate) / (step.dt * step.dt);
 }
 
-template <class Kernel>
+/// Row i is multiplied by w_i V; as printed by V_i = V sqrt(w_i), which makes the matrix symmetric.
+template <bool printed, class Kernel>
 void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
                                Update<field::pressure> p) {
     const StepContext& step = around.step;
@@ -134,7 +138,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         touches_surface_[i] = 0;
         if (!unknown && mine != PressureClass::separated) return;
 
-        const Real own = weight_[i];
+        const Real own = weight_[i], factor = printed ? std::sqrt(own) : own;
         std::size_t k = matrix_.first[i];
         Real row = 0, pin = 0, rate = 0;
         Vec3 uniform = Vec3::Zero();
@@ -147,8 +151,8 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
                 uniform += 2 * own * gradient;
                 return;
             }
-            uniform += (own + weight_[j]) * gradient;
-            const Real c = filled * filled * V * V * own * weight_[j] * -2 * slope;
+            if (!printed) uniform += (own + weight_[j]) * gradient;
+            const Real c = filled * filled * V * V * factor * (printed ? std::sqrt(weight_[j]) : weight_[j]) * -2 * slope;
             if (class_[j] == PressureClass::poisson) {
                 matrix_.other[k] = j;
                 matrix_.c[k++] = c;
@@ -163,9 +167,10 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
                 rate += (u[i] - around.layer.velocity[s]).dot(gradient);
                 uniform += own * gradient;
             });
+        if (printed) uniform *= std::sqrt(factor / own);
         const Real alpha = V * uniform.squaredNorm();
         pin += alpha;
-        b_[i] = source(step, i, rho[i] / step.rest_density - (unknown ? 1 : alone), rate);
+        b_[i] = source(step, factor, rho[i] / step.rest_density - (unknown || printed ? 1 : alone), rate);
         if (unknown) {
             matrix_.pin[i] = pin;
             matrix_.diagonal[i] = std::max(row + pin, smallest);
@@ -208,7 +213,7 @@ void PoissonPressure::take_mean_errors_away(const StepContext& step, Read<field:
         double mean = 0;
         for (Index i : region.members) mean += rho[i];
         mean /= static_cast<double>(region.members.size());
-        for (Index i : region.members) b_[i] -= source(step, i, static_cast<Real>(mean) / step.rest_density - 1, 0);
+        for (Index i : region.members) b_[i] -= source(step, weight_[i], static_cast<Real>(mean) / step.rest_density - 1, 0);
     }
 }
 
@@ -280,9 +285,11 @@ void PoissonPressure::operator()(const Surroundings& around, StepReport& report,
         classify(kernel, around, role, rho);
         carry(kernel, around, role, u);
         lay_out_rows(around.pairs);
-        set_rows(kernel, around, rho, u, p);
-        closed_.find(matrix_, touches_surface_, weakly_tied);
-        take_mean_errors_away(around.step, rho);
+        if (options_.printed) set_rows<true>(kernel, around, rho, u, p);
+        else set_rows<false>(kernel, around, rho, u, p);
+        closed_.find(matrix_, touches_surface_, options_.printed ? untied : weakly_tied);
+        if (options_.printed) closed_.take_means_away(b_);
+        else take_mean_errors_away(around.step, rho);
         solve(around.step, report, p);
         push(kernel, around, role, u, p);
     });

@@ -16,10 +16,11 @@ struct PoissonPressureOptions {
     /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves;
     /// at most ten times that share of the right-hand side.
     SolveLimits limits{1e-3, 200};
-    /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as in the notes; then
+    /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as printed; then
     /// an error e throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
     double density_correction = 0.1;
-    bool clamp = true;      ///< p = max(0, p) after the solve, as in the notes
+    bool clamp = true;      ///< p = max(0, p) after the solve, as printed
+    bool printed = false;   ///< the printed rows (docs/physics.md 3)
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate;         ///< before solids
     PressurePreconditionerSetup preconditioner = jacobi;
@@ -54,11 +55,11 @@ private:
     template <class Kernel>
     Vec3 of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const;
     void lay_out_rows(const FluidPairs& pairs);
-    template <class Kernel>
+    template <bool printed, class Kernel>
     void set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
                   Update<field::pressure> p);
     SolveReport solve_rows(const StepContext& step, double unknowns, Span<Real> x);
-    Real source(const StepContext& step, Index i, Real error, Real rate) const;
+    Real source(const StepContext& step, Real factor, Real error, Real rate) const;
     void take_mean_errors_away(const StepContext& step, Read<field::density> rho);
     void choose_zero(const StepContext& step, Span<Real> x) const;
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);

@@ -78,7 +78,8 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
     const std::size_t n = static_cast<std::size_t>(mu.size());
     Gradients g;
     g.rest_volume = step.volume;
-    g.own_volume = options.own_volume;
+    g.own_volume = !options.printed;
+    printed_ = options.printed;
     g.gradW.resize(around.pairs.other.size());
     g.omega.resize(n), g.alpha.resize(n), g.stress.resize(n), g.volume.resize(n);
     parallel_for(mu.size(), [&](Index i) {
@@ -279,7 +280,7 @@ double assembled_bytes(double reach, int dimensions) {
 void AssembledViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before,
                                     Update<field::velocity> u, Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, around, role, rho, mu, before.values);
+    operator_.set_up(options_, around, role, rho, mu, options_.printed ? Span<const Mat3>() : Span<const Mat3>(before.values));
     solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
 }
 

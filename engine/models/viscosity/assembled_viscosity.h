@@ -16,10 +16,10 @@ struct AssembledViscosityOptions {
     Real share = 1;                 ///< of mu
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
-    /// The gradient of particle i weights all its neighbours with V_i: symmetric. false: with V_j, as the note prints it; then the matrix
-    /// is not symmetric where densities differ.
-    bool own_volume = true;
-    Real penalty = viscous_penalty;  ///< see FullViscosityOptions
+    /// As printed: gradients weight the neighbours with V_j, so that the matrix is not symmetric if densities differ, and T = 0. Otherwise
+    /// the gradient of particle i has V_i, which is symmetric.
+    bool printed = false;
+    Real penalty = viscous_penalty;  ///< see FullViscosityOptions; 0: as printed
 };
 
 /// The nine coefficients that a product of grad W and a gives: row a: equation of u, v, w; column b: coefficient of u, v, w.
@@ -48,6 +48,7 @@ public:
     void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override { diagonal_.apply(r, z); }
     bool touches_wall() const override { return touches_wall_; }
     bool rotations_are_free() const override { return false; }
+    bool symmetric() const override { return !printed_; }
     void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const override;
 
     Index size() const { return static_cast<Index>(own_.size()); }
@@ -75,7 +76,7 @@ private:
     Column<Vec3> known_force_;  ///< what the walls' velocities and T add; empty: nothing
     BlockDiagonal diagonal_;
     std::vector<char> free_;
-    bool touches_wall_ = false;
+    bool touches_wall_ = false, printed_ = false;
     std::shared_ptr<const Gradients> gradients_;  ///< kept if ledgers are
     Column<Mat3> known_stress_;                   ///< of T and the solids' velocities alone, as the gradients
 };

@@ -8,15 +8,19 @@
 
 namespace whorl {
 
-void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
-                               Update<field::velocity> u) const {
+namespace {
+
+/// @param u smoothed by the part alpha; `change` written
+void smooth(const Surroundings& around, Real alpha, bool printed, Read<field::role> role, Read<field::density> rho, Span<Vec3> change,
+            Span<Vec3> u) {
     const FluidPairs& pairs = around.pairs;
     const StepContext& step = around.step;
+    const Real densities = printed ? 1 : 2;  // in the mean of the pair
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        parallel_for(u.size(), [&](Index i) {
+        parallel_for(static_cast<Index>(u.size()), [&](Index i) {
             Vec3 sum = Vec3::Zero();
             const Vec3 own = u[i];
-            const Real own_density = rho[i];
+            const Real own_density = printed ? 0 : rho[i];
             pairs.groups_of(i, [&](const Pairs::Group& group) {
                 alignas(64) Real v[3][Pairs::Group::most], density[Pairs::Group::most];
                 group.gather(u.data(), v), group.gather(rho.data(), density);
@@ -27,10 +31,25 @@ void XsphViscosity::operator()(const Surroundings& around, Read<field::role> rol
                 }
                 sum += Vec3(x, y, z);
             });
-            change[i] = role[i] == 0 ? Vec3(alpha * 2 * step.mass * sum) : Vec3::Zero();
+            change[i] = role[i] == 0 ? Vec3(alpha * densities * step.mass * sum) : Vec3::Zero();
         });
     });
-    parallel_for(u.size(), [&](Index i) { u[i] += change[i]; });
+    parallel_for(static_cast<Index>(u.size()), [&](Index i) { u[i] += change[i]; });
+}
+
+}  // namespace
+
+void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+                               Update<field::velocity> u) const {
+    smooth(around, alpha, printed, role, rho, change.values, u.values);
+}
+
+void XsphSpin::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+                          Write<field::smoothing> change, Update<field::spin> w) const {
+    smooth(around, beta, true, role, rho, change.values, w.values);
+    if (!report.work) return;
+    report.work->smoothing += micro_inertia * static_cast<double>(around.step.mass) *
+                              parallel_sum(w.size(), [&](Index i) { return static_cast<double>(change[i].dot(w[i] - change[i] / 2)); });
 }
 
 namespace {
@@ -48,6 +67,8 @@ struct Monaghan {
     Monaghan(KernelForm kernel, Real support, Real spacing)
         : factor(2 * static_cast<Real>(kernel.dimensions + 2) * along_pairs_factor(kernel, support, spacing)),
           softening(Real(0.01) * support * support / 4) {}
+    Monaghan(KernelForm kernel, Real support)
+        : factor(2 * static_cast<Real>(kernel.dimensions + 2)), softening(Real(0.01) * support * support / 4) {}
     Real operator()(Real approach, Real r, Real slope) const { return factor * approach / (r * r + softening) * slope; }
 };
 
@@ -114,8 +135,9 @@ void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role>
     const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, rho, mu, u, a); };
-        if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
-        else add(Brookshaw{1 / lattice_gradient(step.kernel, step.support, step.spacing)});
+        if (options.monaghan && options.printed) add(Monaghan(step.kernel, step.support));
+        else if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
+        else add(Brookshaw{options.printed ? Real(1) : 1 / lattice_gradient(step.kernel, step.support, step.spacing)});
     });
 }
 

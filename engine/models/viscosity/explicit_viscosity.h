@@ -16,11 +16,11 @@ struct smoothing {
 };
 }  // namespace field
 
-/// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid; with V_ij = 2 m/(rho_i + rho_j) rather than m/rho_j of the notes, so that
-/// momentum is conserved (the same where the density is). Solids do not act. It is a viscosity that depends on the time step
-/// (xsph_viscosity()).
+/// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid; with V_ij = 2 m/(rho_i + rho_j), which conserves momentum, or as printed
+/// m/rho_j (the same if the density is uniform). Solids do not act. It is a viscosity that depends on the time step (xsph_viscosity()).
 struct XsphViscosity {
     Real alpha = Real(0.002);
+    bool printed = false;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
                     Update<field::velocity> u) const;
 };
@@ -28,10 +28,19 @@ struct XsphViscosity {
 /// Kinematic viscosity of XSPH [m^2/s], about. @param dt s, time in which the share alpha is smoothed
 inline double xsph_viscosity(double alpha, double support, double dt) { return alpha * 0.075 * support * support / (2 * dt); }
 
+/// The same of the spin, as printed; its work is added to the report. @param micro_inertia theta [m^2]
+struct XsphSpin {
+    Real beta = Real(0.125);
+    double micro_inertia = 1;
+    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+                    Write<field::smoothing> change, Update<field::spin> w) const;
+};
+
 struct ExplicitOptions {
     bool monaghan = false;  ///< the second Laplacian of the notes rather than the first
     Real solid_factor = 1;  ///< on the solids' volumes see models/boundary/wall.h
     SolidGate gate = {};
+    bool printed = false;  ///< f = 1
 };
 
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:

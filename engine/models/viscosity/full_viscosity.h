@@ -32,7 +32,7 @@ private:
     int steps_since_refresh_ = 0;  ///< of the coarse level
 };
 
-/// The stage of the form as in the note, which weights by the density.
+/// The stage of the uncorrected form, which weights by the density.
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }

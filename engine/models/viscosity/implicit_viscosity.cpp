@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "engine/core/parallel.h"
-#include "engine/math/conjugate_gradients.h"
+#include "engine/math/bicgstab.h"
 #include "engine/models/bodies/reaction.h"
 
 namespace whorl {
@@ -96,8 +96,9 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
             rigid.remove(out);
         };
         const SolveLimits of_step{share_of_tolerance(s, change) * limits.tolerance, limits.max_iterations};
-        solved = conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), of_step, ResidualNorm::preconditioned,
-                                           size);
+        solved = A.symmetric() ? conjugate_gradients<Vec3>(product, precondition, Span<const Vec3>(b), Span<Vec3>(z), of_step,
+                                                           ResidualNorm::preconditioned, size)
+                               : bicgstab<Vec3>(product, precondition, Span<Vec3>(b), Span<Vec3>(z), of_step, size);
         parallel_for(static_cast<Index>(all), [&](Index i) { change[i] += z[i]; });
     }
     s.report.solves.push_back({"viscosity", solved});

@@ -33,6 +33,8 @@ public:
     /// z = B^-1 r with the true 3x3 diagonal blocks B of A: what the residual is measured by.
     virtual void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const = 0;
     virtual bool touches_wall() const = 0;
+    /// false: A is not, and conjugate gradients give way to BiCGSTAB.
+    virtual bool symmetric() const { return true; }
     /// Whether the rotation of a free body costs no energy.
     virtual bool rotations_are_free() const = 0;
     /// Free bodies among the unknowns: two entries each behind the particles'. Null: none.

@@ -15,7 +15,7 @@ inline constexpr Real viscous_penalty = Real(0.3);
 struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real share = 1;                 ///< of mu
-    bool correction = true;         ///< gradients exact for linear fields; false: as in the note, which slows free rotation down
+    bool correction = true;         ///< gradients exact for linear fields; false: those of the note, which slows free rotation down
     /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
     /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05. Without correction 0 is the
     /// plain system as printed, in which solids have no stress.
@@ -39,13 +39,13 @@ struct FullViscosityOptions {
 ///   T_i = P_i T P_i                            the curvature of the move: models/strain/curvature.h
 /// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and
 /// positive definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and
-/// angular momentum. V is the volume at rest, for an incompressible fluid the true one, also at the surface. As in the note (correction =
+/// angular momentum. V is the volume at rest, for an incompressible fluid the true one, also at the surface. Uncorrected (correction =
 /// false): M^+ = V_i/V and P = 1 in D_i, V_i = m/rho_i in the gradient and in the energy; a rotation then costs energy at a free surface.
 /// The penalty keeps its G_i, and within reach of solids that the fluid sticks to D_i has it, too, unless penalty is 0.
 class ViscousOperator final : public ImplicitOperator {
 public:
     /// Coefficients for these positions.
-    /// @param density [kg/m^3], of the form as in the note; empty: at rest
+    /// @param density [kg/m^3], of the uncorrected form; empty: at rest
     /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
     void set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});

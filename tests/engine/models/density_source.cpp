@@ -1,4 +1,4 @@
-/// The published rows of the pressure equation, one solve at a time.
+/// The pressure equation of source "density", its rows as solved and as printed, one solve at a time.
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -88,7 +88,7 @@ double largest_share_taken(Fluid& f) {
 
 }  // namespace
 
-TEST_CASE("a solve of the published rows gains no energy, on lattices and scattered, in the open, between walls and in closed boxes",
+TEST_CASE("a solve of the density source gains no energy, on lattices and scattered, in the open, between walls and in closed boxes",
           "[pressure][density_source]") {
     // Pressures of both signs and no density error: the solve is linear in the velocity. Its force is the transpose of its divergence D, so
     // it takes away T = M^-1 D^T L^-1 D, and energy cannot grow as long as D M^-1 D^T <= 2 L, that is, the eigenvalues of T are at most 2.
@@ -131,7 +131,7 @@ TEST_CASE(
     CHECK(lacking == Approx(1.20).epsilon(0.01));
 }
 
-TEST_CASE("published rows: a particle alone is isolated, one with solids only is separated, a block has its surface and its inside",
+TEST_CASE("density source: a particle alone is isolated, one with solids only is separated, a block has its surface and its inside",
           "[pressure][density_source]") {
     Fluid f(Domain{Vec3(-1, 0, -1), Vec3(1, 2, 1), {}}, exact_options());
     f.add_wall(1, +1, 0);
@@ -155,50 +155,59 @@ TEST_CASE("published rows: a particle alone is isolated, one with solids only is
     }
 }
 
-TEST_CASE("published rows: a particle that a moving wall meets alone has the pressure b / alpha, b of the density that it has at a wall",
+TEST_CASE("density source: a particle that meets a moving wall alone has the pressure b/alpha, in the solved and in the printed form",
           "[pressure][density_source]") {
     PoissonPressureOptions options = exact_options();
     options.density_correction = 1;
-    for (const bool towards : {true, false}) {
-        Fluid f(Domain{Vec3(-1, 0, -1), Vec3(1, 2, 1), {}}, options);
-        f.add_wall(1, +1, 0);
-        for (Vec3& u : f.world.solid_particles.velocity) u = Vec3(0, Real(towards ? 0.5 : -0.5), 0);
-        f.place(Vec3::Zero(), Vec3(Real(d), Real(d), Real(d)));
-        f.column<field::velocity>()[0] = Vec3(Real(0.3), 0, 0);
-        f.solved();
-        // As solids.cpp has it: the sum over the layer, with the normal part continued behind the surface (2 at half a spacing above it).
-        const CubicKernel W(Real(2 * d));
-        const SolidParticles& layer = f.world.solid_particles;
-        const Vec3 x = f.column<field::position>()[0];
-        double behind = 0;
-        Vec3d push = Vec3d::Zero();
-        for (Index s = 0; s < layer.size(); ++s) {
-            const Vec3 r = x - layer.position[s];
-            const double V = static_cast<double>(options.solid_factor * layer.volume[s]), distance = static_cast<double>(r.norm());
-            if (distance >= 2 * d) continue;
-            behind += V * static_cast<double>(W.value(r.norm()));
-            push += V * static_cast<double>(W.derivative(r.norm())) / distance * Vec3d(r.x(), 2 * r.y(), r.z());
+    for (const bool printed : {false, true})
+        for (const bool towards : {true, false}) {
+            options.printed = printed;
+            Fluid f(Domain{Vec3(-1, 0, -1), Vec3(1, 2, 1), {}}, options);
+            f.add_wall(1, +1, 0);
+            for (Vec3& u : f.world.solid_particles.velocity) u = Vec3(0, Real(towards ? 0.5 : -0.5), 0);
+            f.place(Vec3::Zero(), Vec3(Real(d), Real(d), Real(d)));
+            f.column<field::velocity>()[0] = Vec3(Real(0.3), 0, 0);
+            f.solved();
+            // As solids.cpp has it: the sum over the layer, with the normal part continued behind the surface (2 at half a spacing above
+            // it).
+            const CubicKernel W(Real(2 * d));
+            const SolidParticles& layer = f.world.solid_particles;
+            const Vec3 x = f.column<field::position>()[0];
+            double behind = 0;
+            Vec3d push = Vec3d::Zero();
+            for (Index s = 0; s < layer.size(); ++s) {
+                const Vec3 r = x - layer.position[s];
+                const double V = static_cast<double>(options.solid_factor * layer.volume[s]), distance = static_cast<double>(r.norm());
+                if (distance >= 2 * d) continue;
+                behind += V * static_cast<double>(W.value(r.norm()));
+                push += V * static_cast<double>(W.derivative(r.norm())) / distance * Vec3d(r.x(), printed ? r.y() : 2 * r.y(), r.z());
+            }
+            const double volume = d * d * d, rho = static_cast<double>(f.column<field::density>()[0]), ratio = 1000 / rho;
+            CHECK(rho == Approx(1000 * (volume * static_cast<double>(W.value(0)) + behind)).epsilon(1e-5));
+            const double factor = printed ? 1 : ratio * ratio;  // of the row
+            const double alpha = factor * ratio * ratio * push.squaredNorm();
+            const double rate = Vec3d(0.3, towards ? -0.5 : 0.5, 0).dot(push);  // of rho/rho_0
+            // The density error is against the density that the particle has at a wall, as printed against rho_0.
+            const double at_wall =
+                printed ? 1 : volume * static_cast<double>(W.value(0)) + touching_wall_sum(KernelKind::cubic, Real(2 * d), Real(d));
+            const double b = 1000 * factor * (rho / 1000 - at_wall + dt * rate) / (dt * dt), p = std::max(0.0, b / alpha);
+            INFO("alpha " << alpha << ", b " << b);
+            CHECK(static_cast<double>(f.column<field::pressure>()[0]) == Approx(p).epsilon(1e-4));
+            const Vec3d u = Vec3d(0.3, 0, 0) - dt / 1000 * p * ratio * ratio * push;
+            CHECK((f.column<field::velocity>()[0].cast<double>() - u).norm() < 1e-4);
         }
-        const double volume = d * d * d, rho = static_cast<double>(f.column<field::density>()[0]), ratio = 1000 / rho;
-        CHECK(rho == Approx(1000 * (volume * static_cast<double>(W.value(0)) + behind)).epsilon(1e-5));
-        const double alpha = std::pow(ratio, 4) * push.squaredNorm();
-        const double rate = Vec3d(0.3, towards ? -0.5 : 0.5, 0).dot(push);  // of rho/rho_0
-        const double at_wall = volume * static_cast<double>(W.value(0)) + touching_wall_sum(KernelKind::cubic, Real(2 * d), Real(d));
-        const double b = 1000 * ratio * ratio * (rho / 1000 - at_wall + dt * rate) / (dt * dt), p = std::max(0.0, b / alpha);
-        INFO("alpha " << alpha << ", b " << b);
-        CHECK(static_cast<double>(f.column<field::pressure>()[0]) == Approx(p).epsilon(1e-4));
-        const Vec3d u = Vec3d(0.3, 0, 0) - dt / 1000 * p * ratio * ratio * push;
-        CHECK((f.column<field::velocity>()[0].cast<double>() - u).norm() < 1e-4);
-    }
 }
 
-TEST_CASE("published rows: scattered fluid between moving walls has the pressures of a dense solve of the formulas, with clamp and without",
-          "[pressure][density_source]") {
+TEST_CASE(
+    "density source: scattered fluid between moving walls has the pressures of a dense solve, as solved with and without clamp, as printed",
+    "[pressure][density_source]") {
     // Every sum over all pairs, in double: what holds rho*, alpha, the matrix and the force to what docs/physics.md says of them.
-    for (const bool clamp : {true, false}) {
+    for (const auto& [clamp, printed] : {std::pair(true, false), {false, false}, {true, true}}) {
         PoissonPressureOptions options = exact_options();
-        options.clamp = clamp;
-        options.density_correction = 0.3;
+        options.clamp = clamp, options.printed = printed;
+        options.density_correction = printed ? 1 : 0.3;
+        if (printed) options.solid_factor = 1;
+        const double corrected = options.density_correction;
         Fluid f(Domain{Vec3::Zero(), Vec3(Real(0.6), Real(1.5), Real(0.6)), {false, false, false}}, options);
         f.add_wall(1, +1, 0);
         f.add_wall(0, +1, 0);
@@ -230,8 +239,9 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             }
             for (Index j = 0; j < n; ++j)
                 if (j != i) sum += V * W((x[i] - x[j]).norm()), divergence -= V * F((x[i] - x[j]).norm()) * (x[i] - x[j]).squaredNorm();
-            if (pressure.classes()[i] == PressureClass::poisson) spread[i] = std::max(0.85, divergence / 3);
-            rho[i] = 1000 * (sum + behind), w[i] = std::pow(1000 / rho[i], 2), fill[i] = 1 / std::max(0.25, 1 - lacking * behind);
+            if (!printed && pressure.classes()[i] == PressureClass::poisson) spread[i] = std::max(0.85, divergence / 3);
+            rho[i] = 1000 * (sum + behind), w[i] = std::pow(1000 / rho[i], 2),
+            fill[i] = printed ? 1 : 1 / std::max(0.25, 1 - lacking * behind);
         }
         const auto between = [&](Index i, Index j) { return std::min(fill[i], fill[j]) / ((spread[i] + spread[j]) / 2); };
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -239,7 +249,7 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
         const auto solids = [&](Index i, const auto& add) {
             for (Index s = 0; s < layer.size(); ++s) {
                 const Vec3d r = x[i] - layer.position[s].cast<double>(), normal = layer.normal[s].cast<double>();
-                const double above = r.dot(normal), stretch = above <= 0 ? 1 : 1 + d / 2 / std::max(above - d / 2, d / 4);
+                const double above = r.dot(normal), stretch = printed || above <= 0 ? 1 : 1 + d / 2 / std::max(above - d / 2, d / 4);
                 const double share = static_cast<double>(options.solid_factor * layer.volume[s]);
                 add(s, Vec3d(share / spread[i] * F(r.norm()) * (r + (stretch - 1) * above * normal)));
             }
@@ -254,9 +264,10 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
             for (Index j = 0; j < n; ++j) {
                 if (j == i) continue;
                 const Vec3d r = x[i] - x[j];
-                const double filled = between(i, j), c = V * filled * filled * w[i] * w[j] * -2 * F(r.norm());
+                const double filled = between(i, j),
+                             c = (printed ? V * 1000 / rho[j] : V * filled * filled * w[i] * w[j]) * -2 * F(r.norm());
                 rate += filled * V * F(r.norm()) * (u[i] - u[j]).dot(r);
-                uniform += (w[i] + w[j]) * filled * V * F(r.norm()) * r;
+                if (!printed) uniform += (w[i] + w[j]) * filled * V * F(r.norm()) * r;
                 A(i, i) += c;
                 if (pressure.classes()[j] == PressureClass::poisson) A(i, j) -= c;
             }
@@ -264,11 +275,11 @@ TEST_CASE("published rows: scattered fluid between moving walls has the pressure
                 rate += (u[i] - layer.velocity[s].cast<double>()).dot(gradient);
                 uniform += w[i] * gradient;
             });
-            A(i, i) += uniform.squaredNorm();
-            b[i] = 1000 * w[i] * (0.3 * (rho[i] / 1000 - 1) + dt * rate) / (dt * dt);
+            A(i, i) += uniform.squaredNorm() / (printed ? w[i] : 1);
+            b[i] = 1000 * (printed ? 1 : w[i]) * (corrected * (rho[i] / 1000 - 1) + dt * rate) / (dt * dt);
         }
         Eigen::VectorXd p = A.partialPivLu().solve(b);
-        CHECK(p.minCoeff() < 0);  // the clamp has something to do
+        if (!printed) CHECK(p.minCoeff() < 0);  // the clamp has something to do
         if (clamp) p = p.cwiseMax(0);
         const double scale = p.cwiseAbs().maxCoeff();
         double wrong = 0, off = 0;

@@ -231,7 +231,7 @@ TEST_CASE(
     for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 0.1);
 }
 
-TEST_CASE("pressure.source density: the same where a step corrects all of the density error, as published", "[validation][sim]") {
+TEST_CASE("pressure.source density: the same where a step corrects all of the density error", "[validation][sim]") {
     for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 1);
 }
 

@@ -17,7 +17,7 @@ struct ViscousModel {
     std::function<std::vector<Stage>(double tolerance)> stages;
 };
 
-/// xsph, explicit (two Laplacians), full_assembled (as published), full.
+/// xsph, explicit (two Laplacians), full_assembled, full.
 std::vector<ViscousModel> viscous_models();
 
 /// A free body of particles at x with viscosity mu [Pa s], neighbours and density found.

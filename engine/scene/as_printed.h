@@ -1,0 +1,14 @@
+#pragma once
+/// models.notes = "as_printed": keys that get the values of the source notes (docs/physics.md 14).
+#include "engine/core/errors.h"
+#include "engine/scene/plan.h"
+
+namespace whorl {
+
+/// The scene with the values that the notes print; itself with models.notes = "amended".
+Scene as_printed(const Scene& scene);
+
+/// Reports keys that contradict the notes, and models that are in none of them. @param scene as read
+void check_printed(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+
+}  // namespace whorl
