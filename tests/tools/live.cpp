@@ -96,6 +96,22 @@ TEST_CASE("a live run tells its state, changes what it is told, steps, and ends 
     CHECK(json::parse(read_whole(live.run() / "run.json")).at("status") == "done");
 }
 
+TEST_CASE("a live run ends at the last frame before time.end, says so, and goes no further until the end is later", "[tools][live]") {
+    LiveProgram live(honey);
+    live.post("/set", R"({"time.end": 0.05})");
+    CHECK(live.step().at("state") == "running");  // 0.02 s
+    const json last = live.step();                // 0.04 s
+    CHECK(last.at("state") == "ended");
+    CHECK(last.at("notice").at("text").get<std::string>().starts_with("the scene ends at 0.05 s"));
+    live.post("/set", R"({"fluid.viscosity": 300})");
+    live.order("step"), live.order("play");
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    CHECK(live.state().at("frame") == 3);
+    CHECK(live.state().at("state") == "ended");
+    live.post("/set", R"({"time.end": 0.07})");
+    CHECK(live.wait_for([](const json& s) { return s.at("frame") == 4 && s.at("state") == "ended"; }));
+}
+
 TEST_CASE("a live run tells of the first solve that ends at its limit, with residual and key", "[tools][live]") {
     LiveProgram live(honey + "[pressure]\nmax_iterations = 1\n");
     live.step();
@@ -494,6 +510,7 @@ TEST_CASE(
 TEST_CASE("the state has theory's frequency and radius beside the coil's, for the viscosity, speed and gravity of the moment",
           "[tools][live]") {
     LiveProgram live(test::coiling_honey, {"--unpaced"});
+    live.order("play");
     const auto seen = [&](double speed, double viscosity, double gravity) {
         return live.wait_for([&](const json& s) {
             const json& coil = s.at("probes").at("coil");

@@ -110,23 +110,6 @@ bool Controls::undo() {
     return true;
 }
 
-void Controls::play() {
-    const std::lock_guard lock(mutex_);
-    orders_.playing = true;
-    changed_.notify_all();
-}
-void Controls::pause() {
-    const std::lock_guard lock(mutex_);
-    orders_.playing = orders_.step = false;
-    changed_.notify_all();
-}
-void Controls::step() {
-    const std::lock_guard lock(mutex_);
-    orders_.playing = false;
-    orders_.step = true;
-    changed_.notify_all();
-}
-
 void Controls::restart(const Restart& how) {
     while (!try_restart(how)) {}
 }
@@ -172,6 +155,7 @@ bool Controls::try_restart(const Restart& how) {
     plan_ = next->plan;
     orders_.scene = std::move(next);
     orders_.changes.clear();
+    file_problem_.clear();
     if (!not_kept.empty()) tell_locked(false, not_kept);
     ++revision_;
     changed_.notify_all();
@@ -182,6 +166,7 @@ void Controls::file_edited() {
     const std::lock_guard lock(mutex_);
     try {
         SceneFile now = without_later_changes(read_scene_file(options_));
+        file_problem_.clear();
         const Edit edit = edit_between(from_file_, now);
         if (edit.live.empty() && edit.restart.empty()) {
             from_file_ = std::move(now);
@@ -194,23 +179,15 @@ void Controls::file_edited() {
             text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
         for (std::size_t i = 0; i < edit.restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + edit.restart[i];
         tell_locked(false, text);
-    } catch (const std::exception& error) { tell_locked(true, error.what()); }
+    } catch (const std::exception& error) { tell_locked(true, file_problem_ = error.what()); }
 }
 
-void Controls::tell(bool error, std::string text) {
-    const std::lock_guard lock(mutex_);
-    tell_locked(error, std::move(text));
-}
 void Controls::tell_locked(bool error, std::string text) { notice_ = Notice{++notices_, error, std::move(text)}; }
-
-std::optional<Notice> Controls::newest_notice() const {
-    const std::lock_guard lock(mutex_);
-    return notice_;
-}
 
 Orders Controls::take(double seconds) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return orders_.playing || orders_.step || orders_.scene; });
+    changed_.wait_for(lock, std::chrono::duration<double>(seconds),
+                      [&] { return (orders_.playing && !waiting_) || orders_.step || orders_.scene; });
     Orders taken = take_changes_locked();
     taken.step = std::exchange(orders_.step, false);
     return taken;
@@ -218,6 +195,7 @@ Orders Controls::take(double seconds) {
 
 Orders Controls::take_changes_locked() {
     Orders taken = orders_;
+    taken.playing = orders_.playing && !waiting_;
     taken.step = false;
     taken.revision = revision_;
     orders_.scene.reset();
@@ -234,44 +212,6 @@ Orders Controls::take_changes() {
 void Controls::wait_for_change(double seconds) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return !orders_.playing || orders_.scene; });
-}
-
-bool Controls::restart_wanted() const {
-    const std::lock_guard lock(mutex_);
-    return orders_.scene && orders_.scene->simulation;
-}
-
-SceneFile Controls::file() const {
-    const std::lock_guard lock(mutex_);
-    return wanted_;
-}
-Plan Controls::plan() const {
-    const std::lock_guard lock(mutex_);
-    return plan_;
-}
-Controls::WantedPicture Controls::picture() const {
-    const std::lock_guard lock(mutex_);
-    return {{wanted_.surface, wanted_.camera, wanted_.look}, revision_};
-}
-Options Controls::options() const {
-    const std::lock_guard lock(mutex_);
-    return options_;
-}
-bool Controls::playing() const {
-    const std::lock_guard lock(mutex_);
-    return orders_.playing;
-}
-bool Controls::can_undo() const {
-    const std::lock_guard lock(mutex_);
-    return !undo_.empty();
-}
-std::uint64_t Controls::revision() const {
-    const std::lock_guard lock(mutex_);
-    return revision_;
-}
-std::filesystem::path Controls::scene_path() const {
-    const std::lock_guard lock(mutex_);
-    return path_;
 }
 
 namespace {

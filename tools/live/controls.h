@@ -70,6 +70,17 @@ struct Orders {
 };
 
 class Controls {
+    template <class F>
+    auto locked(F&& value) const {
+        const std::lock_guard lock(mutex_);
+        return value();
+    }
+    template <class F>
+    void order(F&& change) {
+        locked(change);
+        changed_.notify_all();
+    }
+
 public:
     /// Reads the scene. @throws InputError
     explicit Controls(Options options);
@@ -78,9 +89,19 @@ public:
     void set(const std::vector<KeyChange>& changes);
     /// Puts back what the newest set() changed. @return false where there is nothing to undo
     bool undo();
-    void play();
-    void pause();
-    void step();
+    void play() {
+        order([&] { orders_.playing = true, waiting_ = false; });
+    }
+    /// The first viewer starts a run that waits for one.
+    void viewer_came() {
+        order([&] { waiting_ = false; });
+    }
+    void pause() {
+        order([&] { orders_.playing = orders_.step = false; });
+    }
+    void step() {
+        order([&] { orders_.playing = waiting_ = false, orders_.step = true; });
+    }
     struct Restart {
         std::string scene, quality;  ///< other ones; empty: as it is
         std::vector<KeyChange> set;  ///< any key
@@ -91,8 +112,16 @@ public:
     /// The scene file was edited: does what can be done while the run goes on, and tells the rest.
     void file_edited();
 
-    void tell(bool error, std::string text);
-    std::optional<Notice> newest_notice() const;
+    void tell(bool error, std::string text) {
+        locked([&] { tell_locked(error, std::move(text)); });
+    }
+    std::optional<Notice> newest_notice() const {
+        return locked([&] { return notice_; });
+    }
+    /// What is wrong with the scene file as it was last saved; empty if nothing is.
+    std::string file_problem() const {
+        return locked([&] { return file_problem_; });
+    }
 
     /// For the loop. Waits until there is something to do or `seconds` have passed.
     Orders take(double seconds);
@@ -101,22 +130,41 @@ public:
     /// Waits until take() would return a scene or the run is paused, at most `seconds`.
     void wait_for_change(double seconds);
     /// Whether take() would return a run to begin anew, which need not wait for the end of the frame.
-    bool restart_wanted() const;
+    bool restart_wanted() const {
+        return locked([&] { return orders_.scene && orders_.scene->simulation; });
+    }
 
     // What is wanted now.
-    SceneFile file() const;
-    Plan plan() const;
+    SceneFile file() const {
+        return locked([&] { return wanted_; });
+    }
+    Plan plan() const {
+        return locked([&] { return plan_; });
+    }
     struct WantedPicture {
         PictureOptions how;
         std::uint64_t revision;
     };
-    WantedPicture picture() const;
-    Options options() const;
-    bool playing() const;
-    bool can_undo() const;
+    WantedPicture picture() const {
+        return locked([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, revision_}; });
+    }
+    Options options() const {
+        return locked([&] { return options_; });
+    }
+    /// Not while the run waits at its first frame for a viewer, play() or step().
+    bool playing() const {
+        return locked([&] { return orders_.playing && !waiting_; });
+    }
+    bool can_undo() const {
+        return locked([&] { return !undo_.empty(); });
+    }
     /// Grows with every change of the scene.
-    std::uint64_t revision() const;
-    std::filesystem::path scene_path() const;
+    std::uint64_t revision() const {
+        return locked([&] { return revision_; });
+    }
+    std::filesystem::path scene_path() const {
+        return locked([&] { return path_; });
+    }
 
 private:
     void remember(const std::vector<KeyDifference>& back);
@@ -139,7 +187,9 @@ private:
     };
     std::vector<Undo> undo_;
     Orders orders_;
+    bool waiting_ = true;
     std::optional<Notice> notice_;
+    std::string file_problem_;
     std::uint64_t revision_ = 1, notices_ = 0;
 };
 

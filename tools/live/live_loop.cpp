@@ -112,7 +112,7 @@ void LiveLoop::follow(const Orders& orders) {
         journal_.add(time, orders.changes);
         journal_.write(time);
     }
-    if (state_ == State::ended && time < wanted.file.scene.time.end) state_ = State::running;
+    end_if_over(wanted.file.scene);
     loop_->scene_changed(wanted.file);
     tell();
 }
@@ -192,7 +192,7 @@ void LiveLoop::show_frame() {
         screen_.set_pace(played, real_time_ && pace_.short_of_time());
         say_pace();
     }
-    end_if_over();
+    end_if_over(simulation_->scene());
     if (summary.steps > 0) {
         const double seconds = frame_seconds();
         loop_->hold_to_budget(summary, frame_, seconds, spent_ += seconds);
@@ -201,11 +201,12 @@ void LiveLoop::show_frame() {
     status_.set(status_json(summary.measures));
 }
 
-void LiveLoop::end_if_over() {
-    const Scene& scene = simulation_->scene();
-    if (frame_time(scene, frame_ + 1) <= scene.time.end * (1 + 1e-9)) return;
-    state_ = State::ended;
-    controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", scene.time.end));
+/// Ends the run before a frame that would lie beyond the scene's end; a later end continues it.
+void LiveLoop::end_if_over(const Scene& scene) {
+    const bool over = frame_time(scene, frame_ + 1) > scene.time.end * (1 + 1e-9);
+    const State before = std::exchange(state_, over ? State::ended : State::running);
+    if (over && before != State::ended)
+        controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", scene.time.end));
 }
 
 /// The present state, between two frames too.
@@ -231,6 +232,7 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"state", state_ == State::running ? "running"
                       : state_ == State::ended ? "ended"
                                                : "diverged"},
+            {"problem", why_},
             {"particles", m.particles},
             {"ms", ms},
             {"simulate_ms", 1e3 * simulate_wall_},

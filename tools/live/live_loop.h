@@ -49,7 +49,7 @@ private:
     void show_state();
     void show_frame();
     double frame_seconds() const;
-    void end_if_over();
+    void end_if_over(const Scene& scene);
     void tell();
     nlohmann::ordered_json status_json(const Measures& measures) const;
     double wait_for_real_time();

@@ -73,11 +73,14 @@ struct LiveServer::Http {
                 --count_;
                 return nullptr;
             }
+            controls_.viewer_came();
             return {this, [this](void*) { --count_; }};
         }
         int count() const { return count_; }
+        explicit Viewers(Controls& controls) : controls_(controls) {}
 
     private:
+        Controls& controls_;
         std::atomic<int> count_{0};
     };
     using Handler = void (Http::*)(const Request&, Response&);
@@ -94,7 +97,7 @@ struct LiveServer::Http {
     std::filesystem::path folder;
     std::atomic<bool> ending{false};
     std::atomic<int> recordings{0};
-    Viewers pictures, events;
+    Viewers pictures{controls}, events{controls};
     std::mutex recorder_mutex;  ///< starting and stopping
     std::thread thread;
     std::map<std::string, std::string> methods;  ///< GET or POST, by path
@@ -156,6 +159,8 @@ Json LiveServer::Http::state() const {
     const auto newest = screen.newest();
     const auto notice = controls.newest_notice();
     json["playing"] = controls.playing();
+    if (const std::string problem = controls.file_problem(); !problem.empty())
+        json["problem"] = problem + (json["problem"] == "" ? "" : "\n" + json["problem"].get<std::string>());
     json["quality"] = controls.options().quality;
     json["revision"] = controls.revision();
     json["can_undo"] = controls.can_undo();
@@ -180,12 +185,15 @@ Json LiveServer::Http::keys() const {
     for (const Choice& c : plan.choices)
         models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
     for (const std::string& name : film_names()) scenes.push_back(name);
+    std::vector<std::string> warnings = plan.warnings, panels;
+    for (const PanelKeys& panel : controls.file().scene.panels) panels.push_back(panel.label);
+    if (!panels.empty()) warnings.push_back(fmt::format("live runs the scene without its panels ({})", fmt::join(panels, ", ")));
     return {{"scene", controls.file().scene.name},
             {"quality", controls.options().quality},
             {"revision", controls.revision()},
             {"keys", described_keys(controls.file())},
             {"models", models},
-            {"warnings", plan.warnings},
+            {"warnings", warnings},
             {"scenes", scenes}};
 }
 
@@ -342,6 +350,7 @@ void LiveServer::Http::post_set(const nlohmann::json& changes, Response& respons
 }
 
 void LiveServer::Http::get_picture(const Request&, Response& response) {
+    controls.viewer_came();
     const auto picture = screen.newest() ? screen.newest() : screen.after(0, 5);
     if (!picture) return refuse(response, 503, "there is no picture yet");
     response.set_header("X-Frame", std::to_string(picture->frame));

@@ -37,9 +37,8 @@ Size size_of(const std::string& text) {
     Size size;
     char end = 0;
     if (std::sscanf(text.c_str(), "%5dx%5d%c", &size.width, &size.height, &end) != 2 || size.width < 16 || size.height < 16 ||
-        size.width > 4096 || size.height > 4096 || size.width % 2 != 0 || size.height % 2 != 0)
-        throw InputError({"--size " + text, 0, 0}, "a size is width x height in pixels", "",
-                         "allowed: even numbers from 16 to 4096, as in 640x360");
+        size.width > 4096 || size.height > 4096)
+        throw InputError({"--size " + text, 0, 0}, "a size is width x height in pixels", "", "allowed: 16 to 4096, as in 640x360");
     return size;
 }
 
@@ -96,7 +95,8 @@ int live(LiveOptions options) {
 
     std::printf("%s\n", server.url().c_str());
     std::fflush(stdout);
-    if (!options.shared.quiet) fmt::print(stderr, "whorl: live in a browser at the address above; Ctrl-C ends it\n");
+    if (!options.shared.quiet)
+        fmt::print(stderr, "whorl: live in a browser at the address above, where it begins when it is opened; Ctrl-C ends it\n");
     loop.run([&] { return interrupt.interrupted(); });
 
     server.stop();
@@ -110,7 +110,8 @@ int live(LiveOptions options) {
 }
 
 const char* const endpoints =
-    "The first line on standard output is the page's address. The scene file is watched: what is saved acts at once, where it can.\n"
+    "The first line on standard output is the page's address. The run waits at its first frame for a viewer (the page, /stream, /events,\n"
+    "/frame.png) or for play or step, and ends at time.end. The scene file is watched: what is saved acts at once, where it can.\n"
     "Every change is recorded with its time: whorl render RUN_FOLDER/recording.toml repeats the run, frame for frame, at any quality.\n"
     "With another --host than 127.0.0.1, every request needs the token that the address shows (?token=..., or Authorization: Bearer ...).\n"
     "\n"

@@ -4,11 +4,16 @@
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <fstream>
+#include <set>
 #include <thread>
 
+#include "engine/io/csv.h"
+#include "engine/scene/read.h"
 #include "tests/support/browser.h"
 #include "tests/support/live_program.h"
 #include "tests/support/scenes.h"
+#include "tools/live/values.h"
+#include "tools/scene_file/scene_file.h"
 
 using namespace whorl;
 using nlohmann::json;
@@ -224,6 +229,77 @@ to = [0, 0.02, 0]
         CHECK(browser.wait_for("[...document.querySelectorAll('#plots figure')].some(f => f.querySelector('figcaption').textContent == '" +
                                std::string(title) + "' && (f.scrollIntoView(), f.querySelector('.legend').textContent.match(/[0-9]/)))"));
     CHECK(browser.evaluate("document.querySelector('#plots canvas[aria-label$=\"over s\"]') !== null") == true);
+    CHECK(live.end().code == 0);
+}
+
+TEST_CASE("the page shows every group of every shipped scene and nothing of the scene before", "[live][page]") {
+    if (missing()) return;
+    LiveProgram live(honey);
+    Browser browser(1280, 800);
+    browser.open(address(live));
+    REQUIRE(browser.wait_for("knobs.has('fluid.viscosity')"));
+    browser.evaluate("window.faults = []; onerror = text => { faults.push(text); }; events.close(); 0");
+    for (const std::string& name : film_names()) {
+        INFO(name);
+        Options options;
+        options.scene = name;
+        const SceneFile file = read_scene_file(options);
+        auto described = described_keys(file);
+        described[0]["type"] = "numbers";  // a value of another kind than its type
+        std::set<std::string> groups, paths;
+        for (const auto& key : described)
+            if (const std::string key_path = key.at("path"); key.at("live") == true) {
+                paths.insert(key_path);
+                groups.insert(key_path.find('.') == std::string::npos ? "scene" : key_path.substr(0, key_path.rfind('.')));
+            }
+        const json keys{{"scene", name},     {"scenes", {name}},        {"quality", "draft"},       {"revision", 99},
+                        {"keys", described}, {"models", json::array()}, {"warnings", json::array()}};
+        const json shown = browser.evaluate(
+            "showKeys(" + keys.dump() + "), show({...state, scene: '" + name + "', values: " + json(live_values(file)).dump() +
+            "}), [[...document.querySelectorAll('#knobs details')].map(d => d.dataset.group).sort(), [...knobs.keys()].sort(), faults]");
+        CHECK(shown.at(0) == json(groups));
+        CHECK(shown.at(1) == json(paths));
+        CHECK(shown.at(2) == json::array());
+    }
+    CHECK(live.end().code == 0);
+}
+
+TEST_CASE("a knob is found by its words, restored by Escape and announced, and errors go with their cause", "[live][page]") {
+    if (missing()) return;
+    LiveProgram live(honey, {"--unpaced"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    CHECK(live.state().at("frame") == 1);  // waits for its first viewer
+    Browser browser(1280, 800);
+    browser.open(address(live));
+    REQUIRE(browser.wait_for("state.frame > 1 && knobs.has('fluid.viscosity')"));
+    const auto found = [&](const char* words) -> std::string {
+        return browser.evaluate(std::string("(() => { $('find').value = '") + words + "'; filter(); return [...document.querySelectorAll(" +
+                                "'.knob:not([hidden])')].map(k => k.dataset.path).join() + '|' + $('found').textContent; })()");
+    };
+    CHECK(found("spacing").find("fluid.spacing") != std::string::npos);
+    CHECK(found("color").find("look.") != std::string::npos);
+    CHECK(found("zzz") == "|No key has \"zzz\" in its name or meaning.");
+    found("");
+    const std::string field = "document.querySelector('[data-path=\"fluid.surface_tension\"] input[type=text]')";
+    CHECK(browser.evaluate("scaleOf(knobs.get('fluid.surface_tension').key, 0).value(1)") == 0.1);  // N/m; water has .07
+    CHECK(browser.evaluate("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=range]').getAttribute('aria-valuetext')") ==
+          "200 Pa s");
+    CHECK(browser.evaluate("[...document.querySelectorAll('details, section, [role=group]')].every(e => e.getAttribute('aria-label'))") ==
+          true);
+    browser.evaluate(field + ".closest('details').open = true, " + field + ".focus(), " + field + ".value = 'nonsense', 0");
+    browser.press("Escape");
+    CHECK(browser.evaluate(field + ".value") == "0");
+    // An error stays while the scene file is wrong, whatever else is done, and goes when it is right.
+    const std::string right = read_whole(live.scene());
+    std::ofstream(live.scene()) << right << "[fluid]\nspacing = -1\n";
+    REQUIRE(browser.wait_for("!$('problem').hidden"));
+    const std::string problem = browser.evaluate("$('problem').textContent");
+    CHECK(problem.find(live.scene().string()) == 0);
+    browser.slide("[data-path=\"fluid.viscosity\"] input[type=range]", 200);
+    REQUIRE(browser.wait_for("state.values['fluid.viscosity'] != 200"));
+    CHECK(browser.evaluate("$('problem').textContent") == problem);
+    std::ofstream(live.scene()) << right;
+    CHECK(browser.wait_for("$('problem').hidden"));
     CHECK(live.end().code == 0);
 }
 

@@ -48,6 +48,7 @@ TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame ti
     const char* wanted = std::getenv("WHORL_SOAK_MINUTES");
     const double seconds = 60 * (wanted != nullptr ? std::atof(wanted) : 10.0);
     LiveProgram live(shipped("honey_coil.toml"), {"--unpaced", "--size", "320x180", "--set", "fluid.spacing=4e-3"});
+    live.order("play");
     std::mt19937 random(1);
     std::uniform_real_distribution<double> share(0, 1);
     struct Row {

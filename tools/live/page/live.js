@@ -3,7 +3,7 @@
 const $ = id => document.getElementById(id);
 const token = new URLSearchParams(location.search).get('token');
 const address = path => token ? path + (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(token) : path;
-let state = null, keys = null, revision = -1, plotted = -1, noticed = null, events = null, watching = new AbortController();
+let state = null, keys = null, plotted = -1, noticed = null, events = null, watching = new AbortController();
 const knobs = new Map();
 
 // --- talking ---------------------------------------------------------------------------------------------------------------------------
@@ -18,7 +18,7 @@ async function post(path, body) {
 
 async function control(order) {
   const reply = await post('/control', order);
-  if (!reply.ok) say(reply.error, true);
+  answered(reply);
   return reply;
 }
 
@@ -35,11 +35,17 @@ async function send() {
     const reply = await post('/set', changes);
     for (const path of Object.keys(changes)) {
       const knob = knobs.get(path);
-      if (knob) knob.wrong.textContent = reply.ok ? '' : reply.error;
       if (knob && !reply.ok && state) knob.show(state.values[path], true);
+      if (knob) knob.wrong.textContent = reply.ok ? '' : reply.error;
     }
-    if (!reply.ok) say(reply.error, true);
+    answered(reply);
   }
+}
+
+// An answer replaces the error of the one before.
+function answered(reply) {
+  if (!reply.ok) say(reply.error, true);
+  else if ($('notice').className === 'bad') say('');
 }
 
 function say(text, bad) {
@@ -86,7 +92,7 @@ async function paint(picture, ours) {
 function connect() {
   if (events) events.close();
   events = new EventSource(address('/events'));
-  events.onopen = () => { watch(); loadHistory(); };
+  events.onopen = () => { keys = null, watch(), loadHistory(), answered({ok: true}); };
   events.onerror = () => { $('pill').textContent = 'no connection, trying again'; $('pill').className = 'pill bad'; };
   events.onmessage = message => show(JSON.parse(message.data));
 }
@@ -103,29 +109,31 @@ const grouped = v => v === null || v === undefined ? '–' : Number(v).toLocaleS
 function show(now) {
   const before = state;
   state = now;
-  if (now.revision !== revision && (keys === null || before === null || now.scene !== before.scene || structure(now) !== structure(before))) loadKeys();
-  revision = now.revision;
-  if (before && now.frame < before.frame) Plots.clear(), plotted = -1;
+  if (keys === null || structure(now) !== structure(before)) loadKeys();
+  if (before && (now.frame < before.frame || now.scene !== before.scene)) Plots.clear(), plotted = -1;
   const playing = now.playing && now.state === 'running';
   $('pill').textContent = now.state !== 'running' ? now.state : now.playing ? 'playing' : 'paused';
   $('pill').className = 'pill ' + (now.state === 'diverged' ? 'bad' : playing ? 'running' : '');
   $('play').textContent = playing ? 'Pause' : now.state === 'running' ? 'Play' : 'Again';
+  $('step').disabled = now.state !== 'running';
   $('undo').disabled = !now.can_undo;
   const recording = now.recorded_pictures !== null;
   $('record').textContent = recording ? 'Stop (' + now.recorded_pictures + ')' : 'Record';
   $('record').classList.toggle('on', recording);
-  $('pace').hidden = !playing || !now.pace;
-  $('pace').textContent = now.pace + '.';
-  if (now.notice && now.notice.number !== noticed) {
-    if (noticed !== null || now.notice.error) say(now.notice.text, now.notice.error);
-    noticed = now.notice.number;
-  } else if (noticed === null) noticed = now.notice ? now.notice.number : 0;
+  write($('pace'), now.state === 'ended' ? 'The scene ends at ' + Plots.short(now.end) + ' s: Again starts it anew, a larger end (search for end) continues it.' :
+    playing && now.pace ? now.pace + '.' : '');
+  // A problem is shown as long as the run has it, a notice once.
+  $('problem').hidden = !now.problem;
+  write($('problem'), now.problem);
+  const number = now.notice ? now.notice.number : 0;
+  if (noticed !== null && number !== noticed) say(now.problem.includes(now.notice.text) ? '' : now.notice.text, now.notice.error);
+  noticed = number;
   facts(now);
   for (const [path, knob] of knobs) if (path in now.values) knob.show(now.values[path], false);
   if (now.frame !== plotted) plot(now, now.probe_plots), Plots.drawSoon(), plotted = now.frame;
 }
-// Which keys there are: another kind of camera or look has others.
-const structure = s => Object.keys(s.values).join();
+// Which keys there are: another scene, kind of camera or look has others.
+const structure = s => s && [s.scene, s.quality, ...Object.keys(s.values)].join();
 
 function facts(s) {
   const list = [
@@ -174,22 +182,28 @@ window.addEventListener('resize', () => Plots.draw());
 
 // --- knobs, from the scene's own description -------------------------------------------------------------------------------------------
 async function loadKeys() {
+  keys = keys || {revision: 0};  // on its way
   try {
-    keys = await (await fetch(address('/keys'))).json();
-  } catch (error) { return; }
+    const now = await (await fetch(address('/keys'))).json();
+    if (now.revision >= keys.revision) showKeys(now);
+  } catch (error) {
+    keys = null;  // tried again with the next state
+  }
+}
+function showKeys(now) {
+  keys = now;
   const options = (select, names, chosen) => select.replaceChildren(...names.map(name => new Option(name, name, name === chosen, name === chosen)));
   const names = keys.scenes.includes(keys.scene) ? keys.scenes : [keys.scene, ...keys.scenes];
   options($('scene'), names, keys.scene);
   $('quality').value = keys.quality;
   if (document.body.dataset.scene !== keys.scene) home = view = null, document.body.dataset.scene = keys.scene;
   document.title = keys.scene + ' · Whorl live';
-  const open = new Set([...document.querySelectorAll('#knobs details[open]')].map(d => d.dataset.group));
-  const first = knobs.size === 0;
+  const open = new Map([...document.querySelectorAll('#knobs details')].map(d => [d.dataset.group, d.open]));
   knobs.clear();
   const groups = new Map();
   $('fixed').replaceChildren();
   for (const key of keys.keys) {
-    const knob = makeKnob(key);
+    const knob = anyKnob(key);
     if (!key.live) { $('fixed').append(knob.row); continue; }
     knobs.set(key.path, knob);
     const group = key.path.includes('.') ? key.path.slice(0, key.path.lastIndexOf('.')) : 'scene';
@@ -201,7 +215,8 @@ async function loadKeys() {
   $('knobs').replaceChildren(...[...groups].sort((a, b) => rank(a[0]) - rank(b[0])).map(([name, list]) => {
     const box = document.createElement('details'), summary = document.createElement('summary');
     box.dataset.group = name;
-    box.open = first ? ['fluid', 'emitter[0]'].includes(name) : open.has(name);
+    box.setAttribute('aria-label', name);
+    box.open = open.get(name) ?? ['fluid', 'emitter[0]'].includes(name);
     summary.textContent = name.replace('[', ' ').replace(']', '');
     box.append(summary, ...list.map(k => k.row));
     return box;
@@ -216,13 +231,15 @@ async function loadKeys() {
   filter();
 }
 
-// A slider's scale: logarithmic where the values are positive and may span decades.
+// Sizes that keys at 0 may take, by unit.
+const typical = {'N/m': 0.1, 'm^2/s': 1e-4, 'Pa s': 10, 'm/s': 10, Pa: 1000, s: 2, m: 0.05};
+// A slider's scale: logarithmic if the values are positive and may span decades.
 function scaleOf(key, value) {
   let low = key.least, high = key.most;
   const positive = low !== null && low >= 0;
-  const size = Math.abs(value) || 1;
+  const size = Math.abs(value) || (typical[key.unit] ?? 1);
   if (low === null) low = -2 * size;
-  if (high === null) high = positive ? 30 * size : 2 * size;
+  if (high === null) high = positive ? (value === 0 ? 1 : 30) * size : 2 * size;
   if (positive && value > 0 && (key.most === null || key.most > 200 * value || (key.least > 0 && key.most / key.least > 200))) {
     const from = Math.max(low, value / 30) || value / 30, to = Math.min(key.most ?? Infinity, 30 * value), span = Math.log(to / from);
     return {at: v => v <= 0 ? 0 : Math.log(v / from) / span, value: p => from * Math.exp(p * span)};
@@ -231,6 +248,14 @@ function scaleOf(key, value) {
 }
 const rounded = v => Number(v.toPrecision(3));
 
+// A key of a kind that the page does not know is a plain field.
+function anyKnob(key) {
+  try {
+    return makeKnob(key);
+  } catch (error) {
+    return makeKnob({...key, type: 'any'});
+  }
+}
 function makeKnob(key) {
   const row = document.createElement('div'), name = document.createElement('label'), unit = document.createElement('span');
   const fields = document.createElement('div'), why = document.createElement('p'), wrong = document.createElement('p');
@@ -252,11 +277,17 @@ function makeKnob(key) {
   };
   const knob = {row, wrong, key, put: () => {}, show(value, force) {
     const text = JSON.stringify(value);
+    if (text !== shown && !force) wrong.textContent = '';
     // What is just being moved or typed into is not pulled away.
     if (!force && (text === shown || Date.now() - held < 700 || (fields.contains(document.activeElement) && document.activeElement.type === 'text'))) return;
     shown = text;
     this.put(value);
   }};
+  row.onkeydown = event => {
+    if (event.key !== 'Escape' || event.target.type !== 'text') return;
+    wrong.textContent = row.dataset.changed = '';
+    knob.show(key.live && state ? state.values[key.path] : key.value, true);
+  };
   const field = (value, cls) => {
     const input = document.createElement('input');
     input.type = 'text', input.className = cls, input.spellcheck = false, input.autocomplete = 'off';
@@ -265,6 +296,7 @@ function makeKnob(key) {
   };
   // "0.2" is a number, anything else a text: an expression, or "auto".
   const typed = text => text.trim() !== '' && isFinite(Number(text)) ? Number(text) : text;
+  const list = key.type.endsWith('s'), entry = text => ({true: true, false: false})[text.trim()] ?? typed(text.trim());
 
   if (key.type === 'flag') {
     const box = document.createElement('input');
@@ -279,7 +311,7 @@ function makeKnob(key) {
     select.onchange = () => change(select.value);
     knob.put = v => { select.value = v; };
     fields.append(select);
-  } else if (['numbers', 'integers', 'expressions'].includes(key.type)) {
+  } else if (['numbers', 'integers', 'expressions'].includes(key.type) && Array.isArray(key.value) && !key.auto) {
     fields.classList.add('three');
     const inputs = key.value.map((v, i) => {
       const input = field(v, '');
@@ -295,18 +327,19 @@ function makeKnob(key) {
     slider.type = 'range', slider.min = 0, slider.max = 1000, slider.step = 1, slider.setAttribute('aria-label', key.path + ' slider');
     input.id = id, input.inputMode = 'decimal';
     let scale = scaleOf(key, key.value);
+    const announce = () => slider.setAttribute('aria-valuetext', input.value + ' ' + key.unit);
     slider.oninput = () => {
       const v = key.type === 'integer' ? Math.round(scale.value(slider.value / 1000)) : rounded(scale.value(slider.value / 1000));
-      input.value = v;
+      input.value = v, announce();
       change(v);
     };
     input.onchange = () => { change(typed(input.value)); if (isFinite(Number(input.value))) scale = scaleOf(key, Number(input.value)), slider.value = 1000 * scale.at(Number(input.value)); };
-    knob.put = v => { input.value = v; slider.disabled = typeof v !== 'number'; if (typeof v === 'number') slider.value = 1000 * Math.min(1, Math.max(0, scale.at(v))); };
+    knob.put = v => { input.value = v, announce(); slider.disabled = typeof v !== 'number'; if (typeof v === 'number') slider.value = 1000 * Math.min(1, Math.max(0, scale.at(v))); };
     fields.append(slider, input);
   } else {
     const input = field(key.value, 'wide');
     input.id = id;
-    input.onchange = () => change(typed(input.value));
+    input.onchange = () => change(list && input.value.includes(',') ? input.value.replace(/[[\]]/g, '').split(',').map(entry) : typed(input.value));
     knob.put = v => { input.value = Array.isArray(v) ? v.join(', ') : v; };
     fields.append(input);
   }
@@ -315,14 +348,19 @@ function makeKnob(key) {
   return knob;
 }
 
+// Every word has to be in a key's path, name or meaning.
 function filter() {
-  const wanted = $('find').value.trim().toLowerCase();
-  for (const knob of document.querySelectorAll('#knobs .knob')) knob.hidden = wanted !== '' && !knob.textContent.toLowerCase().includes(wanted) && !knob.dataset.path.includes(wanted);
-  for (const box of document.querySelectorAll('#knobs details')) {
-    const any = [...box.querySelectorAll('.knob')].some(k => !k.hidden);
-    box.hidden = !any;
-    if (wanted !== '' && any) box.open = true;
+  const words = $('find').value.toLowerCase().replace(/color/g, 'colour').split(/\s+/).filter(word => word);
+  for (const knob of document.querySelectorAll('.knob')) {
+    const text = (knob.dataset.path + ' ' + knob.textContent).toLowerCase();
+    knob.hidden = !words.every(word => text.includes(word));
   }
+  for (const box of document.querySelectorAll('#knobs details, #restarting')) {
+    box.hidden = words.length > 0 && !box.querySelector('.knob:not([hidden])');
+    if (words.length > 0 && !box.hidden) box.open = true;
+  }
+  const found = document.querySelectorAll('.knob:not([hidden])').length;
+  write($('found'), words.length === 0 ? '' : found === 0 ? 'No key has "' + words.join(' ') + '" in its name or meaning.' : found + (found === 1 ? ' key' : ' keys'));
 }
 $('find').oninput = filter;
 
@@ -338,7 +376,7 @@ function tries() {
     ['gravity of the moon', 'domain.gravity', () => ({'domain.gravity': [0, -1.62, 0]})], ['tilt the world', 'domain.gravity', () => ({'domain.gravity': [3, -9.3, 0]})],
     ['chocolate', 'look.material', () => ({'look.style': 'opaque', 'look.material': 'chocolate'})], ['honey', 'look.material', () => ({'look.style': 'liquid', 'look.material': 'honey'})],
     ['lava', 'look.material', () => ({'look.style': 'opaque', 'look.material': 'lava'})], ['show the speed', 'look.style', () => ({'look.style': 'particles', 'look.field': 'speed', 'look.legend': true})]];
-  $('try').replaceChildren(new Option('choose', ''), ...list.filter(([, path]) => v(path) !== undefined).map(([name]) => new Option(name, name)));
+  $('try').replaceChildren(new Option('choose', ''), ...list.filter(([, path]) => knobs.has(path)).map(([name]) => new Option(name, name)));
   $('try').onchange = () => {
     const chosen = list.find(([name]) => name === $('try').value);
     const changes = chosen && chosen[2]();
@@ -351,19 +389,20 @@ function tries() {
 const actions = {
   play: () => control({do: !state || state.state === 'running' ? (state && state.playing ? 'pause' : 'play') : 'restart'}),
   step: () => control({do: 'step'}),
-  restart: () => { say(''); return control({do: 'restart'}); },
+  restart: () => control({do: 'restart'}).then(reply => reply.ok && say('')),
   undo: async () => { await sending; control({do: 'undo'}); },  // what has just been moved counts, too
   record: () => control({do: state && state.recorded_pictures !== null ? 'stop_recording' : 'record'}),
 };
 for (const [name, act] of Object.entries(actions)) $(name).onclick = act;
+const restart = more => control({do: 'restart', ...more}).then(loadKeys);
 $('apply').onclick = () => {
   const changes = {};
   for (const row of $('fixed').children) if (row.dataset.changed === '1') changes[row.dataset.path] = JSON.parse(row.dataset.value);
-  control({do: 'restart', set: changes}).then(reply => { if (reply.ok) say(''), keys = null; });
+  control({do: 'restart', set: changes}).then(reply => reply.ok && loadKeys());  // what is refused stays to be changed
 };
-$('forget').onclick = () => control({do: 'restart', forget: true}).then(() => { keys = null; });
-$('scene').onchange = () => control({do: 'restart', scene: $('scene').value}).then(reply => { keys = null; if (!reply.ok) loadKeys(); });
-$('quality').onchange = () => control({do: 'restart', quality: $('quality').value}).then(reply => { keys = null; if (!reply.ok) loadKeys(); });
+$('forget').onclick = () => restart({forget: true});
+$('scene').onchange = () => restart({scene: $('scene').value});
+$('quality').onchange = () => restart({quality: $('quality').value});
 for (const link of ['save', 'recording']) $(link).href = address($(link).getAttribute('href'));
 
 document.addEventListener('keydown', event => {
