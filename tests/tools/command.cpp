@@ -56,6 +56,22 @@ TEST_CASE("the program tells its version, and its help has examples", "[tools]")
     const Outcome help = whorl_in(".", "--help");
     CHECK(help.code == 0);
     CHECK(help.text.find("Examples:\n  whorl render honey_coil") != std::string::npos);
+    const Outcome of_command = whorl_in(".", "help render");
+    CHECK(of_command.code == 0);
+    CHECK(of_command.text == whorl_in(".", "render --help").text);
+    CHECK(whorl_in(".", "help rendr").text == "whorl: unknown subcommand \"rendr\"; did you mean \"render\"?; see whorl --help\n");
+    std::istringstream narrow(whorl_in(".", "help render", "COLUMNS=72 ").text);
+    std::size_t lines = 0;
+    for (std::string line; std::getline(narrow, line); ++lines) CHECK(line.size() <= 72);
+    CHECK(lines > 40);
+}
+
+TEST_CASE("output that cannot be written is an error", "[tools]") {
+    for (const char* arguments : {"--version", "help plan", "schema", "manual --bash"}) {
+        const Outcome full = whorl_in(".", std::string(arguments) + " 2>&1 >/dev/full)", "(");
+        CHECK(full.code == 1);
+        CHECK(full.text.find("No space left on device") != std::string::npos);
+    }
 }
 
 TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]") {

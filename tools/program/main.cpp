@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <sstream>
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
@@ -21,7 +24,8 @@ const char* const examples =
     "  whorl live honey_coil                         the same in a browser, while it pours\n"
     "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
     "  whorl resume runs/a                           go on after an interruption\n"
-    "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n";
+    "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n"
+    "  whorl help render                             what a command does, its options and examples\n";
 
 /// The nearest subcommand or option to a word that was not expected.
 std::string meant(const CLI::App& at, const std::string& word) {
@@ -70,9 +74,40 @@ std::string version_text() {
                        processor_text(), sizeof(whorl::Real) == 4 ? "float" : "double", gl);
 }
 
+/// Of the terminal; 0: lines are not wrapped.
+std::size_t columns() {
+    winsize size{};
+    if (const char* given = std::getenv("COLUMNS")) return static_cast<std::size_t>(std::max(0, std::atoi(given)));
+    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
+/// Breaks longer lines between words. The rest begins where the line's last column does, or below its first word.
+std::string wrapped(const std::string& text, std::size_t width) {
+    if (width < 20) return text;
+    std::string out;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line); out += line + "\n") {
+        const std::size_t first = std::min(line.find_first_not_of(' '), line.size()), gap = line.find("  ", first);
+        std::size_t indent = gap == std::string::npos ? first : line.find_first_not_of(' ', gap);
+        if (indent > width / 2) indent = first + 2;
+        for (std::size_t end; line.size() > width; line = std::string(indent, ' ') + line.substr(end + 1)) {
+            end = line.rfind(' ', width);
+            if (end == std::string::npos || end <= indent) end = line.find(' ', width);
+            if (end == std::string::npos) break;
+            out += line.substr(0, end) + "\n";
+        }
+    }
+    return out;
+}
+
 /// Bad input of any kind ends with 2.
 int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vector<std::string>& words) {
-    if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
+    if (e.get_exit_code() == 0) {  // --help, --version
+        std::ostringstream text;
+        program.exit(e, text, text);
+        fmt::print("{}", wrapped(text.str(), columns()));
+        return whorl::exit_done;
+    }
     const CLI::App* at = &program;
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &program ? "whorl" : "whorl " + at->get_name();
@@ -119,8 +154,19 @@ int main(int argc, char** argv) {
     whorl::add_schema(program, chosen);
     whorl::add_doctor(program, chosen);
     whorl::add_manual(program, chosen);
-    try {
-        program.parse(argc, argv);
-    } catch (const CLI::ParseError& e) { return end_of_parsing(program, e, {argv + 1, argv + argc}); }
-    return whorl::run_guarded(chosen);
+    std::vector<std::string> words{argv + 1, argv + argc};
+    if (!words.empty() && words[0] == "help") {
+        words.erase(words.begin());
+        const auto named = [&](const CLI::App* command) { return words.empty() || command->get_name() == words[0]; };
+        if (!program.get_subcommands(named).empty()) words.emplace_back("--help");
+    }
+    const int code = whorl::run_guarded([&] {
+        try {
+            program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+        } catch (const CLI::ParseError& e) { return end_of_parsing(program, e, words); }
+        return chosen();
+    });
+    if (code != whorl::exit_done || (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)) return code;
+    fmt::print(stderr, "whorl: standard output cannot be written: {}\n", std::generic_category().message(errno));
+    return whorl::exit_failed;
 }

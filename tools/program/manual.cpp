@@ -65,7 +65,7 @@ std::string man_page(const CLI::App& program) {
 std::string bash_completion(const CLI::App& program) {
     std::string commands, cases, scenes;
     for (const CLI::App* command : commands_of(program)) {
-        commands += (commands.empty() ? "" : " ") + command->get_name();
+        commands += command->get_name() + " ";
         std::string words;
         for (const CLI::Option* option : command->get_options())
             for (const std::string& name : option->get_lnames()) words += (words.empty() ? "--" : " --") + name;
@@ -77,7 +77,7 @@ _whorl() {{
     local word=$2 before=$3 words
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "{} --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "{}help --help --version" -- "$word")
         return
     fi
     case $before in
@@ -87,6 +87,7 @@ _whorl() {{
         --out) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     esac
     case ${{COMP_WORDS[1]}} in
+        help) mapfile -t COMPREPLY < <(compgen -W "{}" -- "$word"); return ;;
 {}    esac
     case $word in
         -*) mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word") ;;
@@ -95,7 +96,7 @@ _whorl() {{
 }}
 complete -o filenames -F _whorl whorl
 )",
-                       commands, fmt::join(export_kinds(), " "), cases, scenes);
+                       commands, fmt::join(export_kinds(), " "), commands, cases, scenes);
 }
 
 void add_manual(CLI::App& program, Job& chosen) {
