@@ -81,10 +81,10 @@ time = 0.2
 ink = ["0.5+0.5*sin(20*t)", "x", 1]
 )toml");
     Simulation whole = simulation_of(scene), half = simulation_of(scene), rest = simulation_of(scene);
-    run_until(whole, 0.5), run_until(half, 0.5);
+    run_until(whole, 0.1), run_until(half, 0.1);
     std::istringstream saved(state_of(half));
     rest.load(saved);
-    run_until(whole, 1), run_until(rest, 1);
+    run_until(whole, 0.2), run_until(rest, 0.2);
     CHECK(state_of(rest) == state_of(whole));
 }
 

@@ -301,7 +301,7 @@ end = 0.2
 [domain]
 min = [-0.2, -0.5, -0.2]
 max = [0.2, 0.2, 0.2]
-)toml" + by + R"toml(spacing = 0.01
+)toml" + by + R"toml(spacing = 0.0125
 [[block]]
 shape = "sphere"
 position = [0, 0, 0]
