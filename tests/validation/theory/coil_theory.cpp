@@ -5,15 +5,16 @@
 
 using namespace whorl;
 
-// A hundred settings, most of which no table has: from thick to thin, slow to fast, low to high. What is found changes gently with each of
-// them along the branch, but for folds where thin fluid falls far.
+// Fifty settings, most of which no table has: from thick to thin, slow to fast, low to high, every other one of the grid. What is found
+// changes gently with each of them along the branch, but for folds where thin fluid falls far.
 TEST_CASE(
     "a steady coil is found for every fall of 4 to 30 cm, viscosity of 0.02 to 5 m^2/s and speed of 5 to 50 cm/s from a nozzle of 5 mm",
     "[validation][coil]") {
-    int most = 0;
+    int most = 0, setting = 0;
     for (const double viscosity : {0.02, 0.05, 0.2, 1.0, 5.0})
         for (const double speed : {0.05, 0.1, 0.25, 0.5})
             for (const double fall : {0.04, 0.08, 0.15, 0.22, 0.3}) {
+                if (++setting % 2 == 0) continue;
                 INFO(speed << " m/s from " << fall << " m, " << viscosity << " m^2/s");
                 CoilSolver solver;
                 const CoilParameters p{5e-3, speed, viscosity, 9.81, fall, 0};
