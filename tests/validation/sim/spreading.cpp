@@ -46,31 +46,29 @@ viscosity = {}
 const std::string sticking = "[[solid]]\nshape = \"plane\"\n";
 
 void spreads(const std::string& models) {
-    // It starts with the profile of the similarity solution and takes three times the time that a point source would have taken so far. The
-    // radius is that of a similarity profile with the same mean square distance from the axis: where the front is, half a spacing of doubt
-    // is 2 %.
+    // It starts with the profile of the similarity solution and takes twice the time that a point source would have taken so far: a
+    // viscosity that is wrong by a half shows. The radius is that of a similarity profile with the same mean square distance from the axis:
+    // where the front is, half a spacing of doubt is 2 %.
     INFO(models);
     Simulation simulation = simulation_of(puddle(24 * d, 6 * d, models));
     const auto count = static_cast<double>(simulation.world().fluid.size());
     const Current current{count * d * d * d};
     const double start = current.time(24 * d);
-    for (const double part : {1.0, 2.0}) {
-        run_until(simulation, part * start);
-        double square = 0, front = 0;
-        for (const Vec3& p : simulation.world().fluid.column<field::position>()) {
-            const double s = p[0] * p[0] + p[2] * p[2];
-            square += s, front = std::max(front, std::sqrt(s));
-        }
-        const double radius = std::sqrt(7.0 / 3 * square / count), theory = current.radius(start + simulation.time());
-        CAPTURE(part, radius / d, theory / d, front / d);
-        CHECK(radius == Approx(theory).epsilon(0.02));
-        CHECK(front + d / 2 == Approx(theory).epsilon(0.05));
+    run_until(simulation, start);
+    double square = 0, front = 0;
+    for (const Vec3& p : simulation.world().fluid.column<field::position>()) {
+        const double s = p[0] * p[0] + p[2] * p[2];
+        square += s, front = std::max(front, std::sqrt(s));
     }
+    const double radius = std::sqrt(7.0 / 3 * square / count), theory = current.radius(start + simulation.time());
+    CAPTURE(radius / d, theory / d, front / d);
+    CHECK(radius == Approx(theory).epsilon(0.02));
+    CHECK(front + d / 2 == Approx(theory).epsilon(0.05));
 }
 
 }  // namespace
 
-TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, from six layers of particles to four", "[validation][sim][spreading]") {
+TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, from six layers of particles to five", "[validation][sim][spreading]") {
     spreads("[models]\npressure = \"ppe\"\nviscosity = \"full\"\n" + sticking);
 }
 
