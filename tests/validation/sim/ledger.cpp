@@ -193,7 +193,8 @@ TEST_CASE("a tank weighs its content within 1 %", "[validation][ledger]") {
     for (const Models& models : still) {
         INFO(models.name);
         Simulation simulation = tank(models.keys, models.name.find("honey") == 0 ? 20 : 0);
-        const Vec3d force = mean_forces(simulation, 0.2, 0.4)[0].force;
+        const double from = models.name == "constraint" || models.name == "wcsph" ? 0.2 : 0.1;  // lattices that melt take longer
+        const Vec3d force = mean_forces(simulation, from, 2 * from)[0].force;
         CHECK(force.y() == Approx(-weight).epsilon(0.01));
         CHECK(std::hypot(force.x(), force.z()) < 0.01 * weight);
     }
