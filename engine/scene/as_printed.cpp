@@ -22,8 +22,7 @@ const std::vector<PrintedValue>& printed_values() {
         {"pressure", "correction", Value(1.0)},         {"pressure", "damping", Value(0.0)},
         {"pressure", "sound_damping", Value(0.0)},      {"pressure", "artificial_viscosity", Value(0.0)},
         {"boundary", "volume_factor", Value(1.0)},      {"viscosity", "penalty", Value(0.0)},
-        {"viscosity", "penalty", Value(0.0)},           {"micropolar", "micro_inertia", Value(2.0)},
-        {"micropolar", "spin_length", Value(1.0)},  // gamma = mu
+        {"micropolar", "micro_inertia", Value(2.0)},    {"micropolar", "spin_length", Value(1.0)},  // gamma = mu
         {"micropolar", "spin_viscosity", text("auto")}, {"micropolar", "co_rotating", Value(false)},
         {"micropolar", "xsph_velocity", Value(0.002)},  {"micropolar", "xsph_spin", Value(0.125)},
         {"micropolar", "xsph_time", Value(0.0)},

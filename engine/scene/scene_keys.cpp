@@ -22,7 +22,9 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
     t.key("radius", shape(&Keys::radius), "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
         t.key("normal", shape(&Keys::normal), "", "out of the solid, into the fluid").only_with("shape", {"plane"});
-    t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF, found from the scene file's folder").required().only_with("shape", {"mesh"});
+    t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF, found from the scene file's folder")
+        .required()
+        .only_with("shape", {"mesh"});
     t.key("scale", shape(&Keys::scale), "", "metres per unit of the mesh file").above(0).only_with("shape", {"mesh"});
 }
 
