@@ -17,7 +17,8 @@ def viscosity(m):
     """A cylinder of syrup that turns free: exact is 0.985 of its energy, which its own weight strains."""
     rows = []
     for words, settings in (("as printed", [printed, "models.viscosity=full_assembled"]),
-                            ("V_i in the Jacobian, load T", ["models.viscosity=full_assembled"]),
+                            ("V_i in the Jacobian, load T", ["models.viscosity=full_assembled", "viscosity.penalty=0"]),
+                            ("and a penalty", ["models.viscosity=full_assembled"]),
                             ("the same without a matrix", ["models.viscosity=full", "viscosity.correction=false"]),
                             ("corrected gradients (default)", ["models.viscosity=full"])):
         run = m.render("scenes/studies/turning_cylinder.toml", f"departures/viscosity-{len(rows)}", "models.pressure=none", "time.end=0.1",
