@@ -214,8 +214,7 @@ KeyTable viscosity_keys() {
         .only_with(model, {"full"});
     t.key("penalty", &ViscosityKeys::penalty, "",
           "over the viscosity, on velocities that alternate from particle to particle, which gradients do not see; 0, with full_assembled "
-          "or "
-          "without correction: solids have no stress, as printed, and every second layer slides")
+          "or without correction: solids have no stress, as printed, and every second layer slides")
         .at_least(0)
         .at_most(2)
         .only_with(model, implicit);
