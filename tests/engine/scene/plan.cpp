@@ -124,10 +124,10 @@ TEST_CASE("water takes the pressure equation and explicit viscosity, a dry fluid
 }
 
 TEST_CASE("thick fluid without a free surface, or with another pressure, gets the full implicit viscosity", "[plan]") {
-    const std::vector<std::string> closed = {"domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]", "solid[0].shape=sphere",
-                                             "solid[0].radius=0.01"};
-    CHECK(plan_with(closed).pressure == PressureModel::ppe);
-    CHECK(plan_with(closed).viscosity == ViscosityModel::full);
+    const Plan closed =
+        plan_with({"domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]", "solid[0].shape=sphere", "solid[0].radius=0.01"});
+    CHECK(closed.pressure == PressureModel::ppe);
+    CHECK(closed.viscosity == ViscosityModel::full);
     CHECK(plan_with({"models.pressure=ppe"}).viscosity == ViscosityModel::full);
 }
 
