@@ -121,7 +121,10 @@ struct Renderer::Device {
         glGenVertexArrays(1, &no_vertices);
         glEnable(GL_PROGRAM_POINT_SIZE);
     }
-    ~Device() { glDeleteVertexArrays(1, &no_vertices); }
+    ~Device() {
+        context.make_current();  // or what is deleted would be another renderer's
+        glDeleteVertexArrays(1, &no_vertices);
+    }
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
