@@ -71,47 +71,24 @@ bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
 
 /// Whether a quarter of a spacing above the particle s places a spacing about it are as far from the solids, or in a solid at right
 /// angles. Solids that move may leave others, and count alone.
-bool flat_at(const SolidParticles& particles, Index s, const Solids& solids, Real spacing) {
+bool flat_at(const SolidParticles& particles, Index s, const Solids& solids, Real spacing, int dimensions) {
     const Solid& own = solids.all[particles.solid[s]];
     const Real above = spacing / 4;
-    const Vec3 n = particles.normal[s], foot = particles.position[s] + (spacing / 2 + above) * n, along(n.y(), -n.x(), 0);
-    for (const Real to : {Real(-1), Real(-0.5), Real(0.5), Real(1)}) {
-        const Vec3 at = foot + to * spacing * along;
+    const Vec3 n = particles.normal[s], foot = particles.position[s] + (spacing / 2 + above) * n;
+    const Vec3 along = dimensions == 2 ? Vec3(n.y(), -n.x(), 0) : n.unitOrthogonal(), across = n.cross(along);
+    for (int k = 0; k < 4 * (dimensions - 1); ++k) {
+        const Vec3 at = foot + (k % 2 ? 1 : -1) * (k / 2 % 2 ? spacing : spacing / 2) * (k < 4 ? along : across);
         Real distance = own.distance(at);
         const Solid* nearest = &own;
         for (const Solid& solid : solids.all)
-            if (const Real one = solid.distance(at); !own.moves() && !solid.moves() && one < distance) distance = one, nearest = &solid;
-        const Real turn = std::abs(n.dot(nearest->normal(at)));
+            if (!own.moves() && !solid.moves())
+                if (const Real one = solid.distance(at); one < distance) distance = one, nearest = &solid;
         if (distance > above + spacing / 200) return false;
-        if (distance < above - spacing / 200 && turn > Real(0.01) && turn < Real(0.99)) return false;
+        if (distance > above - spacing / 200) continue;
+        const Real turn = std::abs(n.dot(nearest->normal(at)));
+        if (turn > Real(0.01) && turn < Real(0.9999)) return false;
     }
     return true;
-}
-
-/// SolidParticles::flat, 0 and -1 where known.
-void set_flat(SolidParticles& particles, const Solids& solids, Real spacing, const Domain& domain, Real support) {
-    std::vector<Index> rough;
-    if (particles.flat.empty()) return;
-    for (Index s = 0; s < particles.size(); ++s) {
-        if (particles.flat[s] > 0 && (solids.all[particles.solid[s]].body || !flat_at(particles, s, solids, spacing)))
-            particles.flat[s] = 0;
-        if (particles.flat[s] == 0) rough.push_back(s);
-    }
-    parallel_for(particles.size(), [&](Index s) {
-        for (const Index other : rough) {
-            const Index own = particles.solid[s], its = particles.solid[other];
-            if (!(particles.flat[s] > 0)) return;
-            if (own != its && (solids.all[own].moves() || solids.all[its].moves())) continue;
-            // In its own axes a solid is the same wherever it has moved to.
-            Vec3 r = particles.own_position[s] - particles.own_position[other];
-            if (own != its) r = particles.position[s] - particles.position[other];
-            for (int a = 0; a < 3; ++a)
-                if (const Real length = domain.period()[a]; length > 0 && !solids.all[own].moves())
-                    r[a] -= length * std::nearbyint(r[a] / length);
-            particles.flat[s] = std::min(particles.flat[s], flat_beside(r.norm(), support));
-        }
-    });
-    if (std::none_of(particles.flat.begin(), particles.flat.end(), [](Real flat) { return flat > 0; })) particles.flat.clear();
 }
 
 }  // namespace
@@ -180,7 +157,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
                 !solid.inside && !point.face.isZero() && !(still && covered(solids, k, particles.own_position.back(), spacing));
             particles.behind.push_back(edge ? 0 : behind_surface((solid.inside ? -1 : 1) * point.curvature * static_cast<double>(spacing)));
             particles.own_face.push_back(edge ? Vec3(point.face.cast<Real>()) : Vec3::Zero());
-            if (kernel.dimensions == 2) particles.flat.push_back(edge ? 0 : point.face.isZero() ? 1 : -1);
+            particles.flat.push_back(edge ? 0 : point.face.isZero() ? 1 : -1);
         }
     }
     const std::size_t n = particles.solid.size();
@@ -191,8 +168,37 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     particles.volume.resize(n);
     particles.follow(solids);
     set_solid_volumes(particles, solids, domain, kernel, reach);
-    set_flat(particles, solids, spacing, domain, reach);
     return particles;
+}
+
+void find_flat_walls(SolidParticles& particles, const Solids& solids, const StepContext& step) {
+    parallel_for(particles.size(), [&](Index s) {
+        if (particles.flat[s] > 0 &&
+            (solids.all[particles.solid[s]].body || !flat_at(particles, s, solids, step.spacing, step.dimensions())))
+            particles.flat[s] = 0;
+    });
+    // Those that are not, with their periodic images: an axis may be too short for pairs that far apart.
+    Domain open = step.domain;
+    open.periodic = {};
+    const Vec3 period = step.domain.period();
+    std::vector<Index> rough;
+    Column<Vec3> at;
+    for (Index s = 0; s < particles.size(); ++s)
+        for (int image = 0; particles.flat[s] == 0 && image < 27; ++image) {
+            const Vec3 shift = Vec3(Real(image % 3 - 1), Real(image / 3 % 3 - 1), Real(image / 9 - 1));
+            if ((shift.array() != 0 && period.array() == 0).any()) continue;
+            rough.push_back(s), at.push_back(particles.position[s] + shift.cwiseProduct(period));
+        }
+    Pairs pairs;
+    NeighbourSearch().find(particles.position, at, 2 * step.support, open, pairs);
+    parallel_for(particles.size(), [&](Index s) {
+        pairs.of(s, [&](Index k, const Vec3&, Real distance) {
+            const Index own = particles.solid[s], its = particles.solid[rough[k]];
+            if (particles.flat[s] > 0 && (own == its || (!solids.all[own].moves() && !solids.all[its].moves())))
+                particles.flat[s] = std::min(particles.flat[s], flat_beside(distance, step.support));
+        });
+    });
+    if (std::none_of(particles.flat.begin(), particles.flat.end(), [](Real flat) { return flat > 0; })) particles.flat.clear();
 }
 
 void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support) {

@@ -7,6 +7,7 @@
 #include "engine/geometry/plane.h"
 #include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 
@@ -31,5 +32,8 @@ PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain&
 /// V_s = 1 / sum_s' W_ss', s itself included (Akinci et al. 2012) [m^D]. Solids that move count their own particles only, so that a volume
 /// stays as it is.
 void set_solid_volumes(SolidParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support);
+
+/// Fills SolidParticles::flat of a layer as it was sampled, or leaves it empty if no wall is flat.
+void find_flat_walls(SolidParticles& particles, const Solids& solids, const StepContext& step);
 
 }  // namespace whorl

@@ -44,6 +44,10 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solid_particles = sample_solids(
         world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
         [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);
+    // In 3D images of the fluid take time, which pays where pressures are reported.
+    const bool images = scene.domain.dimensions == 2 || probed || any_probe(ProbeKind::point) || any_probe(ProbeKind::line);
+    if (images && plan.facts.pressure.form == PressureForm::constraint) find_flat_walls(world.solid_particles, world.solids, world.step);
+    else world.solid_particles.flat.clear();
     if (gauged) world.solid_particles.pressed.assign(static_cast<std::size_t>(world.solid_particles.size()), Vec3d::Zero());
 }
 

@@ -197,10 +197,9 @@ std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(c
                                                                                Index i) const {
     std::vector<ByImages> all;
     if (D_.mirrors.size() == 0) return all;
-    std::size_t k = D_.first[i];
-    D_.mirrors.seen(around).pairs.of(i, [&](Index g, const Vec3& r, Real) {
-        const Real c = D_.slope[k++];
-        if (g < D_.size()) return;
+    const Real* slope = D_.image_slope.data() + D_.first_image(i);
+    D_.mirrors.of(i, [&](Index g, const Vec3& r, Real, Real) {
+        const Real c = *slope++;
         const Mirrors::Image& image = D_.mirrors.image(g);
         const Index j = image.owner;
         for (int m = 0; m < image.count; ++m) {
@@ -262,12 +261,11 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
         parallel_for(D_.size(), [&](Index i) {
             const Real own = D_.fill[i] * q[i], left = 1 - D_.mirrors.part(i);
             Mat3 pairs = Mat3::Zero(), walls = Mat3::Zero();
-            const Real* weight = D_.mirrors.weights(i);
-            D_.mirrors.seen(around).pairs.of(i, [&](Index k, const Vec3& r, Real distance) {
-                const Index j = D_.mirrors.owner(k);
-                const Real slope = (weight ? *weight++ : 1) * W.slope(distance);
-                pairs -= (own + D_.fill[j] * q[j]) * step.mass / 2 * slope * r * r.transpose();
-            });
+            const auto add = [&](Index j, const Vec3& r, Real distance, Real weight) {
+                pairs -= (own + D_.fill[j] * q[j]) * step.mass / 2 * weight * W.slope(distance) * r * r.transpose();
+            };
+            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) { add(j, r, distance, 1); });
+            D_.mirrors.of(i, [&](Index g, const Vec3& r, Real distance, Real weight) { add(D_.mirrors.owner(g), r, distance, weight); });
             Mat3 across = Mat3::Zero();
             Real w = 0;
             if (layer.size() > 0)

@@ -30,17 +30,17 @@ void RelieveCrowding::Scratch::with_neighbours(const Pairs& pairs, const std::ve
 }
 
 template <class Kernel>
-std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Surroundings& of_fluid, Read<field::role> role,
+std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role,
                                      Span<Real> rho, Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) const {
     Mirrors mirrors;
     const bool gated = wall.gate.threshold > 0;
-    const Surroundings around = mirrors.find(of_fluid, gated);
+    mirrors.find(around, gated);
     const StepContext& step = around.step;
     const Real rho_0 = step.rest_density, m = step.mass, crowded = rho_0 * (1 + most_ / 2), too_dense = rho_0 * (1 + Real(0.9) * most_),
                farthest = step.spacing / 5;
     const auto row = [&](Index i) {
         return density_row(
-            wall, W, around, mirrors, i, [](const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
+            wall, W, around, mirrors, i, []<bool>(const Pairs::Group&, const Real*) {}, [](Index, const Vec3&, const WallImage::Share&) {});
     };
     const Index n = static_cast<Index>(x.size());
     Scratch of(n);
@@ -70,7 +70,7 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
         if (of.dense.empty()) return "";
         if (sweep == most_sweeps)
             return fmt::format("{} particles are still crowded, one by {:.2g} %, after {} sweeps", of.dense.size(), 100 * densest(), sweep);
-        of.with_neighbours(of_fluid.pairs, of.dense, of.crowded);
+        of.with_neighbours(around.pairs, of.dense, of.crowded);
         std::erase_if(of.crowded, [&](Index i) { return !(rho[i] > crowded) || role[i] != 0; });
         parallel_for(static_cast<Index>(of.crowded.size()), [&](Index c) {
             const Index i = of.crowded[c];
@@ -80,21 +80,21 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             of.push[i] = l * at_i.own;
             of.share[i] = l * at_i.fill;
         });
-        of.with_neighbours(of_fluid.pairs, of.crowded, of.movers);
+        of.with_neighbours(around.pairs, of.crowded, of.movers);
         of.moves.resize(of.movers.size()), of.kicks.resize(of.movers.size());
         parallel_for(static_cast<Index>(of.movers.size()), [&](Index c) {
             const Index i = of.movers[c];
             Vec3 move = of.share[i] > 0 ? of.push[i] : Vec3(Vec3::Zero()), slower = Vec3::Zero();
-            const Real* weight = mirrors.weights(i);
             around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                const Real its = of.share[mirrors.owner(j)], both = of.share[i] + its, part = weight ? *weight++ : 1;
+                const Real its = of.share[j], both = of.share[i] + its;
                 if (!(both > 0)) return;
-                Real slope = m * W.slope(distance);
-                if (part < 1) slope *= part;
+                const Real slope = m * W.slope(distance);
                 move += its * slope * r;
-                if (j >= n) return;  // images take up nothing
                 const Vec3 apart = u[i] - u[j];
                 slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), std::numeric_limits<Real>::min()) * r);
+            });
+            mirrors.of(i, [&](Index g, const Vec3& r, Real distance, Real weight) {
+                move += of.share[mirrors.owner(g)] * weight * m * W.slope(distance) * r;  // images take up nothing
             });
             of.kicks[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
             const Real length = move.norm();
@@ -114,9 +114,9 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
         });
         moved += static_cast<Real>(std::sqrt(parallel_max(static_cast<Index>(of.movers.size()), 0,
                                                           [&](Index c) { return static_cast<double>(of.moves[c].squaredNorm()); })));
-        if (2 * moved > step.spacing / 5) find(), mirrors.find(of_fluid, gated), moved = 0;
+        if (2 * moved > step.spacing / 5) find(), mirrors.find(around, gated), moved = 0;
         else mirrors.place(x);
-        of.with_neighbours(of_fluid.pairs, of.movers, of.touched);
+        of.with_neighbours(around.pairs, of.movers, of.touched);
         parallel_for(static_cast<Index>(of.touched.size()), [&](Index c) { rho[of.touched[c]] = density(of.touched[c]); });
     }
 }

@@ -69,30 +69,32 @@ struct SolidMotion {
 
 }  // namespace
 
-void DensityRate::build(const WallImage& wall, const Surroundings& of_fluid, Read<field::role> role, Read<field::velocity> u,
-                        Span<Real> rho, Span<Real> rate) {
-    const Surroundings around = mirrors.find(of_fluid, wall.gate.threshold > 0);
+void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
+                        Span<Real> rate) {
+    mirrors.find(around, wall.gate.threshold > 0);
     const StepContext& step = around.step;
-    const Span<const Vec3> velocities = mirrors.velocities(u.values, [&](Index k) { return around.solids.all[k].pose.velocity; });
+    const Span<const Vec3> of_images = mirrors.velocities(u.values, [&](Index k) { return around.solids.all[k].pose.velocity; });
     first = around.pairs.first;
     other = around.pairs.other;
     const Index n = around.pairs.size();
     resize_tightly(slope, other.size() + most_lanes);  // bend() reads whole groups
+    const Column<Index>& images = mirrors.pairs().other;
+    image_slope.resize(images.size() + most_lanes), image_other.resize(images.size());
+    std::transform(images.begin(), images.end(), image_other.begin(), [&](Index g) { return around.pairs.size() + g; });
     period = around.pairs.period;
     x.resize(n + mirrors.size()), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
-    for (Index g = n; g < n + mirrors.size(); ++g) x[g] = padded(mirrors.places()[g]);
+    for (Index g = 0; g < mirrors.size(); ++g) x[n + g] = padded(mirrors.pairs().x_other[g]);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(around.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
             x[i] = padded(around.pairs.x_own[i]);
-            Index k = 0;
+            Real* to[2] = {slope.data() + first[i], image_slope.data() + first_image(i)};
             const DensityRow row = density_row(
                 wall, W, around, mirrors, i,
-                [&](const Pairs::Group& group, const Real* c) {
-                    std::copy(c, c + group.count, slope.begin() + static_cast<std::ptrdiff_t>(first[i]) + k);
-                    k += group.count;
+                [&]<bool image>(const Pairs::Group& group, const Real* c) {
+                    to[image] = std::copy(c, c + group.count, to[image]);
                     alignas(64) Real v[3][Pairs::Group::most];
-                    group.gather(velocities.data(), v);
+                    group.gather(image ? of_images.data() : u.values.data(), v);
                     Real part = 0;
                     for (Index l = 0; l < group.padded(); ++l)
                         part += c[l] * (group.r[0][l] * (u[i][0] - v[0][l]) + group.r[1][l] * (u[i][1] - v[1][l]) +
@@ -117,11 +119,10 @@ void DensityRate::build(const WallImage& wall, const Surroundings& of_fluid, Rea
     });
 }
 
-void DensityRate::bend(const WallImage& wall, const Surroundings& of_fluid, Span<const Real> rho, Span<const Vec3> v,
+void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v,
                        const std::vector<Pose>& poses, Span<Real> change) const {
-    const Surroundings around = mirrors.seen(of_fluid);
     const StepContext& step = around.step;
-    const Span<const Vec3> velocities = mirrors.velocities(v, [&](Index k) { return poses[k].velocity; });
+    const Span<const Vec3> of_images = mirrors.velocities(v, [&](Index k) { return poses[k].velocity; });
     const Real dt = step.dt, mass = step.mass;
     std::vector<SolidMotion> motions;
     for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(around.solids.all[k], poses[k], dt);
@@ -129,10 +130,12 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& of_fluid, Span
         parallel_for(size(), [&](Index i) {
             // Of the fluid's own sum, which was rho_i/f_i.
             Real linear = 0, moved = mass * W.value(0);
-            const Real *c = slope.data() + first[i], *weight = mirrors.weights(i), left = 1 - mirrors.part(i);
-            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+            const Real left = 1 - mirrors.part(i);
+            const Real* slopes[2] = {slope.data() + first[i], image_slope.data() + first_image(i)};
+            mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
+                const Real*& c = slopes[image];
                 alignas(64) Real u[3][Pairs::Group::most];
-                group.gather(velocities.data(), u);
+                group.gather(image ? of_images.data() : v.data(), u);
                 for (int a = 0; a < 3; ++a)
                     for (Index l = group.count; l < group.padded(); ++l) u[a][l] = v[i][a];
                 Real along = 0, values = 0;
@@ -140,20 +143,16 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& of_fluid, Span
                     const Real dx = dt * (v[i][0] - u[0][l]), dy = dt * (v[i][1] - u[1][l]), dz = dt * (v[i][2] - u[2][l]);
                     const Real rx = group.r[0][l], ry = group.r[1][l], rz = group.r[2][l];
                     along += c[l] * (rx * dx + ry * dy + rz * dz);
-                    values += W.value(std::sqrt((rx + dx) * (rx + dx) + (ry + dy) * (ry + dy) + (rz + dz) * (rz + dz)));
+                    values += (image ? weight[l] : Real(1)) *
+                              W.value(std::sqrt((rx + dx) * (rx + dx) + (ry + dy) * (ry + dy) + (rz + dz) * (rz + dz)));
                 }
-                for (Index l = 0; weight && l < group.count; ++l) {
-                    const Vec3 r(group.r[0][l], group.r[1][l], group.r[2][l]), of_other(u[0][l], u[1][l], u[2][l]);
-                    values += (weight[l] - 1) * W.value((r + dt * (v[i] - of_other)).norm());
-                }
-                if (weight) weight += group.count;
                 linear += along;
                 moved += mass * values;
                 c += group.count;
             });
             const Real bent = moved - rho[i] / fill[i] - linear;
             change[i] = fill[i] * bent;
-            if (around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
+            if (!(left > 0) || around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
             Real w = 0, w_moved = 0, w_linear = 0;
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const Index k = around.layer.solid[s];
@@ -172,7 +171,7 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& of_fluid, Span
     });
 }
 
-/// sum over the neighbours of i of term(k, j, r_ij), in four sums side by side: one after the other each would wait for the one before.
+/// In four sums side by side: one after the other each would wait for the one before.
 template <bool periodic, class F>
 Padded DensityRate::sum_over_row(Index i, const F& term) const {
     const Padded xi = x[i];
@@ -181,33 +180,38 @@ Padded DensityRate::sum_over_row(Index i, const F& term) const {
         length = padded(period);
         for (int a = 0; a < 3; ++a) inverse[a] = period[a] > 0 ? 1 / period[a] : 0;
     }
-    const auto one = [&](std::size_t k) {
-        const Index j = other[k];
-        Padded r = xi - x[j];
-        if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
-        return Padded(term(k, j, r));
-    };
     Padded sum[4] = {Padded::Zero(), Padded::Zero(), Padded::Zero(), Padded::Zero()};
-    const std::size_t end = first[i + 1];
-    std::size_t k = first[i];
-    for (; k + 4 <= end; k += 4)
-        for (std::size_t a = 0; a < 4; ++a) sum[a] += one(k + a);
-    for (; k < end; ++k) sum[0] += one(k);
+    const Index images = mirrors.count(i);
+    for (int part = 0; part < (images > 0 ? 2 : 1); ++part) {
+        const std::size_t from = part == 0 ? first[i] : first_image(i);
+        const Real* const c = (part == 0 ? slope.data() : image_slope.data()) + from;
+        const Index* const row = (part == 0 ? other.data() : image_other.data()) + from;
+        const Index count = part == 0 ? static_cast<Index>(first[i + 1] - from) : images;
+        const auto one = [&](Index k) {
+            const Index j = row[k];
+            Padded r = xi - x[j];
+            if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
+            return Padded(term(c[k], j, r));
+        };
+        Index k = 0;
+        for (; k + 4 <= count; k += 4)
+            for (Index a = 0; a < 4; ++a) sum[a] += one(k + a);
+        for (; k < count; ++k) sum[0] += one(k);
+    }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
     // Beside the positions, so that a neighbour is in one line of the cache.
     parallel_for(static_cast<Index>(x.size()), [&](Index j) {
-        const Index i = mirrors.owner(j);
+        const Index i = j < size() ? j : mirrors.owner(j - size());
         x[j][3] = fill[i] * q[i];
     });
     const auto run = [&]<bool periodic>() {
         parallel_for(size(), [&](Index i) {
             v[i].setZero();
             if (!free[i]) return;
-            v[i] = padded(q[i] * own[i]) +
-                   sum_over_row<periodic>(i, [&](std::size_t k, Index j, const Padded& r) { return (slope[k] * x[j][3]) * r; });
+            v[i] = padded(q[i] * own[i]) + sum_over_row<periodic>(i, [&](Real c, Index j, const Padded& r) { return (c * x[j][3]) * r; });
             v[i][3] = 0;
         });
     };
@@ -221,8 +225,7 @@ void DensityRate::apply(Span<const Padded> v, Span<const char> wanted, Span<Real
         parallel_for(size(), [&](Index i) {
             rate[i] = 0;
             if (!wanted[i]) return;
-            const Padded sum =
-                sum_over_row<periodic>(i, [&](std::size_t k, Index j, const Padded& r) { return slope[k] * r.cwiseProduct(v[j]); });
+            const Padded sum = sum_over_row<periodic>(i, [&](Real c, Index j, const Padded& r) { return c * r.cwiseProduct(v[j]); });
             rate[i] = own[i].dot(v[i].template head<3>()) - fill[i] * sum.sum();
         });
     };

@@ -99,44 +99,34 @@ struct DensityRow {
     Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
 };
 
-/// @param fluid_neighbours called as (group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
+/// @param fluid_neighbours called as <image>(group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
 template <class Kernel, class Fluid, class SolidPart>
 DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, const Mirrors& mirrors, Index i,
                        Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
     const Real mass = around.step.mass;
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
     Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
-    const Real* weight = mirrors.weights(i);
     const Real left = 1 - mirrors.part(i);
-    around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+    mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
         alignas(64) Real c[Pairs::Group::most];
         Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
         for (Index l = 0; l < group.padded(); ++l) {
-            const Real r = group.distance[l], slope = mass * W.slope(r), part = slope * r * r;
+            const Real r = group.distance[l], a = image ? weight[l] : Real(1), slope = a * mass * W.slope(r), part = slope * r * r;
             c[l] = slope;
             x += slope * group.r[0][l];
             y += slope * group.r[1][l];
             z += slope * group.r[2][l];
-            sum += W.value(r);
+            sum += a * W.value(r);
             sum_pull -= part;
             sum_squares += slope * part;
         }
-        for (Index l = 0; weight && l < group.count; ++l) {  // what weights change
-            const Real r = group.distance[l], less = weight[l] - 1, slope = less * c[l];
-            fluid += slope * Vec3(group.r[0][l], group.r[1][l], group.r[2][l]);
-            sum += less * W.value(r);
-            sum_pull -= slope * r * r;
-            sum_squares += (less + 2) * slope * c[l] * r * r;
-            c[l] *= weight[l];
-        }
-        if (weight) weight += group.count;
         fluid += Vec3(x, y, z);
         density += mass * sum;
         squares += sum_squares;
         pull += sum_pull;
-        fluid_neighbours(group, static_cast<const Real*>(c));
+        fluid_neighbours.template operator()<image>(group, static_cast<const Real*>(c));
     });
-    if (around.layer.size() > 0)
+    if (left > 0 && around.layer.size() > 0)
         around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
             const WallImage::Share share = wall.share(W, r, distance, around.layer, s);
             w += share.value;
@@ -157,17 +147,15 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
 template <class Kernel>
 Real density_at(const WallImage& wall, const Kernel& W, const Surroundings& around, const Mirrors& mirrors, Index i) {
     Real sum = W.value(0), w = 0;
-    const Real* weight = mirrors.weights(i);
-    around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+    const Real left = 1 - mirrors.part(i);
+    mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
         Real part = 0;
-        for (Index l = 0; l < group.padded(); ++l) part += W.value(group.distance[l]);
-        for (Index l = 0; weight && l < group.count; ++l) part += (weight[l] - 1) * W.value(group.distance[l]);
-        if (weight) weight += group.count;
+        for (Index l = 0; l < group.padded(); ++l) part += (image ? weight[l] : Real(1)) * W.value(group.distance[l]);
         sum += part;
     });
-    if (around.layer.size() > 0)
+    if (left > 0 && around.layer.size() > 0)
         around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += wall.share(W, r, distance, around.layer, s).value; });
-    if (mirrors.part(i) > 0) w *= 1 - mirrors.part(i);
+    if (left < 1) w *= left;
     return around.step.mass * sum / WallImage::free_volume(wall.gate.gated(w).sum).left;
 }
 
@@ -182,7 +170,9 @@ struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that it was built from
     Span<const Index> other;
     Column<Real> slope;        ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
-    mutable Column<Padded> x;  ///< m, of the particles and of their images; the last component is f_i q_i in a product
+    Column<Real> image_slope;  ///< c_ij of pairs with images
+    Column<Index> image_other;   ///< the images of those pairs, from size() on
+    mutable Column<Padded> x;    ///< m, of the particles and of their images; the last component is f_i q_i in a product
     Vec3 period = Vec3::Zero();  ///< Domain::period()
     Column<Real> fill;           ///< f_i
     Column<Vec3> own;            ///< own_i [kg/m^4]
@@ -202,19 +192,28 @@ struct DensityRate {
     /// as they do within a step. @param rho at x @param poses of the solids: free bodies move with the velocities in them
     void bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v, const std::vector<Pose>& poses,
               Span<Real> change) const;
-    /// g_ij of the pair k in row i.
-    Vec3 gradient(Index i, std::size_t k) const {
-        Vec3 r = (x[i] - x[other[k]]).template head<3>();
-        for (int a = 0; a < 3; ++a)
-            if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
-        return slope[k] * r;
+    /// Calls f(j, g) for row i: neighbours, or owners of images that are, and g_ij.
+    template <class F>
+    void row(Index i, const F& f) const {
+        for (std::size_t k = first[i]; k < first[i + 1]; ++k) f(other[k], gradient(i, other[k], slope[k]));
+        const Real* c = image_slope.data() + first_image(i);
+        mirrors.of(i, [&](Index g, const Vec3& r, Real, Real) { f(mirrors.owner(g), *c++ * r); });
     }
+    /// The first pair of i with an image.
+    std::size_t first_image(Index i) const { return mirrors.count(i) > 0 ? mirrors.pairs().first[i] : 0; }
     /// v = D^T q where free, 0 elsewhere; from size() on that of the images.
     void transposed(Span<const Real> q, Span<Padded> v) const;
     /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.
     void apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const;
 
 private:
+    Vec3 gradient(Index i, Index j, Real c) const {
+        Vec3 r = (x[i] - x[j]).template head<3>();
+        for (int a = 0; a < 3; ++a)
+            if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
+        return c * r;
+    }
+    /// sum over neighbours j of i, images from size() on, of term(c_ij, j, r_ij).
     template <bool periodic, class F>
     Padded sum_over_row(Index i, const F& term) const;
 };

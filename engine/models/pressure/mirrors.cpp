@@ -18,23 +18,17 @@ Vec3 apart(const Pairs& pairs, Index i, Index j) {
 
 }  // namespace
 
-Surroundings Mirrors::find(const Surroundings& around, bool none) {
-    particles_ = around.pairs.size();
+void Mirrors::find(const Surroundings& around, bool none) {
     images_.clear(), part_.clear();
-    if (none || around.layer.flat.empty()) return around;
+    if (none || around.layer.flat.empty()) return;
     const Column<Real> flat = flat_now(around);
-    part_.assign(static_cast<std::size_t>(particles_), 0);
-    seen_.resize(static_cast<std::size_t>(particles_));
-    near_.resize(seen_.size());
-    parallel_for(particles_, [&](Index i) {
-        look(around, flat, i);
-        near_[i] = seen_[i].own > 0;
-    });
-    parallel_for(particles_, [&](Index i) { ask_neighbours(around, i); });
-    find_images();
+    const Index n = around.pairs.size();
+    part_.assign(static_cast<std::size_t>(n), 0);
+    seen_.resize(part_.size());
+    parallel_for(n, [&](Index i) { look(around, flat, i); });
+    find_images(n);
     place(around.pairs.x_own);
-    find_pairs(around);
-    return seen(around);
+    find_pairs(around.pairs);
 }
 
 /// SolidParticles::flat, less beside solids that move against it, and 0 on solids that turn.
@@ -56,7 +50,8 @@ Column<Real> Mirrors::flat_now(const Surroundings& around) {
 void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
     const Real d = around.step.spacing, reach = around.step.support;
     Seen& seen = seen_[i];
-    seen.own = seen.count = 0;
+    seen.count = 0;
+    if (around.solid_pairs.count(i) == 0) return;
     Real all = 0, mirrors = 0, lowest = d;
     bool skew = false;
     around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
@@ -76,85 +71,65 @@ void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
     });
     if (skew || mirrors == 0) seen.count = 0;
     else part_[i] = mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // on the wall its own image pushes nothing
-    seen.own = seen.count;
 }
 
-/// Adds walls that neighbours of i see, which are too far from i to have their solids as neighbours.
-void Mirrors::ask_neighbours(const Surroundings& around, Index i) {
-    Seen& seen = seen_[i];
-    if (seen.own == 0 && around.solid_pairs.count(i) > 0) return;
-    Real most = 0;
-    for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) {
-        const Index j = around.pairs.other[k];
-        if (!near_[j]) continue;
-        for (int m = 0; m < seen_[j].own; ++m) {
-            const Wall& wall = seen_[j].wall[m];
-            if (seen.count == 3 || seen.knows(wall.normal)) continue;
-            const Real height = wall.height(around.pairs.x_own[j]) + apart(around.pairs, i, j).dot(wall.normal);
-            if (height < 0 || height > around.step.support) continue;
-            seen.wall[seen.count++] = {wall.normal, around.pairs.x_own[i].dot(wall.normal) - height, wall.solid};
-            most = std::max(most, part_[j]);
-        }
-    }
-    if (seen.own == 0 && seen.count > 0) part_[i] = most;
-}
-
-void Mirrors::find_images() {
-    first_.assign(static_cast<std::size_t>(particles_) + 1, 0);
-    for (Index i = 0; i < particles_; ++i) {
+void Mirrors::find_images(Index particles) {
+    first_.assign(static_cast<std::size_t>(particles) + 1, 0);
+    for (Index i = 0; i < particles; ++i) {
         const Seen& seen = seen_[i];
-        for (int m = 0; m < seen.count; ++m) {
-            images_.push_back({i, 1, {seen.wall[m], {}}});
-            for (int k = 0; k < m; ++k)
-                if (std::abs(seen.wall[k].normal.dot(seen.wall[m].normal)) < Real(0.01))
-                    images_.push_back({i, 2, {seen.wall[k], seen.wall[m]}});
+        for (int walls = 1; walls < 1 << seen.count; ++walls) {  // each set of walls at right angles
+            Image image{i, 0, {}};
+            bool upright = true;
+            for (int m = 0; m < seen.count; ++m) {
+                if (!(walls >> m & 1)) continue;
+                for (int k = 0; k < image.count; ++k) upright &= std::abs(image.wall[k].normal.dot(seen.wall[m].normal)) < Real(0.01);
+                image.wall[image.count++] = seen.wall[m];
+            }
+            if (upright) images_.push_back(image);
         }
         first_[i + 1] = size();
     }
 }
 
 void Mirrors::place(Span<const Vec3> x) {
-    if (part_.empty()) return;
-    places_.resize(static_cast<std::size_t>(particles_ + size()));
-    std::copy(x.begin(), x.end(), places_.begin());
-    reflect(x.data(), places_.data() + x.size(), [](const Wall& wall) { return wall.offset; });
-    pairs_.x_other = places_;
+    places_.resize(images_.size());
+    reflect(x.data(), places_.data(), [](const Wall& wall) { return wall.offset; });
+    pairs_.x_own = x, pairs_.x_other = places_;
 }
 
-void Mirrors::find_pairs(const Surroundings& around) {
-    const FluidPairs& fluid = around.pairs;
-    const auto images_near = [&](Index i, const auto& f) {
-        const Seen& seen = seen_[i];
-        if (seen.count == 0) return;
-        const auto of = [&](Index j) {
-            for (Index g = first_[j]; g < first_[j + 1]; ++g) {
-                const Image& image = images_[g];
-                if (!seen.knows(image.wall[0].normal) || (image.count == 2 && !seen.knows(image.wall[1].normal))) continue;
-                if (apart(pairs_, i, particles_ + g).squaredNorm() < fluid.support * fluid.support)
-                    f(particles_ + g, (part_[i] + part_[j]) / 2);
+void Mirrors::find_pairs(const FluidPairs& fluid) {
+    constexpr Index block = 256;
+    const Index n = fluid.size();
+    std::vector<std::vector<std::pair<Index, Real>>> found(static_cast<std::size_t>((n + block - 1) / block));  // images and weights
+    pairs_.period = fluid.period, pairs_.support = fluid.support;
+    pairs_.first.assign(static_cast<std::size_t>(n) + 1, 0), pairs_.other.clear(), weight_.clear();
+    if (images_.empty()) return;
+    parallel_blocks(n, block, [&](Index begin, Index end) {
+        auto& all = found[static_cast<std::size_t>(begin / block)];
+        for (Index i = begin; i < end; ++i) {
+            const Seen& seen = seen_[i];
+            const auto add = [&](Index j) {
+                for (Index g = first_[j]; g < first_[j + 1]; ++g) {
+                    if (!(apart(pairs_, i, g).squaredNorm() < fluid.support * fluid.support)) continue;
+                    const Image& image = images_[g];
+                    bool known = true;
+                    for (int m = 0; m < image.count; ++m) known &= seen.knows(image.wall[m].normal);
+                    if (known) all.emplace_back(g, (part_[i] + part_[j]) / 2);
+                }
+            };
+            if (seen.count > 0) {
+                add(i);
+                for (std::size_t k = fluid.first[i]; k < fluid.first[i + 1]; ++k) add(fluid.other[k]);
             }
-        };
-        of(i);
-        for (std::size_t k = fluid.first[i]; k < fluid.first[i + 1]; ++k) of(fluid.other[k]);
-    };
-    pairs_.x_own = fluid.x_own, pairs_.period = fluid.period, pairs_.support = fluid.support;
-    pairs_.first.resize(fluid.first.size());
-    parallel_for(particles_, [&](Index i) {
-        std::size_t count = static_cast<std::size_t>(fluid.count(i));
-        images_near(i, [&](Index, Real) { ++count; });
-        pairs_.first[i + 1] = count;
+            pairs_.first[i + 1] = all.size();
+        }
     });
-    for (Index i = 0; i < particles_; ++i) pairs_.first[i + 1] += pairs_.first[i];
-    pairs_.other.resize(pairs_.first.back());
-    weight_.assign(pairs_.first.back(), 1);
-    weighted_.resize(seen_.size());
-    parallel_for(particles_, [&](Index i) {
-        std::size_t k = pairs_.first[i];
-        std::copy(fluid.other.begin() + fluid.first[i], fluid.other.begin() + fluid.first[i + 1], pairs_.other.begin() + k);
-        k += static_cast<std::size_t>(fluid.count(i));
-        weighted_[i] = 0;
-        images_near(i, [&](Index g, Real weight) { pairs_.other[k] = g, weight_[k++] = weight, weighted_[i] |= weight != 1; });
-    });
+    for (Index begin = 0; begin < n; begin += block) {
+        const std::size_t shift = pairs_.other.size();
+        for (const auto& [g, weight] : found[static_cast<std::size_t>(begin / block)]) pairs_.other.push_back(g), weight_.push_back(weight);
+        for (Index i = begin; i < std::min(n, begin + block); ++i) pairs_.first[i + 1] += shift;
+    }
+    weight_.resize(weight_.size() + most_lanes);
 }
 
 }  // namespace whorl

@@ -9,24 +9,42 @@ namespace whorl {
 
 /// The space behind a flat wall is full of images of the fluid. They are neighbours like others,
 ///   rho_i = (m W_ii + sum_j m W_ij + sum_g (a_i + a_j)/2 m W(x_i - x_g))/(1 - (1 - a_i) w_i),   x_g = x_j - 2 h_j n,
-/// with j the particle (i, too) whose image g is; beside two walls at right angles there are images of images. a_i is 1 where the walls
-/// about i are flat and 0 elsewhere (SolidParticles::flat), and nearer than d/10 to a wall, which an impact alone reaches. As W depends on
-/// r_ij^2 + 4 h_i h_j, g pushes i as the image of i pushes j.
+/// with j the particle (i, too) whose image g is; beside two or three walls at right angles there are images of images. a_i is 1 where the
+/// walls about i are flat and 0 elsewhere (SolidParticles::flat), and nearer than d/10 to a wall, which an impact alone reaches. As W
+/// depends on r_ij^2 + 4 h_i h_j, g pushes i as the image of i pushes j.
 class Mirrors {
 public:
-    /// What the neighbours are with images. `around` itself where there are none. @param none no wall shows images
-    Surroundings find(const Surroundings& around, bool none = false);
-    /// The same, as found.
-    Surroundings seen(const Surroundings& around) const {
-        return {part_.empty() ? around.pairs : pairs_, around.solid_pairs, around.solids, around.layer, around.step};
-    }
+    /// @param none no wall shows images
+    void find(const Surroundings& around, bool none = false);
     /// Images.
     Index size() const { return static_cast<Index>(images_.size()); }
+    /// Rows of images: row i names those near the particle i.
+    const Pairs& pairs() const { return pairs_; }
+    /// Images that are neighbours of i.
+    Index count(Index i) const { return images_.empty() ? 0 : pairs_.count(i); }
+    /// Factors of the pairs of i in the density; readable up to a whole group.
+    const Real* weights(Index i) const { return &weight_[pairs_.first[i]]; }
+    /// Calls f(g, r, distance, weight) for each image g that is a neighbour of i.
+    template <class F>
+    void of(Index i, F&& f) const {
+        if (count(i) == 0) return;
+        const Real* weight = weights(i);
+        pairs_.of(i, [&](Index g, const Vec3& r, Real distance) { f(g, r, distance, *weight++); });
+    }
+    /// Calls f.operator()<image>(group, weights) for neighbours of i, groups of the fluid first.
+    template <class F>
+    void groups_of(const Pairs& fluid, Index i, F&& f) const {
+        fluid.groups_of(i, [&](const Pairs::Group& group) { f.template operator()<false>(group, nullptr); });
+        if (count(i) == 0) return;
+        const Real* weight = weights(i);
+        pairs_.groups_of(i, [&](const Pairs::Group& group) {
+            f.template operator()<true>(group, weight);
+            weight += group.count;
+        });
+    }
     /// a_i
     Real part(Index i) const { return part_.empty() ? 0 : part_[i]; }
-    Index owner(Index j) const { return j < particles_ ? j : images_[j - particles_].owner; }
-    /// Factors of the pairs of i in the density, nullptr: all are 1.
-    const Real* weights(Index i) const { return part_.empty() || !weighted_[i] ? nullptr : &weight_[pairs_.first[i]]; }
+    Index owner(Index g) const { return images_[g].owner; }
     /// A flat wall before a particle.
     struct Wall {
         Vec3 normal;  ///< into the fluid
@@ -37,9 +55,9 @@ public:
     struct Image {
         Index owner;
         int count;  ///< of walls
-        Wall wall[2];
+        Wall wall[3];
     };
-    const Image& image(Index g) const { return images_[g - particles_]; }
+    const Image& image(Index g) const { return images_[g]; }
     /// Lets images follow the particles.
     void place(Span<const Vec3> x);
     Span<const Vec3> places() const { return places_; }
@@ -56,19 +74,17 @@ public:
             of_images[g] = there;
         });
     }
-    /// The velocities v, and after them those of the images. @param of_solid by solid [m/s]
+    /// Velocities of the images. @param of_solid by solid [m/s]
     template <class OfSolid>
     Span<const Vec3> velocities(Span<const Vec3> v, const OfSolid& of_solid) const {
-        if (size() == 0) return v;
-        velocities_.assign(v.begin(), v.end());
-        velocities_.resize(v.size() + images_.size());
-        reflect(v.data(), velocities_.data() + v.size(), [&](const Wall& wall) { return wall.normal.dot(of_solid(wall.solid)); });
+        velocities_.resize(images_.size());
+        reflect(v.data(), velocities_.data(), [&](const Wall& wall) { return wall.normal.dot(of_solid(wall.solid)); });
         return velocities_;
     }
 
 private:
     struct Seen {
-        int own = 0, count = 0;  ///< of walls: those that solid neighbours belong to; with those of neighbours
+        int count = 0;  ///< of walls
         Wall wall[3];
         bool knows(const Vec3& normal) const {
             for (int m = 0; m < count; ++m)
@@ -78,18 +94,15 @@ private:
     };
     static Column<Real> flat_now(const Surroundings& around);
     void look(const Surroundings& around, Span<const Real> flat, Index i);
-    void ask_neighbours(const Surroundings& around, Index i);
-    void find_images();
-    void find_pairs(const Surroundings& around);
+    void find_images(Index particles);
+    void find_pairs(const FluidPairs& fluid);
 
-    Index particles_ = 0;
-    FluidPairs pairs_;
+    Pairs pairs_;
     Column<Real> weight_, part_;
     Column<Vec3> places_;
     mutable Column<Vec3> velocities_;
     std::vector<Seen> seen_;
-    std::vector<char> near_, weighted_;  ///< by particle: whether solid neighbours are a wall; whether a weight is not 1
-    std::vector<Index> first_;           ///< by particle, into images_
+    std::vector<Index> first_;  ///< by particle, into images_
     std::vector<Image> images_;
 };
 

@@ -139,10 +139,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
                 forces[last].value += f;
             };
             add(groups.of[i], D.own[i]);
-            for (std::size_t k = D.first[i]; k < D.first[i + 1]; ++k) {
-                const std::size_t j = static_cast<std::size_t>(D.mirrors.owner(D.other[k]));
-                add(groups.of[j], D.fill[j] * D.gradient(i, k));
-            }
+            D.row(i, [&](Index j, const Vec3& g) { add(groups.of[j], D.fill[j] * g); });
             for (const Force& f : forces) {
                 auto& row = row_of(f.group);
                 for (const Force& g : forces) {

@@ -22,15 +22,16 @@ constexpr double d = 0.01;
 struct Floor : TestWorld {
     std::vector<Real> rho, rate, bend;
     Real bend_step = 0;  ///< s, for which `bend` is measured; 0: it is not
-    /// @param mirrors flat walls that show images; 2 meet in a corner of the fluid
+    /// @param mirrors flat walls that show images, which meet at right angles in a corner of the fluid
     explicit Floor(double height, int mirrors = 0) : TestWorld(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real(20 * d)), {}}) {
         use({});
         add_wall(1, +1, 0);
-        const double at = mirrors == 2 ? 0 : 5 * d;
-        if (mirrors == 2) add_wall(0, +1, 0);
+        const double at = mirrors >= 2 ? 0 : 5 * d, deep = mirrors == 3 ? 0 : 5 * d;
+        if (mirrors >= 2) add_wall(0, +1, 0);
+        if (mirrors == 3) add_wall(2, +1, 0);
         if (mirrors > 0) world.solid_particles.flat.assign(static_cast<std::size_t>(world.solid_particles.size()), 1);
         RandomNumbers random(3);
-        place(Vec3(Real(at), Real(height * d), Real(5 * d)), Vec3(Real(at + 6 * d), Real((height + 5) * d), Real(11 * d)), 0,
+        place(Vec3(Real(at), Real(height * d), Real(deep)), Vec3(Real(at + 6 * d), Real((height + 5) * d), Real(deep + 6 * d)), 0,
               [&](const Vec3&) { return Vec3(Real(random() - 0.5), Real(random() - 0.5), Real(random() - 0.5)); });
         for (Vec3& x : column<field::position>())
             for (int a = 0; a < 3; ++a) x[a] += static_cast<Real>(0.1 * d * (2 * random() - 1));
@@ -62,8 +63,8 @@ TEST_CASE("the rate of density is the derivative of the density beside a wall, w
           "[pressure][boundary]") {
     // Central difference over +-0.005 d. What is left is the difference's own error (third derivatives of the kernel jump at R/2) and
     // round-off in float.
-    for (const double threshold : {0.0, 0.1, -1.0, -2.0}) {
-        INFO("gate " << threshold << "; -1 and -2: none, and images in 1 and 2 walls");
+    for (const double threshold : {0.0, 0.1, -1.0, -2.0, -3.0}) {
+        INFO("gate " << threshold << "; -1 to -3: none, and images in 1 to 3 walls");
         Floor fluid(0, static_cast<int>(std::max(0.0, -threshold)));
         const double dt = 0.005 * d / 0.5;
         fluid.measure(static_cast<Real>(threshold));
@@ -83,8 +84,8 @@ TEST_CASE("the rate of density is the derivative of the density beside a wall, w
 TEST_CASE("what a move bends is the change of density that its rate leaves out, beside a wall, with and without a gate",
           "[pressure][boundary]") {
     // Particles move by up to 0.2 d against each other along each axis. Neighbours that come within reach are left out: W is near 0 there.
-    for (const double threshold : {0.0, 0.1, -1.0, -2.0}) {
-        INFO("gate " << threshold << "; -1 and -2: none, and images in 1 and 2 walls");
+    for (const double threshold : {0.0, 0.1, -1.0, -2.0, -3.0}) {
+        INFO("gate " << threshold << "; -1 to -3: none, and images in 1 to 3 walls");
         Floor fluid(0, static_cast<int>(std::max(0.0, -threshold)));
         const double dt = 0.1 * d / 0.5;
         fluid.bend_step = static_cast<Real>(dt);
