@@ -35,6 +35,9 @@ inline Choices<ShiftingModel> choices(ShiftingModel) {
     using S = ShiftingModel;
     return {{S::automatic, "auto"}, {S::none, "none"}, {S::fickian, "fickian"}};
 }
+inline Choices<WallImages> choices(WallImages) {
+    return {{WallImages::automatic, "auto"}, {WallImages::none, "none"}, {WallImages::flat, "flat"}};
+}
 inline Choices<Notes> choices(Notes) { return {{Notes::amended, "amended"}, {Notes::as_printed, "as_printed"}}; }
 inline Choices<Preconditioner> choices(Preconditioner) {
     return {{Preconditioner::automatic, "auto"},

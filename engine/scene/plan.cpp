@@ -219,6 +219,13 @@ private:
         const PressureFacts& own = plan_.facts.pressure;
         plan_.boundary = choose("models.boundary", scene_.models.boundary, solids ? own.boundary : BoundaryModel::none,
                                 solids ? own.boundary_reason : "no solids");
+        if (!solids || own.form != PressureForm::constraint) return;
+        const bool plane = scene_.domain.dimensions == 2,
+                   reported = scene_.any_probe({ProbeKind::solid, ProbeKind::gauge, ProbeKind::point, ProbeKind::line});
+        plan_.wall_images = choose("boundary.images", scene_.boundary.images, plane || reported ? WallImages::flat : WallImages::none,
+                                   plane      ? "in 2D they take little time"
+                                   : reported ? "probes report forces or pressures"
+                                              : "no probe reports a force or a pressure") == WallImages::flat;
     }
 
     void tell_surface_tension() {

@@ -94,6 +94,7 @@ struct Plan {
     ViscosityModel viscosity = ViscosityModel::none;  ///< never automatic; none where the pressure model solves for it (coupled)
     MicropolarModel micropolar = MicropolarModel::none;
     BoundaryModel boundary = BoundaryModel::none;
+    bool wall_images = false;  ///< of the fluid in flat walls
     ShiftingModel shifting = ShiftingModel::none;
     Preconditioner preconditioner = Preconditioner::none;  ///< of the pressure equation, once all fluid is there
     ModelFacts facts;                                      ///< of these models; facts.pressure.form and .source are those chosen

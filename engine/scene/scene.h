@@ -63,6 +63,8 @@ enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, full, ful
 enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
+/// Of the fluid in walls (models/pressure/mirrors.h). automatic: flat in 2D, and in 3D if a probe reports forces or pressures.
+enum class WallImages { automatic, none, flat };
 /// How the forms of the three source notes are taken: as docs/physics.md amends them, or as printed (physics.md 14).
 enum class Notes { amended, as_printed };
 enum class Preconditioner { automatic, none, jacobi, multigrid };
@@ -173,6 +175,7 @@ struct MicropolarKeys {
 };
 
 struct BoundaryKeys {
+    WallImages images = WallImages::automatic;
     double gate = 0;                      ///< a solid acts only past this kernel sum; 0: always (SolidGate)
     std::optional<double> volume_factor;  ///< of the solids' volumes over 1/sum W; none: "auto", continued_lattice_factor()
 };
@@ -315,6 +318,10 @@ struct Scene {
         return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
     }
     /// Whether forces move a solid.
+    bool any_probe(std::initializer_list<ProbeKind> kinds) const {
+        return std::any_of(probes.begin(), probes.end(),
+                           [&](const ProbeKeys& probe) { return std::find(kinds.begin(), kinds.end(), probe.kind) != kinds.end(); });
+    }
     bool any_free_solid() const {
         return std::any_of(solids.begin(), solids.end(), [](const SolidKeys& s) { return s.density > 0; });
     }

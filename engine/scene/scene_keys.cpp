@@ -255,6 +255,11 @@ KeyTable micropolar_keys() {
 
 KeyTable boundary_keys() {
     KeyTableOf<BoundaryKeys> t("of the boundary model");
+    t.key("images", &BoundaryKeys::images, "",
+          "images of the fluid in flat walls, which make the pressure beside them right and take up to a quarter more time; auto: flat in "
+          "2D, "
+          "and in 3D if a solid, gauge, point or line probe reports forces or pressures")
+        .only_with("pressure.form", {"constraint"});
     t.key("gate", &BoundaryKeys::gate, "", "a solid acts only where its kernel sum at the particle passes this; 0: always")
         .at_least(0)
         .at_most(1)

@@ -33,10 +33,7 @@ void place_constants(const Scene& scene, const Plan& plan, World& world) {
 
 void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solids.domain = world.step.domain;
-    const auto any_probe = [&](ProbeKind kind) {
-        return std::any_of(scene.probes.begin(), scene.probes.end(), [&](const ProbeKeys& probe) { return probe.kind == kind; });
-    };
-    const bool gauged = any_probe(ProbeKind::gauge), probed = gauged || any_probe(ProbeKind::solid);
+    const bool gauged = scene.any_probe({ProbeKind::gauge}), probed = gauged || scene.any_probe({ProbeKind::solid});
     for (const SolidKeys& keys : scene.solids)
         world.solids.all.push_back(solid_of(keys, make_shape(keys.shape))), world.solids.all.back().probed = probed;
     world.solids.set_time(0, scene.time.look_ahead());
@@ -44,9 +41,7 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solid_particles = sample_solids(
         world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
         [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);
-    // In 3D images of the fluid take time, which pays where pressures are reported.
-    const bool images = scene.domain.dimensions == 2 || probed || any_probe(ProbeKind::point) || any_probe(ProbeKind::line);
-    if (images && plan.facts.pressure.form == PressureForm::constraint) find_flat_walls(world.solid_particles, world.solids, world.step);
+    if (plan.wall_images) find_flat_walls(world.solid_particles, world.solids, world.step);
     else world.solid_particles.flat.clear();
     if (gauged) world.solid_particles.pressed.assign(static_cast<std::size_t>(world.solid_particles.size()), Vec3d::Zero());
 }
