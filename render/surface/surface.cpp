@@ -127,9 +127,12 @@ TriangleMesh without_slivers(TriangleMesh mesh) {
             for (std::uint32_t& v : t) v = root(v);
         std::erase_if(mesh.triangle, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
     }
+    std::vector<char> used(into.size(), 0);
+    for (const auto& t : mesh.triangle)
+        for (const std::uint32_t v : t) used[v] = 1;
     std::uint32_t count = 0;
     for (std::size_t v = 0; v < into.size(); ++v) {
-        if (into[v] != v) continue;
+        if (used[v] == 0) continue;
         mesh.position[count] = mesh.position[v];
         if (!mesh.normal.empty()) mesh.normal[count] = mesh.normal[v];
         into[v] = count++;
