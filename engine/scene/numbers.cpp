@@ -9,6 +9,7 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/particles/emitter.h"
 #include "engine/particles/solid_sampling.h"
+#include "engine/scene/checks.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
@@ -232,10 +233,32 @@ private:
 
     void solid(std::size_t i) {
         faster(fastest_of(scene_.solids[i], shapes_.solid_extent[i], scene_.time.end));
-        if (!shapes_.solids.all[i].body) return;
+        if (!shapes_.solids.all[i].body) return spun(i);
         faster(scene_.solids[i].velocity.norm());
         const Vec3d at = scene_.solids[i].position(0);
         falls_from(shapes_.solid_extent[i].min + at, shapes_.solid_extent[i].max + at);
+    }
+
+    void spun(std::size_t i) {
+        const SolidKeys& s = scene_.solids[i];
+        const Vec3d axis = s.shape.to - s.shape.from;
+        const double R = s.shape.radius;
+        if (!s.inside || s.shape.kind != "cylinder" || scene_.domain.dimensions == 2 || axis.cross(up_).norm() > 1e-3 * axis.norm()) return;
+        SpunVessel v{i};
+        for (const double t : sample_times(0, scene_.time.end)) v.rate = std::max(v.rate, std::abs(s.rotation(t).dot(up_)));
+        v.climb = v.rate * v.rate * R * R / (2 * n_.gravity);
+        if (!(v.climb > n_.spun.climb)) return;
+        double level = 0;
+        for (std::size_t k = 0; k < scene_.blocks.size(); ++k) {
+            const Extent& e = shapes_.block_extent[k];
+            if (shapes_.solids.all[i].distance(Vec3d((e.min + e.max) / 2).cast<Real>()) > 0)
+                level += e.volume * (1 - part_inside_solids(shapes_, k, 0)) / (std::numbers::pi * R * R);
+        }
+        const double at = s.position(0).dot(up_), from = at + s.shape.from.dot(up_), to = at + s.shape.to.dot(up_);
+        v.edge = std::min(from, to) + (2 * level > v.climb ? level + v.climb / 2 : std::sqrt(2 * level * v.climb));
+        const DomainKeys& domain = scene_.domain;
+        v.rim = std::min(std::max(from, to), up_.cwiseProduct(domain.min).cwiseMax(up_.cwiseProduct(domain.max)).sum());
+        n_.spun = v;
     }
 
     void steps(double support) {

@@ -4,6 +4,15 @@
 
 namespace whorl {
 
+/// A round vessel that turns about its own upright axis. Fluid that turns with it has the surface z = w^2 r^2/(2 g).
+struct SpunVessel {
+    std::size_t solid = 0;
+    double rate = 0;   ///< w, the largest over the run [1/s]
+    double climb = 0;  ///< w^2 R^2/(2 g): of the edge above the middle [m]
+    double edge = 0;   ///< height that the edge reaches with the fluid of the blocks [m]
+    double rim = 0;    ///< height of the lid or of the domain's top [m]
+};
+
 struct SceneNumbers {
     double spacing = 0;          ///< m
     double gravity = 0;          ///< m/s^2, the largest over the run
@@ -23,6 +32,7 @@ struct SceneNumbers {
     double across = 0;         ///< particles across the narrowest feature
     std::string narrowest;     ///< which that is: "emitter[0]"
     bool free_surface = true;  ///< not every axis is periodic
+    SpunVessel spun{};         ///< the one whose edge climbs most; climb 0: none
 };
 
 /// @param support kernel radius [m]

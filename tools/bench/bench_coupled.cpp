@@ -61,7 +61,7 @@ struct Thread {
     }
     int whole() {
         rows();
-        CoupledGradient{system}({u}, {G}, step);
+        CoupledGradient{system}({u}, {G}, solids, step);
         const int iterations = solve();
         CoupledMove{system}({{x}}, {u}, {role}, solids, step);
         CoupledShift{system}({{x}}, {{u}}, {G}, {role}, step);

@@ -7,10 +7,7 @@ namespace {
 
 /// Where a point that moves with the solid is a time dt later (earlier for dt < 0): the midpoint rule keeps its distance on a turning
 /// solid.
-Vec3 carried(const Solid& solid, const Vec3& x, Real dt) {
-    const Vec3 middle = x + (dt / 2) * solid.velocity_at(x);
-    return x + dt * solid.velocity_at(middle);
-}
+Vec3 carried(const Solid& solid, const Vec3& x, Real dt) { return x + dt * velocity_over(solid, x, dt); }
 
 }  // namespace
 
@@ -200,7 +197,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             const Vec3 there = carried(solid, at, dt);
             const bool stopped = distance < closest || travelled < length;
             if (stopped) x[i] = there;
-            const Vec3 solid_velocity = solid.velocity_at(there);
+            const Vec3 solid_velocity = velocity_over(solid, there, -dt);
             const Real approach = normal.dot(u[i] - solid_velocity);
             if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out what comes too close
                 if (stopped && approach < 0) {

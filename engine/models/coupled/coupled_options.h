@@ -27,6 +27,7 @@ struct CoupledOptions {
     double push = 0.1;  ///< compressed particles part at the rate push (n/n0 - 1)/dt
     double no_surface =
         0.0125;  ///< in the plane loose ones under pressure meet up to this Neighbourhood::surface; from twice this on no more
+    double no_surface_in_space = 0;  ///< the same in space, 0: they stay; disorder alone has up to 3 % more than a lattice there
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
     double memory = 0.98, weight_memory = 0.999;  ///< from step to step, of the multiplier; of its part from 0 to the fluid's weight

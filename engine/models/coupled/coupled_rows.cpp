@@ -448,7 +448,7 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
                    hold = std::clamp((reach - height) / (Real(0.2) * d), Real(0), Real(1)) * uncovered(normal, walls.dimensions);
         if (!(hold > 0)) return;
         wall.position = at - up * d * normal;
-        wall.velocity = solid.velocity_at(wall.position + dt / 2 * solid.velocity_at(wall.position));
+        wall.velocity = velocity_over(solid, wall.position, dt);
         wall.weight = hold * 2 * half_moment / up;
         const Real lone = std::max(Real(0), 1 - std::accumulate(w.begin(), w.end(), Real(0)) / few);
         wall.lateral = hold * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());

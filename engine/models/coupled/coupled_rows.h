@@ -38,6 +38,9 @@ struct FourthMoment {
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
+/// Of the solid's point that is at x when a step of dt [s] begins, on its straight way to where it ends; dt < 0: of the step before [m/s].
+inline Vec3 velocity_over(const Solid& solid, const Vec3& x, Real dt) { return solid.velocity_at(x + dt / 2 * solid.velocity_at(x)); }
+
 /// Where a wall that holds the fluid is nearest to a particle: a neighbour that moves with the wall (docs/physics.md 5).
 struct WallPoint {
     Vec3 position, velocity;  ///< m, on the surface; m/s, of the straight way to where the wall takes it in this step

@@ -1,6 +1,7 @@
 #include "engine/models/coupled/coupled_solve.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -74,9 +75,19 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
-void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const StepContext& step) const {
-    const CoupledRows& rows = system->rows;
+void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const Solids& solids,
+                                 const StepContext& step) const {
+    CoupledRows& rows = system->rows;
+    const bool turns =
+        std::any_of(solids.all.begin(), solids.all.end(), [](const Solid& s) { return s.pose.angular_velocity != Vec3::Zero(); });
+    const auto set_walls = [&](Real dt) {
+        if (!turns) return;  // both ways have the same velocity
+        for (RowBlock& block : rows.blocks)
+            for (WallPoint& wall : block.walls) wall.velocity = velocity_over(solids.all[wall.solid], wall.position, dt);
+    };
+    set_walls(-step.dt);  // of the last step's straight way, as those of the particles
     velocity_gradients(rows, step.spacing, u.values, G.values);
+    set_walls(step.dt);
     parallel_for(u.size(), [&](Index i) {
         if (rows.neighbourhood[i].unresolved > 0) G[i] = turned_rigidly(G[i], rows.resolved(i));
     });
@@ -184,17 +195,17 @@ void CoupledStep::set_curvature() {
     });
 }
 
-/// s_i: compressed particles move apart, in the plane loose ones that bear weight meet, and volumes are to be kept in the middle of the
+/// s_i: compressed particles move apart, loose ones that bear weight meet where they may, and volumes are to be kept in the middle of the
 /// move, where tr D - tr T is their rate.
 void CoupledStep::set_divergence() {
     divergence.resize(n);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
-    const bool may_meet = system.rows.dimensions() == 2;  // in space, disorder alone has up to 3 % more than a lattice
+    const double no_surface = system.rows.dimensions() == 2 ? options.no_surface : options.no_surface_in_space;
     parallel_for(n, [&](Index i) {
         const Neighbourhood& around = system.rows.neighbourhood[i];
         double compressed = around.density - 1;
         // Fluid under tension is never drawn together: a thread would creep without end.
-        if (compressed < 0) compressed *= may_meet && p[i] > 0 ? std::clamp(2 - around.surface / options.no_surface, 0.0, 1.0) : 0;
+        if (compressed < 0) compressed *= no_surface > 0 && p[i] > 0 ? std::clamp(2 - around.surface / no_surface, 0.0, 1.0) : 0;
         const double pushed = std::clamp(options.push * compressed / dt, -fastest_push, fastest_push);
         divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
     });

@@ -15,7 +15,7 @@ struct CoupledNeighbourhood {
 
 struct CoupledGradient {
     std::shared_ptr<CoupledSystem> system;
-    void operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const StepContext& step) const;
+    void operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const Solids& solids, const StepContext& step) const;
 };
 
 struct CoupledSolve {

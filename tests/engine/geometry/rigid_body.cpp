@@ -286,3 +286,28 @@ TEST_CASE("two boxes that collide keep momentum and angular momentum to 1e-12, a
         CHECK(parting < (bounce > 0 ? 1.0 : 0.5) * closing);
     }
 }
+
+TEST_CASE("spheres that meet head-on part with bounce times the speed that they met with, within 2e-4", "[geometry][bodies]") {
+    // They touch at points of their layers, a little off the line of their centres.
+    for (const double bounce : {0.0, 0.8, 1.0}) {
+        CAPTURE(bounce);
+        Stage stage(0.01);
+        stage.weight.setZero();
+        for (const double side : {-1.0, 1.0}) {
+            ShapeKeys ball;
+            ball.kind = "sphere", ball.radius = 0.05, ball.centre = Vec3d(0.08 * side, 0, 0);
+            Solid solid;
+            solid.shape = make_shape(ball);
+            solid.body = RigidBody(solid.shape->bulk(), side < 0 ? 500 : 1500);
+            solid.body->velocity = Vec3d(side < 0 ? 1 : -0.5, 0, 0);
+            solid.contact.bounce = bounce;
+            stage.solids.all.push_back(solid);
+        }
+        stage.place();
+        stage.run(0.1);
+        // m_1 v_1 + m_2 v_2 = m (1 - 1.5), v_2 - v_1 = 1.5 bounce
+        const double mean = -0.5 / 4, parting = 1.5 * bounce;
+        CHECK((stage.solids.all[0].body->velocity - Vec3d(mean - 0.75 * parting, 0, 0)).norm() < 2e-4);
+        CHECK((stage.solids.all[1].body->velocity - Vec3d(mean + 0.25 * parting, 0, 0)).norm() < 2e-4);
+    }
+}

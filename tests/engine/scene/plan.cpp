@@ -106,6 +106,26 @@ TEST_CASE("the coupled solve refuses fluid whose viscous number is below 0.04 an
     CHECK(plan_with({"fluid.viscosity=0.001+1000*age"}).pressure == PressureModel::ppe);
 }
 
+TEST_CASE("the plan warns of a spun edge past the rim or the domain, and of coupled, whose edge is too high", "[plan]") {
+    const auto warned = [](double lid, double top, const std::string& what, const std::string& models = "") {
+        const Plan plan =
+            make_plan(scene_with({}, fmt::format("[time]\nend = 1\n[domain]\nmin = [-0.06, -0.01, -0.06]\nmax = [0.06, {}, 0.06]\n"
+                                                 "[fluid]\nspacing = 6e-3\n{}[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\n"
+                                                 "to = [0, 0.036, 0]\nradius = 0.048\n[[solid]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\n"
+                                                 "to = [0, {}, 0]\nradius = 0.048\ninside = true\nrotation = [0, \"20*min(t, 1)\", 0]\n",
+                                                 top, models, lid)));
+        return std::any_of(plan.warnings.begin(), plan.warnings.end(), [&](const std::string& w) {
+            return w.find("solid[0] turns at 20 /s: ") == 0 && w.find(what) != std::string::npos;
+        });
+    };
+    const std::string past = "climbs to 0.0595 m, and the vessel or the domain ends at 0.055 m";  // .036 + 20^2 .048^2/(4 g)
+    CHECK_FALSE(warned(0.062, 0.12, "climbs to"));
+    CHECK(warned(0.055, 0.12, past));
+    CHECK(warned(0.12, 0.055, past));
+    CHECK_FALSE(warned(0.062, 0.12, "coupled"));
+    CHECK(warned(0.062, 0.12, "coupled", "viscosity = 8\n[models]\npressure = \"coupled\"\n"));
+}
+
 TEST_CASE("what the user chose stays, also the kernel and its support", "[plan]") {
     const Plan plan = plan_with({"fluid.kernel=cubic", "fluid.support=2.5"});
     CHECK(plan.kernel == KernelKind::cubic);
