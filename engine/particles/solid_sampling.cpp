@@ -91,18 +91,6 @@ bool flat_at(const SolidParticles& particles, Index s, const Solids& solids, Rea
     return true;
 }
 
-/// Whether another solid at rest stands between the wall at particle s and an edge at -r from it: a wall on a floor hides the floor's end.
-bool hidden(const SolidParticles& particles, Index s, const Vec3& r, const Solids& solids, Real spacing) {
-    const Vec3 above = particles.position[s] + Real(0.75) * spacing * particles.normal[s];
-    for (const Real part : {Real(0.25), Real(0.5), Real(0.75)})
-        for (std::size_t k = 0; k < solids.all.size(); ++k) {
-            const Solid& solid = solids.all[k];
-            if (static_cast<Index>(k) != particles.solid[s] && !solid.moves() && solid.distance(above - part * r) < -spacing / 8)
-                return true;
-        }
-    return false;
-}
-
 }  // namespace
 
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
@@ -204,11 +192,10 @@ void find_flat_walls(SolidParticles& particles, const Solids& solids, const Step
     Pairs pairs;
     NeighbourSearch().find(particles.position, at, 2 * step.support, open, pairs);
     parallel_for(particles.size(), [&](Index s) {
-        pairs.of(s, [&](Index k, const Vec3& r, Real distance) {
+        pairs.of(s, [&](Index k, const Vec3&, Real distance) {
             const Index own = particles.solid[s], its = particles.solid[rough[k]];
             const Real flat = flat_beside(distance, step.support);
-            if (flat < particles.flat[s] && (own == its || (!solids.all[own].moves() && !solids.all[its].moves())) &&
-                !hidden(particles, s, r, solids, step.spacing))
+            if (flat < particles.flat[s] && (own == its || (!solids.all[own].moves() && !solids.all[its].moves())))
                 particles.flat[s] = flat;
         });
     });

@@ -56,10 +56,11 @@ void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
     bool skew = false;
     around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         if (flat[s] < 0 || !(distance < reach)) return;
-        const Real weight = (reach - distance) * (reach - distance);
-        all += weight, mirrors += flat[s] * weight;
         const Vec3& normal = around.layer.normal[s];
         const Real height = r.dot(normal) - d / 2;
+        if (height < d / 2 - reach) return;  // the far side of a wall whose fluid is out of reach
+        const Real weight = (reach - distance) * (reach - distance);
+        all += weight, mirrors += flat[s] * weight;
         lowest = std::min(lowest, height);
         if (flat[s] == 0 || height < -d / 4 || seen.knows(normal)) return;
         for (int m = 0; m < seen.count; ++m) {
