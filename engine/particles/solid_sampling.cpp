@@ -91,6 +91,20 @@ bool flat_at(const SolidParticles& particles, Index s, const Solids& solids, Rea
     return true;
 }
 
+/// A quarter of a spacing above the surface.
+Vec3 above(const SolidParticles& particles, Index s, Real spacing) {
+    return particles.position[s] + Real(0.75) * spacing * particles.normal[s];
+}
+
+/// Whether x lies in the solid of s or in one at rest.
+bool in_solid(const SolidParticles& particles, Index s, const Vec3& x, const Solids& solids, Real spacing) {
+    for (std::size_t k = 0; k < solids.all.size(); ++k) {
+        const Solid& solid = solids.all[k];
+        if ((static_cast<Index>(k) == particles.solid[s] || !solid.moves()) && solid.distance(x) < -spacing / 8) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
@@ -172,10 +186,17 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
 }
 
 void find_flat_walls(SolidParticles& particles, const Solids& solids, const StepContext& step) {
+    // A wall on a floor covers the floor below it, and hides the floor's end.
+    const auto hidden = [&](Index s, const Vec3& to) {
+        const Vec3 from = above(particles, s, step.spacing);
+        for (const Real part : {Real(0), Real(0.25), Real(0.5), Real(0.75)})
+            if (in_solid(particles, s, from + part * to, solids, step.spacing)) return true;
+        return false;
+    };
     parallel_for(particles.size(), [&](Index s) {
-        if (particles.flat[s] > 0 &&
-            (solids.all[particles.solid[s]].body || !flat_at(particles, s, solids, step.spacing, step.dimensions())))
-            particles.flat[s] = 0;
+        const Solid& own = solids.all[particles.solid[s]];
+        if (!own.moves() && particles.flat[s] >= 0 && hidden(s, Vec3::Zero())) particles.flat[s] = -1;
+        if (particles.flat[s] > 0 && (own.body || !flat_at(particles, s, solids, step.spacing, step.dimensions()))) particles.flat[s] = 0;
     });
     // Those that are not, with their periodic images: an axis may be too short for pairs that far apart.
     Domain open = step.domain;
@@ -192,10 +213,10 @@ void find_flat_walls(SolidParticles& particles, const Solids& solids, const Step
     Pairs pairs;
     NeighbourSearch().find(particles.position, at, 2 * step.support, open, pairs);
     parallel_for(particles.size(), [&](Index s) {
-        pairs.of(s, [&](Index k, const Vec3&, Real distance) {
+        pairs.of(s, [&](Index k, const Vec3& r, Real distance) {
             const Index own = particles.solid[s], its = particles.solid[rough[k]];
             const Real flat = flat_beside(distance, step.support);
-            if (flat < particles.flat[s] && (own == its || (!solids.all[own].moves() && !solids.all[its].moves())))
+            if (flat < particles.flat[s] && (own == its || (!solids.all[own].moves() && !solids.all[its].moves())) && !hidden(s, -r))
                 particles.flat[s] = flat;
         });
     });
