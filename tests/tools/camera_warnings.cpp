@@ -87,6 +87,7 @@ TEST_CASE("no film that ships is warned about at any quality, nor a panel of one
             options.scene = path.string();
             options.quality = quality;
             for (const SceneFile& run : runs_of(read_scene_file(options))) {
+                if (run.scene.models.printed()) continue;  // beside the amended forms, to show what the plan warns of
                 CAPTURE(name, quality, run.scene.models.micropolar);
                 CHECK(make_plan(run).warnings == std::vector<std::string>());
             }

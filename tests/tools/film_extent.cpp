@@ -66,7 +66,7 @@ TEST_CASE("an automatic camera shows where fluid pours and lands, in however lar
     const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--threads", "1"});
     INFO(done.err);
     REQUIRE(done.code == 0);
-    CHECK(done.err.find("first pass at twice the spacing, for the camera") != std::string::npos);
+    CHECK(done.err.find("first pass with larger particles, for the camera") != std::string::npos);
     const Extent seen = shown_by(scratch.run());
     // The opening, and the board, which is little larger than the thread is long; nothing of the hall.
     CHECK(seen.contains(Vec3f(0.006f, 0.04f, 0)));
@@ -91,7 +91,7 @@ TEST_CASE("the first pass makes a scene's changes") {
     const Outcome done = test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run(), "--no-video"});
     INFO(done.err);
     REQUIRE(done.code == 0);
-    CHECK(done.err.find("first pass at twice the spacing, for the camera") != std::string::npos);
+    CHECK(done.err.find("first pass with larger particles, for the camera") != std::string::npos);
     // It flies sideways for .15 s: 20 t^2 = .45 m.
     CHECK(shown_by(scratch.run()).max().x() == Approx(0.55).margin(0.05));
 }

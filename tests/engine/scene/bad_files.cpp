@@ -141,7 +141,7 @@ const std::vector<Case> cases = {
      "bad.toml:10:13: models.viscosity = \"pairwise\" is not known; allowed: auto, none, xsph, explicit, full or full_assembled"},
     {"", "[models]\nboundry = \"none\"",
      "bad.toml:10:1: unknown key \"boundry\" in [models]; did you mean \"boundary\"?; allowed: pressure, viscosity, micropolar, boundary, "
-     "shifting"},
+     "shifting, notes"},
     {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
     {"", "[pressure]\nmax_iterations = 100000000000000000000",
      "bad.toml:10:39: not TOML: in this decimal integer: '100000000000000000000' is not representable in 64 bits; write numbers as in 0.5 "
