@@ -1,5 +1,6 @@
 #include "tools/scene_file/camera_warnings.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tools/scene_file/scene_changes.h"
@@ -86,8 +87,10 @@ TEST_CASE("no film that ships is warned about at any quality, nor a panel of one
             Options options;
             options.scene = path.string();
             options.quality = quality;
-            for (const SceneFile& run : runs_of(read_scene_file(options))) {
-                if (run.scene.models.printed()) continue;  // beside the amended forms, to show what the plan warns of
+            const std::vector<SceneFile> runs = runs_of(read_scene_file(options));
+            // Films that compare the notes as printed with the amended forms show what the plan warns of.
+            if (std::any_of(runs.begin(), runs.end(), [](const SceneFile& run) { return run.scene.models.printed(); })) continue;
+            for (const SceneFile& run : runs) {
                 CAPTURE(name, quality, run.scene.models.micropolar);
                 CHECK(make_plan(run).warnings == std::vector<std::string>());
             }
