@@ -66,12 +66,13 @@ void each_number(Totals& t, F&& f) {
     f(t.work), f(t.any_work);
 }
 
-/// The longest step up to `wanted` of which a whole number reaches `remaining`. Steps of unequal lengths would share the weight of fluid at
-/// rest unequally: up to a tenth too low in the last step before a frame.
+/// Cuts a wanted step so that `remaining` is reached exactly and the last two steps before it are made equal.
 /// @param wanted s, the smallest limit of the models @param remaining s, until the next frame time
 double fitted_step(double wanted, double remaining) {
     // A sliver of a step (round-off) is worth no step of its own.
-    return remaining / std::max(1.0, std::ceil(remaining / wanted * (1 - 1e-9)));
+    if (wanted >= remaining * (1 - 1e-9)) return remaining;
+    if (wanted > remaining / 2) return remaining / 2;
+    return wanted;
 }
 
 std::string text_of(const VectorExpression& e) {
@@ -186,8 +187,9 @@ struct Simulation::State {
             const double dt = limit.dt(world, fastest);
             if (dt < wanted) wanted = dt, binding = &limit;
         }
-        ++totals.binding[binding != nullptr ? binding->name : "frame time"];
-        return fitted_step(wanted, until - time);
+        const double dt = fitted_step(wanted, until - time);
+        ++totals.binding[binding != nullptr && dt == wanted ? binding->name : "frame time"];
+        return dt;
     }
 
     /// Particles that still fit into each closed room, when the run begins.
