@@ -153,6 +153,7 @@ private:
     struct Fluid {
         std::string id = "Fluid";
         double density = 1000, viscosity = 0;  // kg/m^3, Pa s
+        bool unitless = false;                 // the viscosity is a coefficient of their model
         const JsonNode* node = nullptr;
     };
 
@@ -276,7 +277,8 @@ void Converter::materials() {
     fluid_ = fmt::format("\n[fluid]\nspacing = {}\ndensity = {}\nviscosity = {}\n", number(spacing_), number(first.density),
                          number(first.viscosity));
     if (!first.node) return;
-    if (first.viscosity < 0.1 && micropolar_.empty()) look_ = "\n[look]\nmaterial = \"water\"\n";
+    // Their scenes of water have 0.005 to 0.02 m^2/s at a scale of metres, those of honey 1 and more.
+    if (!first.unitless && first.viscosity < 0.05 * first.density && micropolar_.empty()) look_ = "\n[look]\nmaterial = \"water\"\n";
     const double method = first.node->number_of("surfaceTensionMethod").value_or(0);
     const JsonNode& of = section_of(*first.node, name_of(tensions, method));
     const auto tension = of.number_of("surfaceTension");
@@ -302,6 +304,7 @@ void Converter::viscosity(Fluid& fluid, bool is_scene) {
         fluid.viscosity = value * fluid.density;
         note(of, "viscosity", fmt::format("is taken as a kinematic viscosity in m^2/s: {} Pa s", number(fluid.viscosity)));
     } else if (number_of_method != 0) {
+        fluid.unitless = true;
         note(of, "viscosity", "is a coefficient without unit of their model: fluid.viscosity is 0; choose one in Pa s");
     }
     if (!is_scene || fluid.node->number_of("vorticityMethod").value_or(0) != 1) return;
