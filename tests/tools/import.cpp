@@ -185,6 +185,9 @@ TEST_CASE("import reads parameters in a method's section, with that format's num
     const std::string bender = made(R"("viscosityMethod": 2, "Bender and Koschier 2017": {"viscosity": 0.5})");  // 2 was XSPH before
     CHECK(has(bender, "viscosity = 0.0"));
     CHECK_FALSE(has(bender, "viscosity = \"xsph\""));
+    const auto is_water = [&](const std::string& toml) { return has(toml, "material = \"water\""); };
+    CHECK(is_water(made(R"("viscosityMethod": 1, "Standard viscosity": {"viscosity": 0.01})")));
+    CHECK_FALSE((is_water(standard) || is_water(bender)));
     const std::string thin = made(
         R"("viscosityMethod": 1, "Standard viscosity": {"viscosity": 1e-6}, "vorticityMethod": 1,
  "Bender et al. 2017": {"vorticity": 0.1, "viscosityOmega": 0.2, "inertiaInverse": 0.5})");
