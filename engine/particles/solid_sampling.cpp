@@ -69,12 +69,17 @@ bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
     return false;
 }
 
+/// A quarter of a spacing above the surface.
+Vec3 above(const SolidParticles& particles, Index s, Real spacing) {
+    return particles.position[s] + Real(0.75) * spacing * particles.normal[s];
+}
+
 /// Whether a quarter of a spacing above the particle s places a spacing about it are as far from the solids, or in a solid at right
 /// angles. Solids that move may leave others, and count alone.
 bool flat_at(const SolidParticles& particles, Index s, const Solids& solids, Real spacing, int dimensions) {
     const Solid& own = solids.all[particles.solid[s]];
-    const Real above = spacing / 4;
-    const Vec3 n = particles.normal[s], foot = particles.position[s] + (spacing / 2 + above) * n;
+    const Real height = spacing / 4;
+    const Vec3 n = particles.normal[s], foot = above(particles, s, spacing);
     const Vec3 along = dimensions == 2 ? Vec3(n.y(), -n.x(), 0) : n.unitOrthogonal(), across = n.cross(along);
     for (int k = 0; k < 4 * (dimensions - 1); ++k) {
         const Vec3 at = foot + (k % 2 ? 1 : -1) * (k / 2 % 2 ? spacing : spacing / 2) * (k < 4 ? along : across);
@@ -83,17 +88,12 @@ bool flat_at(const SolidParticles& particles, Index s, const Solids& solids, Rea
         for (const Solid& solid : solids.all)
             if (!own.moves() && !solid.moves())
                 if (const Real one = solid.distance(at); one < distance) distance = one, nearest = &solid;
-        if (distance > above + spacing / 200) return false;
-        if (distance > above - spacing / 200) continue;
+        if (distance > height + spacing / 200) return false;
+        if (distance > height - spacing / 200) continue;
         const Real turn = std::abs(n.dot(nearest->normal(at)));
         if (turn > Real(0.01) && turn < Real(0.9999)) return false;
     }
     return true;
-}
-
-/// A quarter of a spacing above the surface.
-Vec3 above(const SolidParticles& particles, Index s, Real spacing) {
-    return particles.position[s] + Real(0.75) * spacing * particles.normal[s];
 }
 
 /// Whether x lies in the solid of s or in one at rest.

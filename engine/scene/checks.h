@@ -58,6 +58,9 @@ struct ScaleWarning {
 /// A warning for each opening, domain, speed, density, gravity or shape that is out of proportion.
 std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
 
+/// Of containers (inside = true), which are closed all round: solids that move through the wall, and fluid that flies against the lid.
+std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes& shapes);
+
 /// The key that makes a shape as large as it is: "radius".
 const char* size_key(const ShapeKeys& shape);
 /// The likely slip where an opening or a shape is far too large. @param across its size [m]

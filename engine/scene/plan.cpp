@@ -17,6 +17,8 @@
 namespace whorl {
 namespace {
 
+constexpr double next_to_nothing = 0.02;  ///< of the domain: what a room that is full leaves empty
+
 /// Where viscosity and pressure solved together beat the pressure equation with implicit viscosity: a pour of 40, 12 and 4 times 1e-3 m^2/s
 /// (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068, with errors of 8 to 9 % beside 4 to
 /// 9 % (docs/reports/tradeoff.md, lava_viscosity).
@@ -101,7 +103,7 @@ private:
         plan_.largest_viscosity = n_.viscosity;
         plan_.edge_climb = n_.spun.climb;
         plan_.estimated_particles = n_.particles;
-        plan_.free_surface = !scene_.emitters.empty() || part_left_empty(scene_, shapes_) > 0.02;
+        plan_.free_surface = !scene_.emitters.empty() || part_left_empty(scene_, shapes_) > next_to_nothing;
     }
 
     void choose_pressure() {
@@ -173,7 +175,7 @@ private:
     /// Part of its rotation that the Laplacian of each velocity component takes from a free body within a turn: at a free surface it makes
     /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (the first zero of J_1' is 1.84).
     double rotation_lost() const {
-        const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > 0.02;
+        const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > next_to_nothing;
         if (facts_of(scene_.models.micropolar).spins) return 0;               // there the rotation goes into spin
         if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has a Laplacian of its own
         if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
@@ -393,53 +395,10 @@ private:
                                     100 * part, i, k));
         }
         for (const ClosedRoom& room : plan_.rooms) warn_of_room(room);
-        for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (scene_.solids[k].inside && shapes_.solids.all[k].shape->bounded()) warn_of_lid(k);
+        for (std::string& warning : warnings_of_lids(scene_, shapes_)) add_warning(std::move(warning));
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)
                 add_warning(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
-    }
-
-    /// Depth of a place below the surface of container k [m]; negative outside.
-    double depth_in(std::size_t k, const Vec3d& x, double t) const {
-        return -static_cast<double>(shapes_.solids.all[k].shape->distance((x - scene_.solids[k].position(t)).cast<Real>()));
-    }
-
-    /// A container is closed all round: solids that move through its wall, and fluid that flies against its upper side.
-    void warn_of_lid(std::size_t k) {
-        const std::vector<double> times = sample_times(0, scene_.time.end);
-        const auto warn = [&](const std::string& what, const char* reach) {
-            add_warning(fmt::format("{} of solid[{}] (inside = true), which is closed all round; make it as high as {}", what, k, reach));
-        };
-        for (std::size_t j = 0; j < scene_.solids.size(); ++j) {
-            const SolidKeys& solid = scene_.solids[j];
-            if (j == k || solid.inside || !solid.position.depends_on_time() || !shapes_.solids.all[j].shape->bounded()) continue;
-            const Extent& e = shapes_.solid_extent[j];
-            bool through = false;
-            for (int corner = 0; corner < 8 && !through; ++corner) {
-                const Vec3d at(corner & 1 ? e.min.x() : e.max.x(), corner & 2 ? e.min.y() : e.max.y(), corner & 4 ? e.min.z() : e.max.z());
-                const auto [least, most] = std::minmax_element(times.begin(), times.end(), [&](double s, double t) {
-                    return depth_in(k, at + solid.position(s), s) < depth_in(k, at + solid.position(t), t);
-                });
-                through = depth_in(k, at + solid.position(*least), *least) < -d_ && depth_in(k, at + solid.position(*most), *most) > d_;
-            }
-            if (through) warn(fmt::format("solid[{}] moves through the wall or the lid", j), "it reaches");
-        }
-        const auto rises = [&](const std::string& name, const Vec3d& x, const Vec3d& u, double t) {
-            const Vec3d g = scene_.domain.gravity(t);
-            if (!(u.dot(g) < 0) || depth_in(k, x, t) < 0) return;
-            const double height = std::pow(u.dot(g), 2) / (2 * std::pow(g.norm(), 3));
-            if (depth_in(k, x - height * g.normalized(), t) < 0)
-                warn(fmt::format("{} rises by {:.3g} m, against the lid", name, height), "it rises");
-        };
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) {
-            const EmitterKeys& e = scene_.emitters[i];
-            rises(entry_name("emitter", i), e.position, fastest_of(e, scene_.time.end) * e.direction, std::max(0.0, e.start));
-        }
-        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
-            const Vec3d middle = 0.5 * (shapes_.block_extent[i].min + shapes_.block_extent[i].max);
-            rises(entry_name("block", i), middle, scene_.blocks[i].velocity(0, middle), 0);
-        }
     }
 
     void warn_of_room(const ClosedRoom& room) {
@@ -471,7 +430,7 @@ Plan make_plan(const Scene& given) {
 
 bool starts_full(const Scene& scene) {
     std::vector<Problem> none;
-    return part_left_empty(scene, make_shapes(scene, none)) < 0.02;
+    return part_left_empty(scene, make_shapes(scene, none)) < next_to_nothing;
 }
 
 }  // namespace whorl

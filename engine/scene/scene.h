@@ -317,11 +317,12 @@ struct Scene {
     const Expression& viscosity_of_source(std::size_t k) const {
         return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
     }
-    /// Whether forces move a solid.
+    /// Whether a probe is of one of these kinds.
     bool any_probe(std::initializer_list<ProbeKind> kinds) const {
         return std::any_of(probes.begin(), probes.end(),
                            [&](const ProbeKeys& probe) { return std::find(kinds.begin(), kinds.end(), probe.kind) != kinds.end(); });
     }
+    /// Whether forces move a solid.
     bool any_free_solid() const {
         return std::any_of(solids.begin(), solids.end(), [](const SolidKeys& s) { return s.density > 0; });
     }
@@ -329,9 +330,7 @@ struct Scene {
     bool exported(const std::string& kind) const {
         return std::find(output.exports.begin(), output.exports.end(), kind) != output.exports.end();
     }
-    bool any_flux() const {
-        return std::any_of(probes.begin(), probes.end(), [](const ProbeKeys& p) { return p.kind == ProbeKind::flux; });
-    }
+    bool any_flux() const { return any_probe({ProbeKind::flux}); }
     /// Whether any particle carries ink.
     bool any_ink() const {
         const auto inked = [](const auto& one) { return one.ink.any(); };

@@ -59,9 +59,9 @@ struct TakeForce {
         parallel_for(u.size(), [&](Index i) { a[i] = (u[i] - a[i]) / step.dt; });
         for (Solid& solid : around.solids.all)
             if (solid.body) {
-                RigidBody& body = *solid.body;
-                const Wrench before = -1.0 * body.pressed, after{body.mass * body.velocity, body.spin_momentum};
-                body.pressed = 1 / static_cast<double>(step.dt) * (after + before);
+                Wrench& pressed = solid.body->pressed;  // the momenta before the solve
+                pressed = {solid.body->mass * solid.body->velocity - pressed.force, solid.body->spin_momentum - pressed.torque};
+                pressed = 1 / static_cast<double>(step.dt) * pressed;
             }
     }
 };
