@@ -29,7 +29,8 @@ private:
     void warn_of_lid(std::size_t k) {
         const std::vector<double> times = sample_times(0, scene_.time.end);
         const auto warn = [&](const std::string& what, const char* reach) {
-            all_.push_back(fmt::format("{} of solid[{}] (inside = true), which is closed all round; make it as high as {}", what, k, reach));
+            all_.push_back(
+                fmt::format("{} of solid[{}] (inside = true), which is closed all round; make it as high as {}", what, k, reach));
         };
         for (std::size_t j = 0; j < scene_.solids.size(); ++j) {
             const SolidKeys& solid = scene_.solids[j];
