@@ -144,22 +144,6 @@ void check_ink(const Scene& scene, const KeyProblems& report) {
         report("fluid.ink_diffusion", "there is no ink that could spread", "give a [[block]], [[emitter]] or [[stream]] ink");
 }
 
-void check_sleep(const Scene& scene, const KeyProblems& report) {
-    if (scene.time.sleep == 0) return;
-    const auto awake = [&](const std::string& who) {
-        report("time.sleep", "time.sleep puts away fluid that " + who, "take time.sleep = 0", "allowed: 0");
-    };
-    if (scene.domain.gravity.depends_on_time()) awake("a changing gravity moves all of");
-    if (scene.fluid.force.depends_on_time()) awake("a changing force moves");
-    if (!scene.streams.empty()) awake("a stream pulls at");
-    if (scene.fluid.ink_diffusion > 0) awake("ink spreads in");
-    if (!scene.drains.empty()) awake("a drain has to see at every step");
-    if (scene.any_free_solid()) awake("holds a free body up");
-    for (const ProbeKeys& probe : scene.probes)
-        if (probe.kind == ProbeKind::coil) awake("a coil probe has to see at every step");
-        else if (probe.kind == ProbeKind::solid || probe.kind == ProbeKind::gauge) awake("presses on a solid whose force a probe measures");
-}
-
 }  // namespace
 
 void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems) {
@@ -173,7 +157,6 @@ void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numb
     check_bodies(scene, plan, problems);
     check_streams(scene, plan, report);
     check_ink(scene, report);
-    check_sleep(scene, report);
 }
 
 void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {

@@ -70,7 +70,6 @@ public:
         choose_boundary();
         tell_surface_tension();
         choose_shifting();
-        tell_sleep();
         check();
         warn();
         return std::move(plan_);
@@ -257,12 +256,6 @@ private:
         if (plan_.facts.pressure.has_sound && scene_.pressure.gradient == GradientForm::difference)
             shifting = ShiftingModel::fickian, reason = "the difference gradient keeps no particles apart";
         plan_.shifting = choose("models.shifting", scene_.models.shifting, shifting, reason);
-    }
-
-    void tell_sleep() {
-        if (scene_.time.sleep > 0)
-            plan_.choices.push_back({"time.sleep", fmt::format("{:g}", scene_.time.sleep), false,
-                                     "what moves less than that many spacings in half a second is not solved for"});
     }
 
     void check() {

@@ -90,8 +90,6 @@ struct TimeKeys {
     double max_step = 5e-3;  ///< s
     double cfl = 0.4;
     double fixed_step = 0;  ///< s; every step is this long, whatever the models allow; 0: they decide
-    double sleep =
-        0;  ///< spacings; a particle that moves less in half a second rests, and is not solved for until something near it moves; 0: never
     double frame_interval() const { return 1 / (fps * slow_motion); }
     /// s, over which the solids' velocities are taken where no step is known yet
     double look_ahead() const { return std::min(max_step, 5e-3); }

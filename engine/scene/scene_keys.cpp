@@ -42,10 +42,6 @@ KeyTable time_keys() {
     t.key("fixed_step", &TimeKeys::fixed_step, "s",
           "every step is this long, whatever the models allow (for studies of stability); 0: they decide")
         .at_least(0);
-    t.key("sleep", &TimeKeys::sleep, "spacings",
-          "a particle that moves less in half a second rests, and is left out of the solve until something near it moves; 0: never")
-        .at_least(0)
-        .at_most(1);
     return t;
 }
 

@@ -29,7 +29,6 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/search.h"
-#include "engine/sim/sleep.h"
 #include "engine/sph/density.h"
 
 namespace whorl {
@@ -99,7 +98,6 @@ public:
         else if (facts_.pressure.source == PressureSource::velocity) projection();
         else separate();
         ink_sources();
-        if (scene_.time.sleep > 0) stage("hold sleepers", "sleep", HoldSleepers{});
         return std::move(made_);
     }
 

@@ -19,7 +19,6 @@
 #include "engine/scene/tree.h"
 #include "engine/sim/energy_count.h"
 #include "engine/sim/place.h"
-#include "engine/sim/sleep.h"
 #include "engine/sim/stage.h"
 
 namespace whorl {
@@ -92,10 +91,8 @@ struct Simulation::State {
     std::vector<Drain> drains;
     double time = 0;
     long steps_since_frame = 0;
-    std::int32_t next_id = 0;  ///< of the next particle that comes in
-    std::optional<Sleep> sleep;
+    std::int32_t next_id = 0;                   ///< of the next particle that comes in
     std::optional<Divergence> changed_wrongly;  ///< a change gave a particle a viscosity that is none
-    double since_look = 0;                      ///< s, since the last look at who sleeps
     std::vector<double> room_left;              ///< particles, by the plan's closed rooms
     RunTotals totals;
     std::optional<EnergyCount> energy;
@@ -125,12 +122,6 @@ struct Simulation::State {
         set_ids(world, 0, next_id);
         emit(true);
         measure_rooms();
-        if (scene.time.sleep > 0) {
-            SleepOptions options;
-            options.tolerance = static_cast<Real>(scene.time.sleep);
-            options.cfl = static_cast<Real>(scene.time.cfl);
-            sleep.emplace(options);
-        }
         drains = make_drains(scene);
         set_gravity();
     }
@@ -165,7 +156,6 @@ struct Simulation::State {
         for (std::size_t k = 0; k < now.emitters.size(); ++k)
             emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);
         scene = now, plan = new_plan;
-        if (sleep) sleep->wake_all(world);
         assembly = assemble(scene, plan);
         declare_fields(assembly.stages, world.fluid);
         place_constants(scene, plan, world);
@@ -305,14 +295,6 @@ struct Simulation::State {
         return true;
     }
 
-    template <class F>
-    void sleep_through(F&& f) {
-        const double wall = wall_seconds(), cpu = cpu_seconds();
-        f();
-        times["sleep"].wall += wall_seconds() - wall;
-        times["sleep"].cpu += cpu_seconds() - cpu;
-    }
-
     void count_solves() {
         for (const StepReport::Solve& solve : world.report.solves) {
             if (solve.name == "pressure" || solve.name == "coupled") {
@@ -327,14 +309,13 @@ struct Simulation::State {
         }
     }
 
-    /// What the stages find: time, gravity and solids of this step, emitted fluid, the order in the store, who sleeps.
+    /// What the stages find: time, gravity and solids of this step, emitted fluid, the order in the store.
     void prepare(double dt) {
         world.step.dt = static_cast<Real>(dt);
         world.solids.set_time(time, dt);
         world.solid_particles.follow(world.solids);
         emit();
         if (steps_since_frame % sort_every == 0) sort();
-        if (sleep && steps_since_frame % Sleep::look_every == 0) sleep_through([&] { sleep->put_away(world); });
     }
 
     void start_step() {
@@ -366,11 +347,6 @@ struct Simulation::State {
         steps_since_frame = reached ? 0 : steps_since_frame + 1;
         ++totals.steps;
         totals.particle_steps += world.fluid.size();
-        since_look += dt;
-        if (sleep && steps_since_frame % Sleep::look_every == 0) {
-            sleep_through([&] { sleep->look(world, since_look); });
-            since_look = 0;
-        }
         totals.last_step = dt;
         if (reached && world.report.full.empty()) world.report.full = overfull();
         if (energy && world.report.work) totals.work += *world.report.work;
@@ -395,10 +371,7 @@ struct Simulation::State {
         }
         world.step.to_frame_time = dt == until - time;
         prepare(dt);
-        if (world.report.diverged || !run_stages()) {
-            if (sleep) sleep->gather(world);
-            return world.report;
-        }
+        if (world.report.diverged || !run_stages()) return world.report;
         let_out(dt);
         const bool reached = dt == until - time;
         time = reached ? until : time + dt;

@@ -1,4 +1,4 @@
-"""Fronts, maps, qualities, sleep, what auto chooses, what the plan foresees."""
+"""Fronts, maps, qualities, what auto chooses, what the plan foresees."""
 import json
 import math
 import re
@@ -114,45 +114,6 @@ def quality_section(rows):
         words[r["scene"]] = [f"`{r['scene']}`", r["error_of"], f"![](../pictures/quality/{r['scene']}.jpg)"]
     columns = "scene | until [s] | quality | spacing [mm] | particles | CPU s a simulated second | error [%] | picture, dE"
     return markdown(columns, figures) + "\n\n" + markdown("scene | what the error is of | draft, standard and fine", words.values())
-
-
-# Sleep
-
-@table("sleep", "what sleep saves and what it changes: fluid that has come to rest", "8 minutes")
-def sleep(m):
-    puddle, closed, rows = "scenes/studies/puddle.toml", ["fluid.spacing=2.5e-3", "emitter[0].stop=1", "look.samples=1"], []
-    still = 'solid[0].position=["0", "0", "0"]'
-    for words, models, scene, end, value, settings in (
-            ("puddle of honey", "coupled", puddle, 3, 0.06, []), ("puddle of honey", "ppe", puddle, 3, 1, []),
-            ("puddle of water", "ppe", puddle, 8, 1, ["fluid.viscosity=0", "look.material=water"]),
-            ("toothpaste", "coupled", "scenes/toothpaste.toml", 8, 0.15, [*closed, still]),
-            ("honey_ball", "coupled", "scenes/honey_ball.toml", 5, 0.06, closed)):
-        if not m.wanted(words):
-            continue
-        name = f"sleep/{words.replace(' ', '_')}-{models}"
-        compared = m.study(name, {"scenes": [root / scene], "limit": 3600, "pictures": True,
-                                  "knob": [{"key": "time.sleep", "values": [0, value]}],
-                                  "set": [f"models.pressure={models}", f"time.end={end}", "time.fps=8", "time.slow_motion=1",
-                                          "output.size=[480, 270]", *settings],
-                                  "accuracy": {"of": "picture", "reference": ["time.sleep=0"]}})
-        awake, asleep = (m.point(name, f"time.sleep={v:g}-") for v in (0, value))
-        seconds = []
-        for run in (asleep, awake):  # of the simulation, from the start and over the last second
-            d = run.table()
-            late = ~(d["time"] < d["time"][-1] - 1 - 1e-9)
-            last = d["cpu_seconds"][late][-1] - d["cpu_seconds"][late][0] - run.drawing_seconds * (late.sum() - 1) / len(late)
-            seconds.append((run.cpu_seconds - run.drawing_seconds, last))
-        (all_asleep, last_asleep), (all_awake, last_awake) = seconds
-        a, b, fluid = awake.table(), asleep.table(), awake.scene["fluid"]
-        weight = a["particles"][-1] * fluid["density"] * fluid["spacing"]**3 * 9.81
-        most = abs(a["potential_energy"] - b["potential_energy"]).max()
-        picture = next((r["error"] for r in compared if number(r["time.sleep"]) > 0), Unknown())
-        times = f"{last_awake / last_asleep:.0f}" if 100 * last_asleep > last_awake else "> 100"
-        rows.append([words, models, f"{end} s", f"{value}", f"{all_asleep:.2f}", f"{all_awake:.2f}", f"{all_awake / all_asleep:.1f}",
-                     f"{max(last_asleep, 0):.3f}", f"{last_awake:.2f}", times, f"{most / weight / fluid['spacing']:.3f} d",
-                     percent(most / abs(a["potential_energy"][-1]), 2), f"{number(picture):.2g} dE"])
-    return markdown("scene | models | until | time.sleep | asleep s | awake s | times | last second, asleep s | last second, awake s | "
-                    "times | height differs by | energy by | picture by", rows)
 
 
 # What auto chooses
@@ -297,11 +258,11 @@ tension, full = ("surface tension", ["fluid.surface_tension=0.05"]), ("implicit 
 shifting = ("shifting", ["models.shifting=fickian"])
 multigrid, exchange = ("multigrid", ["pressure.preconditioner=multigrid"]), ("implicit exchange of spin", ["micropolar.exchange=implicit"])
 bodies = ("free bodies", [f"solid[{k}].density={density}" for k, density in enumerate((450, 350, 250, 2500, 500, 150), 1)])
-water_tension, sleeping = ("surface tension", ["fluid.surface_tension=0.07"]), ("sleep", ["time.sleep=0.06"])
-model_cases = (("honey_coil", 1.2, tension), ("honey_ball", 0.9, tension), ("honey_ball", 0.9, sleeping), ("cake_batter", 0.7, tension),
-               ("lava", 0.8, tension), ("toothpaste", 0.8, sleeping), ("rotating_drop", 0.3, tension), ("dam_break", 0.4, water_tension),
+water_tension = ("surface tension", ["fluid.surface_tension=0.07"])
+model_cases = (("honey_coil", 1.2, tension), ("honey_ball", 0.9, tension), ("cake_batter", 0.7, tension),
+               ("lava", 0.8, tension), ("rotating_drop", 0.3, tension), ("dam_break", 0.4, water_tension),
                ("dam_break", 0.4, shifting), ("dam_break_obstacle", 0.3, multigrid),
-               ("paddle", 0.3, ("sleep", ["time.sleep=1"])), ("floating_boxes", 0.3, bodies),
+               ("floating_boxes", 0.3, bodies),
                ("karman_street", 0.1, full), ("shear_layer", 0.1, full), ("shear_layer", 0.1, exchange), ("vortex_rings", 0.1, full),
                ("taylor_green", 0.1, full), ("stirred_tank", 0.2, full), ("stirred_tank", 0.2, shifting))
 

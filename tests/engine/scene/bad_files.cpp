@@ -96,7 +96,7 @@ const std::vector<Case> cases = {
      "time.end; allowed: at most a million pictures"},
     {"end = 1", "end = 1\nperiodic = true",
      "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, "
-     "fixed_step, sleep"},
+     "fixed_step"},
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
      "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
@@ -350,7 +350,7 @@ TEST_CASE("several mistakes are told in one go, in the order of their places, th
           "--set block[0].max.x=1: block[0].max is a list, which has no x; name an entry, as in block[0].max[0]; block[0].max has the "
           "entries 0 to 2\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
-          "fixed_step, sleep\n"
+          "fixed_step\n"
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
           "--set quality.draft.seed=1: the tables [quality] are read from the scene file only; set the key itself, as in fluid.spacing; "
           "--quality draft chooses a table\n"

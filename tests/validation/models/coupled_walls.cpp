@@ -9,8 +9,9 @@
 #include "engine/core/random.h"
 #include "engine/geometry/plane.h"
 #include "engine/geometry/shape.h"
+#include "engine/io/diagnostics.h"
 #include "tests/support/coupled_world.h"
-#include "tests/support/puddle.h"
+#include "tests/support/runs.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -271,17 +272,17 @@ Rest rest_of(const Vessel& v, double seconds) {
                            jar ? fmt::format("shape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, {}, 0]\nradius = {}\n{}", top, R, more)
                                : fmt::format("shape = \"box\"\nmin = {}\nmax = {}\n{}", corner(-R, 0), corner(R, top), more));
     };
-    Pool pool(
+    Simulation simulation = simulation_of(
         fmt::format(
             "[time]\nend = 30\n[domain]\nmin = {}\nmax = {}\n{}[fluid]\nspacing = {}\nviscosity = {}\n[models]\npressure = \"coupled\"\n",
             corner(-1.5 * R, -3 * d), corner(1.5 * R, 3 * H), plane ? "dimensions = 2\n" : "", d, v.viscosity) +
         part("block", H, fmt::format("sampling = \"{}\"\n", v.sampling).c_str()) + part("solid", 2.5 * H, "inside = true\n"));
-    const double before = coupled_volume(pool.simulation.world());
-    pool.run_until(seconds);
-    const Measures after = pool.measures();
+    const double before = coupled_volume(simulation.world());
+    for (int frame = 1; frame <= std::lround(24 * seconds); ++frame) run_until(simulation, frame / 24.0);
+    const Measures after = measure(simulation.world(), Vec3d(0, -9.81, 0), 0);
     const double n = static_cast<double>(after.particles), volume = n * d * d * (plane ? 1 : d),
                  area = jar ? std::numbers::pi * R * R : 2 * R * (plane ? 1 : 2 * R);
-    return {after.potential_energy / (1000 * volume * 9.81 * volume / area / 2) - 1, coupled_volume(pool.simulation.world()) / before - 1};
+    return {after.potential_energy / (1000 * volume * 9.81 * volume / area / 2) - 1, coupled_volume(simulation.world()) / before - 1};
 }
 
 }  // namespace
