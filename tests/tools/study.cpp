@@ -262,7 +262,7 @@ TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without 
     CHECK(nowhere.err.find("did you mean \"slurm\"?") != std::string::npos);
     const Outcome local = test::whorl({"tradeoff", study, "--sbatch=--partition=short"});
     CHECK(local.code == 2);
-    CHECK(local.err.find("--sbatch: means nothing on this machine") != std::string::npos);
+    CHECK(local.err.find("--sbatch: has no effect on this machine") != std::string::npos);
 }
 
 TEST_CASE("whether a scene is refused is for the program of the point to say", "[study]") {
