@@ -80,4 +80,4 @@ def gate(m):
         felt = lowest[np.argmax(fall < 0.98 * d["time"])]
         stands = np.mean([h[h < h[0] + 0.5].mean() for h in heights[-frames // 10:]])
         rows.append([words, f"{felt:.2f} d", f"{lowest.min():.2f} d", f"{stands:.2f} d", f"{d['max_speed'][-1]:.3f}"])
-    return markdown("pressure, floor | felt from | lowest | stands at | largest speed at 1 s [m/s]", rows)
+    return markdown("pressure, floor | felt from | lowest | rests at | largest speed at 1 s [m/s]", rows)

@@ -29,7 +29,7 @@ def standing_wave(m):
         decay = math.exp(-2e-4 * k**2 * 5 * period)
         rows.append([words, "5 %" if tension else "2, 5 %", f"{(zeros[10] - zeros[0]) / 5 / period:.4f}",
                      f"{peaks[10] / peaks[0] / decay:.3f}", *cost(run)])
-    return markdown("case | asked of period, amplitude | period over theory | amplitude after five periods over theory | steps | CPU s", rows)
+    return markdown("case | bound for period, amplitude | period over theory | amplitude after five periods over theory | steps | CPU s", rows)
 
 
 def ellipse(times, a=0.15, b=0.15, A=1.0, dt=1e-4):
@@ -63,7 +63,7 @@ def elliptic_drop(m):
                     cells.append(", ".join(f"{100 * (axis / e - 1):+.2f} %" for axis, e in zip(axes, exact)))
             energy = run.table()["kinetic_energy"]
             rows.append([f"{form}, {words}", "1.5 %", *cells, f"{energy[-1] / energy[0]:.4f}", *cost(run)])
-    return markdown("case | asked | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | energy at the end over the start | steps | CPU s", rows)
+    return markdown("case | bound | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | energy at the end over the start | steps | CPU s", rows)
 
 
 @table("swinging_drop", "a drop that surface tension holds together, under the projection: pressure, rest and swing", "10 minutes")

@@ -71,7 +71,7 @@ def taylor_green_vortices(m):
         if m.wanted(f"slab-{sampling}"):
             run = flow(m, "taylor_green_vortices", f"slab-{sampling}", *slab, f"block.0.sampling={sampling}")
             add(f"Re 100, 32 a side, slab of 8 layers, {sampling}", "2, 2 %", run)
-    return markdown("case | asked | energy over theory at 0.5 s | 1 s | 2 s | velocity error | steps | CPU s", rows)
+    return markdown("case | bound | energy over theory at 0.5 s | 1 s | 2 s | velocity error | steps | CPU s", rows)
 
 
 def order(coarse, fine, factor=2):
@@ -192,7 +192,7 @@ def taylor_green_spin(m):
         start = energy["kinetic_energy"][0]
         rows.append([f"{a_side} a side", "2, 3 %", *(f"{at(energy, t)['kinetic_energy'] / start / U**2:.4f}" for t, (U, _) in zip(times, exact)),
                      *(f"{at(cell, t)['spin_z'] * pi**2 / 4 / W:.4f}" for t, (_, W) in zip(times, exact)), *cost(run)])
-    return markdown("case | asked | energy over theory at 0.5 s | 1 s | 2 s | spin over theory at 0.5 s | 1 s | 2 s | steps | CPU s", rows)
+    return markdown("case | bound | energy over theory at 0.5 s | 1 s | 2 s | spin over theory at 0.5 s | 1 s | 2 s | steps | CPU s", rows)
 
 
 def core_radius(x, v):
@@ -226,7 +226,7 @@ def lamb_oseen(m):
             cores.append(f"{core_radius(line['x'][now] - 0.5, line['velocity_y'][now]) / math.sqrt(square):.4f}")
             energies.append(at(energy, t)["kinetic_energy"] / energy["kinetic_energy"][0] / modes_energy(square) * modes_energy(0.01))
         rows.append([f"1/{1 / spacing:.0f} m", asked, *cores, f"{worst(energies or [1]):.4f}", *cost(run)])
-    return markdown("spacing | asked of the core | core over theory at 0.5 s | 1 s | 2 s | 4 s | energy over theory, worst | steps | CPU s",
+    return markdown("spacing | bound for the core | core over theory at 0.5 s | 1 s | 2 s | 4 s | energy over theory, worst | steps | CPU s",
                     rows)
 
 
@@ -244,7 +244,7 @@ def double_shear_layer(m):
         rows.append([f"{a_side} a side", "0.3, 2 %", *(f"{value:.4f}" for value in energy),
                      f"{end['largest_vorticity'] / exact['largest_vorticity']:.3f}",
                      f"{end['mean_square_vorticity'] / exact['mean_square_vorticity']:.3f}", *cost(run)])
-    return markdown("case | asked of energy, vorticity | energy over the spectral one at 0.5 s | 0.8 s | 1 s | largest vorticity | "
+    return markdown("case | bound for energy, vorticity | energy over the spectral one at 0.5 s | 0.8 s | 1 s | largest vorticity | "
                     "mean square vorticity | steps | CPU s", rows)
 
 
@@ -272,7 +272,7 @@ def lid_driven_cavity(m):
             if not m.dry:
                 rows.append([f"Re {reynolds}, {a_side} a side", asked, percent(max(off["grid"]), 2), percent(max(off["Ghia"]), 2), *cells,
                              *cost(run)])
-    return markdown("case | asked | largest distance from the grid | from Ghia, Ghia and Shin | least u (grid) | least v (grid) | "
+    return markdown("case | bound | largest distance from the grid | from Ghia, Ghia and Shin | least u (grid) | least v (grid) | "
                     "largest v (grid) | steps | CPU s", rows)
 
 
@@ -294,7 +294,7 @@ def rest(m):
                 off = off - (off.mean() if words == "closed box" else -0.5 / 32)  # 0 at the outermost particles
                 cells += [percent(at(d, t)["max_speed"] / math.sqrt(g), 3), percent(np.abs(off).max(), 2)]
             rows.append([f"{words}, {sampling}", "0.5, 1 %", *cells, *cost(run)])
-    return markdown("case | asked of speed, pressure | largest speed at 2 s | pressure | at 10 s | pressure | steps | CPU s", rows)
+    return markdown("case | bound for speed, pressure | largest speed at 2 s | pressure | at 10 s | pressure | steps | CPU s", rows)
 
 
 def median_of_three(values):
@@ -329,7 +329,7 @@ def cylinder_stream(m):
             friction = force["viscous_x"][late].mean() / 500
             rows.append([f"Re {reynolds}, {across} across, {blocked} % blocked", "3, 5 %", f"{found:.4f} ({strouhal})",
                          f"{x.mean():.3f} ({drag})", f"{friction:.3f}", f"{lift:.3f}", *cost(run)])
-    return markdown("case | asked of Strouhal number, drag | Strouhal number (published) | mean drag (published) | of it friction | "
+    return markdown("case | bound for Strouhal number, drag | Strouhal number (published) | mean drag (published) | of it friction | "
                     "lift amplitude | steps | CPU s", rows)
 
 
@@ -348,4 +348,4 @@ def martin_moyce(m):
         early = experiment["T"][0] - np.interp(experiment["Z"][0], fronts, times)  # there a membrane has to burst first
         found = np.interp(experiment["T"] - early, times, fronts)
         rows.append([f"{layers} layers", "5 %", percent(np.abs(found / experiment["Z"] - 1).max(), 1), f"{early:.2f}", *cost(run)])
-    return markdown("case | asked | largest distance from the front | earlier by, in T | steps | CPU s", rows)
+    return markdown("case | bound | largest distance from the front | earlier by, in T | steps | CPU s", rows)
