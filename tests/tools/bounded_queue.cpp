@@ -23,7 +23,7 @@ TEST_CASE("a full queue makes the sender wait, and every value arrives in order"
     CHECK(ahead <= 3);  // two in the queue, and one counted before its turn
 }
 
-TEST_CASE("an aborted queue holds nobody up", "[tools][film]") {
+TEST_CASE("an aborted queue blocks no thread", "[tools][film]") {
     BoundedQueue<int> queue(1);
     REQUIRE(queue.push(1));
     std::thread other([&] { queue.abort(); });

@@ -7,7 +7,7 @@
 
 using namespace whorl;
 
-TEST_CASE("a camera that shows nothing of the scene is told, with its key", "[tools][scene]") {
+TEST_CASE("a camera that shows nothing of the scene is reported with its key", "[tools][scene]") {
     bool orbits = false;
     const auto warnings = [&](const std::vector<std::string>& set) {
         Options options;

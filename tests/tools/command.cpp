@@ -47,7 +47,7 @@ void write(const fs::path& file, const std::string& text) { std::ofstream(file) 
 
 }  // namespace
 
-TEST_CASE("the program tells its version, and its help has examples", "[tools]") {
+TEST_CASE("the program prints its version, and its help has examples", "[tools]") {
     const Outcome version = whorl_in(".", "--version");
     CHECK(version.code == 0);
     CHECK(version.text.rfind("whorl 0.", 0) == 0);
@@ -84,7 +84,7 @@ TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]")
     CHECK(option.text == "whorl schema: unexpected argument \"--markdwn\"; did you mean \"--markdown\"?; see whorl schema --help\n");
 }
 
-TEST_CASE("an option that takes a number tells what it must be, a scene that is none the nearest", "[tools]") {
+TEST_CASE("a wrong number names its range, an unknown scene the nearest name", "[tools]") {
     const fs::path folder = empty_folder("numbers");
     write(folder / "my scene.toml", "");
     for (const auto& [arguments, told] : std::vector<std::pair<std::string, std::string>>{
@@ -121,7 +121,7 @@ TEST_CASE("the schema that the program prints is JSON and has the sections of th
     CHECK(json["properties"]["camera"]["properties"]["key"]["type"] == "array");
 }
 
-TEST_CASE("the reference page in the repository is what the program prints", "[tools]") {
+TEST_CASE("the reference page in the repository equals the program's output", "[tools]") {
     std::ifstream file(WHORL_SOURCE_DIR "/docs/scene_keys.md");
     std::ostringstream page;
     page << file.rdbuf();
@@ -175,7 +175,7 @@ TEST_CASE("the options of the command line change the scene and show up in the r
     fs::remove_all(folder);
 }
 
-TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]") {
+TEST_CASE("an invalid option is reported as the user typed it", "[tools]") {
     const fs::path folder = empty_folder("bad_options");
     write(folder / "s.toml", "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
     Options o;
@@ -203,7 +203,7 @@ TEST_CASE("an option that makes no sense is told as the user typed it", "[tools]
     fs::remove_all(folder);
 }
 
-TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[tools]") {
+TEST_CASE("bad input ends with 2, reports every mistake, and writes nothing", "[tools]") {
     const fs::path folder = empty_folder("bad_input");
     write(folder / "s.toml", "[time]\nend = \"x\"\n[fluid]\nspacng = 0.01\n");
     const Outcome bad = whorl_in(folder, "plan s.toml --set look.stile=opaque");
@@ -226,7 +226,7 @@ TEST_CASE("bad input ends with 2, tells every mistake, and writes nothing", "[to
     fs::remove_all(folder);
 }
 
-TEST_CASE("a plan tells models with reasons, fields, stages in order and the limit of the step that binds", "[tools]") {
+TEST_CASE("a plan lists models with reasons, fields, stages in order and the binding limit of the step", "[tools]") {
     const fs::path folder = empty_folder("plan");
     write(folder / "s.toml",
           "[time]\nend = 1\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
@@ -255,7 +255,7 @@ TEST_CASE("a plan tells models with reasons, fields, stages in order and the lim
     fs::remove_all(folder);
 }
 
-TEST_CASE("a dry run tells the models, how many frames it would make and where to, in words and as JSON, and writes nothing", "[tools]") {
+TEST_CASE("a dry run reports models, frames and folder as text and JSON, and writes nothing", "[tools]") {
     const fs::path folder = empty_folder("dry_run");
     write(folder / "s.toml",
           "[time]\nend = 1\nfps = 10\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n"

@@ -121,7 +121,7 @@ TEST_CASE("a transparent film keeps its alpha in PNG, MOV and WebM, and MP4 has 
     CHECK(std::abs(grey.rgb[0] - 118) <= 3);
 }
 
-TEST_CASE("what EXR pictures and transparent ones cannot be is said at the key", "[tools][exr]") {
+TEST_CASE("unsupported settings of EXR and transparent images are reported at their key", "[tools][exr]") {
     const Scratch scratch(drop);
     const auto refused = [&](const std::vector<std::string>& set, const std::string& why) {
         std::vector<std::string> words{"render", scratch.scene(), "--out", scratch.run("refused"), "--quiet"};

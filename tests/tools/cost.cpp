@@ -53,8 +53,7 @@ struct Environment {
 
 }  // namespace
 
-TEST_CASE("the small scene that costs are measured on has the models, spacing and viscosity of the large one, and some thousand particles",
-          "[cost]") {
+TEST_CASE("the small scene for measuring costs has the large one's models, spacing and viscosity", "[cost]") {
     for (const char* scene : {"honey_coil", "honey_ball", "dam_break", "rotating_drop"}) {
         CAPTURE(scene);
         const SceneFile file = shipped(scene);
@@ -74,7 +73,7 @@ TEST_CASE("the small scene that costs are measured on has the models, spacing an
     }
 }
 
-TEST_CASE("costs are predicted for every shipped scene, and for boxes full of fluid, though the small scene has a surface", "[cost]") {
+TEST_CASE("costs are predicted for every shipped scene, and for full boxes without a surface", "[cost]") {
     std::vector<std::string> names{"lid_driven_cavity", "resting_column"};
     for (const auto& entry : std::filesystem::directory_iterator(WHORL_SOURCE_DIR "/scenes"))
         if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
@@ -85,8 +84,7 @@ TEST_CASE("costs are predicted for every shipped scene, and for boxes full of fl
     }
 }
 
-TEST_CASE("a finer spacing costs more steps and particles, a film that is poured costs less than its last frame many times over",
-          "[cost]") {
+TEST_CASE("a finer spacing costs more steps and particles, a poured film less than N times its last frame", "[cost]") {
     const auto of = [&](const char* spacing) {
         const SceneFile file = shipped("honey_coil", {std::string("fluid.spacing=") + spacing, "time.max_step=0.1"});
         const Plan plan = make_plan(file.scene);
@@ -100,7 +98,7 @@ TEST_CASE("a finer spacing costs more steps and particles, a film that is poured
     CHECK(coarse.film > 0.3 * coarse.frames * coarse.frame);
 }
 
-TEST_CASE("a plan tells where its pictures no longer fit into memory", "[cost]") {
+TEST_CASE("a plan reports the frame whose image does not fit into memory", "[cost]") {
     const SceneFile file = shipped("honey_coil", {"output.size=[3840, 2160]"});
     const Plan plan = make_plan(file.scene);
     const Estimate e = estimate(file, plan, Simulation(file.scene, plan), costs());
@@ -138,7 +136,7 @@ TEST_CASE(
         find_calibration(shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "output.size=[320, 180]"})).has_value());
 }
 
-TEST_CASE("pictures cost what they do at their moment of the film, the time left goes by that and by the pace of now", "[cost]") {
+TEST_CASE("images cost by their moment of the film, and the time left uses that and the current pace", "[cost]") {
     const SceneFile file = shipped("honey_coil");
     const Plan plan = make_plan(file.scene);
     const Simulation simulation(file.scene, plan);
@@ -164,7 +162,7 @@ TEST_CASE("pictures cost what they do at their moment of the film, the time left
     CHECK(progress.seconds_left(4) == 0);
 }
 
-TEST_CASE("a coarse frame is parted into as many particles as the film has, which fill the same room and carry the same", "[cost]") {
+TEST_CASE("a coarse frame is split into the film's number of particles, with the same volume and values", "[cost]") {
     Frame coarse;
     coarse.spacing = 0.3f;
     coarse.domain_min = Vec3f::Zero(), coarse.domain_max = Vec3f(1, 1, 1);
@@ -214,7 +212,7 @@ TEST_CASE("water takes as many steps as a free fall asks for, and more where its
     CHECK(steps({many, many}) == Approx(10 * theory).epsilon(0.01));
 }
 
-TEST_CASE("what steps cost is told apart in particles and waiting threads, and does not change the flow", "[cost]") {
+TEST_CASE("the cost of steps is split into particles and waiting threads, and measuring changes no bit", "[cost]") {
     const SceneFile file = shipped("honey_coil", {"time.end=0.5"});
     const auto positions = [&](bool measured, StepCosts& costs) {
         Simulation simulation(file.scene, make_plan(file.scene));
@@ -256,7 +254,7 @@ TEST_CASE("the plan's drop hangs on until it outweighs surface tension, then dra
     CHECK(pace.speed(0.792) == Approx(0.78).epsilon(0.2));
 }
 
-TEST_CASE("the plan's poured fluid without viscosity falls freely, and a viscous thread that has landed is a steady one", "[cost]") {
+TEST_CASE("the plan lets inviscid poured fluid fall freely, and a landed viscous thread be steady", "[cost]") {
     const auto speed = [](double time, std::vector<std::string> set) {
         const SceneFile file = shipped("honey_coil", std::move(set));
         const Plan plan = make_plan(file.scene);

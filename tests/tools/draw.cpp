@@ -68,7 +68,7 @@ TEST_CASE("draw makes the pictures that render made, to the bit, and others with
     CHECK(picture(other, 3) != third);
 }
 
-TEST_CASE("a range that is drawn into its run leaves the exports of the whole film, and draw keeps another film that is in its way") {
+TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps another existing film") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
@@ -127,7 +127,7 @@ TEST_CASE("pictures of a run are kept aside where another one has taken its fold
     CHECK(fs::exists(folder / "drawn.1/frames/000003.png"));
 }
 
-TEST_CASE("a film with gaps has its video and its contact sheet, and what stands there is told") {
+TEST_CASE("a film with gaps gets its video and contact sheet, and existing files are reported") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle;
@@ -148,7 +148,7 @@ TEST_CASE("a film with gaps has its video and its contact sheet, and what stands
     }
 }
 
-TEST_CASE("what another look leaves open goes by the whole film, whichever frames are drawn") {
+TEST_CASE("ranges that a new look leaves open use the whole film, whichever frames are drawn") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle << "[camera]\nkind = \"fixed\"\nposition = [0, 0.02, 0.1]\ntarget = [0, 0.02, 0]\n";
@@ -200,7 +200,7 @@ TEST_CASE("draw warns of a camera that shows nothing") {
     CHECK_THAT(away.err, Catch::Contains("warning: camera.target: the camera at"));
 }
 
-TEST_CASE("draw says what it cannot draw, and changes nothing then") {
+TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle;

@@ -21,8 +21,7 @@ using test::report;
 using test::reproducible;
 using Scratch = test::FilmScratch;
 
-TEST_CASE("exported particles keep their number all their life, through sorting, an emitter, a drain and a resume, and grow older",
-          "[tools][export]") {
+TEST_CASE("exported particles keep their ids through sorting, emitters, drains and a resume, and age", "[tools][export]") {
     const Scratch scratch(honey + R"(
 [[drain]]
 shape = "box"
@@ -86,7 +85,7 @@ after = 0.1
     CHECK(refused.err.find("know their number and age") != std::string::npos);
 }
 
-TEST_CASE("every export writes its files under the scene's name, changes no particle, and is the same after a resume", "[tools][export]") {
+TEST_CASE("every export writes files under the scene's name, changes no particle, and resumes the same", "[tools][export]") {
     const Scratch scratch;
     const auto render = [&](const std::string& kinds, const std::string& until, const std::string& folder) {
         std::vector<std::string> words{"render", scratch.scene(), "--no-images", "--until", until, "--quiet", "--out", scratch.run(folder)};

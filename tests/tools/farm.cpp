@@ -86,7 +86,7 @@ TEST_CASE("the panels of a film are runs of their own, put side by side at the e
     CHECK(nlohmann::json::parse(read_whole(scratch / "farmed/run.json")).at("status") == "done");
 }
 
-TEST_CASE("a farm tells which task failed and what it said, and refuses a place that there is not", "[tools][farm]") {
+TEST_CASE("a farm reports the failed task with its output, and refuses an unknown place", "[tools][farm]") {
     const Scratch scratch;
     const Outcome diverged =
         scratch.whorl({"farm", "--no-images", "--set", std::string("fluid.viscosity=") + test::diverging_viscosity}, "diverged");
@@ -119,7 +119,7 @@ TEST_CASE("of films that are farmed together one that fails leaves the others, a
     CHECK_FALSE(fs::exists(scratch / "films/bad/farm/draw.0.log"));
 }
 
-TEST_CASE("of films of which one is impossible none is begun, and one that is interrupted here says how it goes on", "[tools][farm]") {
+TEST_CASE("one impossible film stops all at the start, and an interrupted farm prints how to continue", "[tools][farm]") {
     const Scratch scratch;
     std::string huge = read_whole(scratch / "scene.toml");
     huge.replace(huge.find("little_honey"), 12, "huge");
@@ -155,7 +155,7 @@ TEST_CASE("of films of which one is impossible none is begun, and one that is in
     CHECK(fs::exists(scratch / "run/little_honey.mp4"));
 }
 
-TEST_CASE("a film with a panel that diverges is farmed to what a local run makes of it", "[tools][farm]") {
+TEST_CASE("a film with a diverging panel is the same from a farm and from a local run", "[tools][farm]") {
     const Scratch scratch(std::string("[[panel]]\n[[panel]]\nset = [\"fluid.viscosity=") + test::diverging_viscosity + "\"]\n");
     const Outcome whole = scratch.whorl({"render", "--quiet"}, "whole"), farmed = scratch.whorl({"farm"}, "farmed");
     INFO(farmed.err);
@@ -166,7 +166,7 @@ TEST_CASE("a film with a panel that diverges is farmed to what a local run makes
     check_same_pictures(scratch / "whole", scratch / "farmed", report("whole").at("frames"));
 }
 
-TEST_CASE("a task that finds a checkpoint goes on from it, and never begins anew where it cannot", "[tools][farm]") {
+TEST_CASE("a task continues from its checkpoint, and fails instead of restarting if it cannot", "[tools][farm]") {
     const Scratch scratch;
     REQUIRE(scratch.whorl({"farm", "--no-images"}, "run").code == 0);
     const std::string rows = read_whole(scratch / "run/diagnostics.csv");

@@ -61,7 +61,7 @@ Extent shown_by(const std::filesystem::path& run) {
 
 }  // namespace
 
-TEST_CASE("an automatic camera shows where fluid pours and lands, in however large a domain, as a coarse run sees it") {
+TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run, in any domain") {
     const test::FilmScratch scratch(hall);
     const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--threads", "1"});
     INFO(done.err);
@@ -110,7 +110,7 @@ TEST_CASE("a camera of the scene's own stays, and so does the box that it gives 
     CHECK_THROWS_WITH(read(hall, {"camera.min=[0, 0, 0]", "camera.max=[1, -1, 1]"}), Catch::Contains("is not above camera.min"));
 }
 
-TEST_CASE("a box is written in round numbers that hold what was found") {
+TEST_CASE("a box is written in round numbers that enclose the extent") {
     CameraOptions camera;
     look_at(camera, Extent());
     CHECK_FALSE(camera.min.has_value());
@@ -119,7 +119,7 @@ TEST_CASE("a box is written in round numbers that hold what was found") {
     CHECK(*camera.max == Vec3f(0.124f, 0.5f, 0.5f));  // to a hundredth of the size's power of ten, outwards
 }
 
-TEST_CASE("what moves by itself counts with its whole way, and what the domain cuts off does not count") {
+TEST_CASE("moving solids count with their whole path, and parts outside the domain do not") {
     CHECK(foreseen(hall).sizes().maxCoeff() < 0.2f);
     const Extent wide = foreseen(hall + flying);  // from x = .2 to .3, with its radius
     CHECK(wide.max().x() == Approx(0.32).margin(2e-3));

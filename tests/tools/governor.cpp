@@ -37,8 +37,7 @@ std::string blob(double end, double spacing, const std::string& rest) {
 
 }  // namespace
 
-TEST_CASE("frames that take too long cost tolerance first, then step length, then the surface, then samples, each within its bound",
-          "[governor]") {
+TEST_CASE("slow frames reduce tolerance, then step length, surface and samples, each within its bound", "[governor]") {
     Governor governor(with_budget(0.1), 100);
     CHECK(governor.now().amount == 0);
     double last = 0;
@@ -59,7 +58,7 @@ TEST_CASE("frames that take too long cost tolerance first, then step length, the
     CHECK(least.scene.fluid.spacing == with_budget(0.1).scene.fluid.spacing);
 }
 
-TEST_CASE("the voxel of a surface stays finer than its kernel: the scene is checked, and the governor keeps to it", "[governor]") {
+TEST_CASE("a surface's voxels stay finer than its kernel, in the scene's checks and in the governor", "[governor]") {
     SceneFile file = with_budget(0.1);
     file.surface.radius = 1;
     Governor governor(file, 100);
@@ -72,7 +71,7 @@ TEST_CASE("the voxel of a surface stays finer than its kernel: the scene is chec
                                                                   "surface.voxel = 1"));
 }
 
-TEST_CASE("a governor settles where frames take what they may, and takes everything back when there is time again", "[governor]") {
+TEST_CASE("a governor settles at its budget, and restores all settings when there is time again", "[governor]") {
     Governor governor(with_budget(0.1), 1000);
     // A frame costs as tolerance^-0.3 and steps^-1.
     const auto seconds = [&](double base) { return base * std::pow(governor.now().tolerance, -0.3) * 0.4 / governor.now().cfl; };
@@ -93,8 +92,7 @@ TEST_CASE("a budget for the film is shared out over the frames that are left", "
     CHECK(governor.allowed() == Approx(0.05));
 }
 
-TEST_CASE("a run with too small a budget gives up what it may, says so frame by frame with residuals measured, and keeps its fluid",
-          "[governor]") {
+TEST_CASE("a run with too small a budget reduces quality, reports it per frame, and keeps its fluid", "[governor]") {
     const test::ScratchFolder folder;
     std::ofstream(folder / "blob.toml") << blob(0.4, 5e-3, "[budget]\nseconds_per_frame = 1e-4\n");
     const Outcome run =
@@ -111,8 +109,7 @@ TEST_CASE("a run with too small a budget gives up what it may, says so frame by 
     CHECK(figures.rows.back()[figures.index("particles")] == figures.rows.front()[figures.index("particles")]);
 }
 
-TEST_CASE("a budget that comes while the run goes on acts from then on, also in a run that was stopped after it and resumed",
-          "[governor][resume]") {
+TEST_CASE("a budget set during a run acts from then on, also after a resume", "[governor][resume]") {
     const test::ScratchFolder folder;
     std::ofstream(folder / "blob.toml") << blob(
         1, 4e-3, "[budget]\nseconds_per_frame = 60\n[[change]]\ntime = 0.1\nkey = \"budget.seconds_per_frame\"\nvalue = 1e-4\n");

@@ -66,7 +66,7 @@ bool told(const ConvertedScene& made, int line, const std::string& what) {
 
 }  // namespace
 
-TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by line what has no equivalent", "[tools][import]") {
+TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys without an equivalent", "[tools][import]") {
     const Scratch scratch;
     const std::string out = (scratch / "tank.toml").string();
     const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
@@ -124,7 +124,7 @@ TEST_CASE("import makes a scene of SPlisHSPlasH's that plans, and tells line by 
     CHECK(again.err.find("tank.toml: stands there already") != std::string::npos);
 }
 
-TEST_CASE("import names file, line and column of what is broken, and writes nothing then", "[tools][import]") {
+TEST_CASE("import reports file, line and column of a fault, and writes nothing", "[tools][import]") {
     const auto refused = [](const std::string& text, const std::string& why) {
         const Scratch scratch(text);
         const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", (scratch / "made.toml").string()});
@@ -231,7 +231,7 @@ TEST_CASE("particles of a .bgeo file, packed or not, become a block with the vol
     CHECK_THROWS_WITH(convert_splishsplash(scratch / "scene.json"), Catch::Contains("particleFile") && Catch::Contains("ends too early"));
 }
 
-TEST_CASE("an imported scene in the plane has two numbers a place, and one that never ends says so", "[tools][import]") {
+TEST_CASE("an imported 2D scene has two coordinates, and a scene without an end is reported", "[tools][import]") {
     const Scratch scratch(R"({"Configuration": {"sim2D": true, "particleRadius": 0.025, "cflMethod": 0, "timeStepSize": 0.002,
    "gravitation": [0, -9810, 0]},
  "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}],

@@ -50,7 +50,7 @@ std::vector<std::string> cells(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("a live run tells its state, changes what it is told, steps, and ends cleanly", "[tools][live]") {
+TEST_CASE("a live run reports its state, applies changes, steps, and ends cleanly", "[tools][live]") {
     LiveProgram live(honey);
     const json first = live.state();
     CHECK(first.at("time") == 0);
@@ -96,7 +96,7 @@ TEST_CASE("a live run tells its state, changes what it is told, steps, and ends 
     CHECK(json::parse(read_whole(live.run() / "run.json")).at("status") == "done");
 }
 
-TEST_CASE("a live run ends at the last frame before time.end, says so, and goes no further until the end is later", "[tools][live]") {
+TEST_CASE("a live run stops at the last frame before time.end until the end is later, and reports it", "[tools][live]") {
     LiveProgram live(honey);
     live.post("/set", R"({"time.end": 0.05})");
     CHECK(live.step().at("state") == "running");  // 0.02 s
@@ -112,7 +112,7 @@ TEST_CASE("a live run ends at the last frame before time.end, says so, and goes 
     CHECK(live.wait_for([](const json& s) { return s.at("frame") == 4 && s.at("state") == "ended"; }));
 }
 
-TEST_CASE("a live run tells of the first solve that ends at its limit, with residual and key", "[tools][live]") {
+TEST_CASE("a live run reports the first solve that ends at its limit, with residual and key", "[tools][live]") {
     LiveProgram live(honey + "[pressure]\nmax_iterations = 1\n");
     live.step();
     const json notice = live.state().at("notice");
@@ -122,7 +122,7 @@ TEST_CASE("a live run tells of the first solve that ends at its limit, with resi
     CHECK(text.ends_with("; raise pressure.max_iterations"));
 }
 
-TEST_CASE("changes are made as a whole or not at all, and the answer says why", "[tools][live]") {
+TEST_CASE("changes are applied completely or not at all, and the answer gives the reason", "[tools][live]") {
     LiveProgram live(honey);
     const std::string before = wanted(live);
     const auto refused = [&](const std::string& body) {
@@ -153,7 +153,7 @@ TEST_CASE("changes are made as a whole or not at all, and the answer says why", 
     CHECK(live.wait_for([](const json& s) { return s.at("particles") < 120; }));
 }
 
-TEST_CASE("who asks with the wrong method is told the right one", "[tools][live]") {
+TEST_CASE("a wrong HTTP method is answered with the right one", "[tools][live]") {
     LiveProgram live(honey);
     const Reply set = live.get("/set");
     CHECK(set.status == 405);
@@ -163,7 +163,7 @@ TEST_CASE("who asks with the wrong method is told the right one", "[tools][live]
     CHECK(live.get("/stae").json().at("error").get<std::string>().find("GET /state") != std::string::npos);
 }
 
-TEST_CASE("who comes late to a live run gets the frames before, and a restart forgets them", "[tools][live]") {
+TEST_CASE("a page opened late gets the earlier frames, and a restart discards them", "[tools][live]") {
     LiveProgram live(honey);
     for (int k = 0; k < 4; ++k) live.step();
     const json frames = live.get("/history").json();
@@ -179,7 +179,7 @@ TEST_CASE("who comes late to a live run gets the frames before, and a restart fo
     CHECK(live.get("/history").json().size() == 1);
 }
 
-TEST_CASE("the page is told how people write a key's variables, and which films there are, each once", "[tools][live]") {
+TEST_CASE("the page gets the variables of each key, and each film once", "[tools][live]") {
     LiveProgram live(honey);
     const json keys = live.get("/keys").json();
     std::map<std::string, std::string> variables;
@@ -272,7 +272,7 @@ TEST_CASE("changes while the run plays act between frames, and a film of the rec
     CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
 }
 
-TEST_CASE("a saved scene file acts while the run goes on, a broken one is told with its place and changes nothing", "[tools][live]") {
+TEST_CASE("a saved scene file acts during the run, a broken one is reported with location and ignored", "[tools][live]") {
     LiveProgram live(honey);
     const auto save = [&](const std::string& from, const std::string& to) {
         std::string text = honey;
@@ -333,7 +333,7 @@ TEST_CASE("only our own page and programs on this machine are answered", "[tools
     CHECK(open.refusal({"box:8080", "http://other", "", "secret"}) != "");
 }
 
-TEST_CASE("what has no limit is refused: ranges of answers, and bodies that are packed or of unknown length", "[tools][live]") {
+TEST_CASE("unbounded requests are refused: ranges, compressed bodies and bodies of unknown length", "[tools][live]") {
     LiveProgram live(honey);
     const std::string before = wanted(live), change = R"({"fluid.viscosity": 1})";
     CHECK(live.get("/state", {{"Range", "bytes=0-,0-,0-"}}).status == 400);
@@ -409,7 +409,7 @@ TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tool
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("a viewer that does not read, and one that vanishes, hold up nobody", "[tools][live]") {
+TEST_CASE("a viewer that does not read, or disconnects, blocks no other", "[tools][live]") {
     LiveProgram live(honey, {"--unpaced"});
     const int silent = live.open("GET /stream HTTP/1.1\r\nHost: localhost:" + std::to_string(live.port()) + "\r\n\r\n");
     const int gone = live.open("GET /stream HTTP/1.1\r\nHost: localhost:" + std::to_string(live.port()) + "\r\n\r\n");
@@ -437,7 +437,7 @@ TEST_CASE("a viewer that does not read, and one that vanishes, hold up nobody", 
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("what is seen can be recorded as pictures and a video", "[tools][live]") {
+TEST_CASE("the shown images can be recorded as images and a video", "[tools][live]") {
     LiveProgram live(honey);
     CHECK(live.order("record").status == 200);
     live.step(), live.step(), live.step();
@@ -507,8 +507,7 @@ TEST_CASE(
     CHECK_FALSE(fs::exists(live.run() / "budget.csv"));
 }
 
-TEST_CASE("the state has theory's frequency and radius beside the coil's, for the viscosity, speed and gravity of the moment",
-          "[tools][live]") {
+TEST_CASE("the state has theory's frequency and radius next to the coil's, for the current scene", "[tools][live]") {
     LiveProgram live(test::coiling_honey, {"--unpaced"});
     live.order("play");
     const auto seen = [&](double speed, double viscosity, double gravity) {

@@ -42,7 +42,7 @@ std::vector<double> gaps(const std::vector<double>& times, std::size_t from) {
 
 }  // namespace
 
-TEST_CASE("pictures of a run in real time begin with every frame, or with every second one where they take longer", "[tools][live]") {
+TEST_CASE("images of a real-time run start with every frame, or every second one if they take longer", "[tools][live]") {
     std::vector<double> arrivals;
     // Frames are ready up to a third of their interval late, in no order.
     for (int k = 0; k < 240; ++k) arrivals.push_back(k * frame + frame / 3 * std::fmod(0.618 * k, 1.0));
@@ -58,7 +58,7 @@ TEST_CASE("pictures of a run in real time begin with every frame, or with every 
     }
 }
 
-TEST_CASE("where the simulation is short of time, pictures come half as often and as evenly, from states as they are", "[tools][live]") {
+TEST_CASE("if the simulation is short of time, half as many images are drawn, still evenly spaced", "[tools][live]") {
     std::vector<double> arrivals;
     for (double t = 0; t < 10; t += 0.02 + 0.02 * std::fmod(0.618 * static_cast<double>(arrivals.size()), 1.0)) arrivals.push_back(t);
     PictureOrder order(frame);

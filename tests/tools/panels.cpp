@@ -59,7 +59,7 @@ nlohmann::json run_json(const fs::path& folder) { return nlohmann::json::parse(r
 
 }  // namespace
 
-TEST_CASE("panels of a flow in the plane stand so that the flow is largest") {
+TEST_CASE("panels of a 2D flow are arranged so that the flow is largest") {
     Scene scene;
     scene.domain.dimensions = 2;
     scene.panels.resize(2);
@@ -72,7 +72,7 @@ TEST_CASE("panels of a flow in the plane stand so that the flow is largest") {
     }
 }
 
-TEST_CASE("a panel's label is the title of its pictures, unless it has one of its own") {
+TEST_CASE("a panel's label is the title of its images unless it has a title") {
     const Scratch scratch(std::string(drop) + "[[panel]]\nlabel = \"third\"\nset = [\"look.title=mine\"]\n");
     const std::vector<SceneFile> panels = panel_scenes(read_scene_file(scratch.scene()));
     REQUIRE(panels.size() == 3);
@@ -91,7 +91,7 @@ TEST_CASE("a scene may give keys that only a panel's style or model takes") {
     CHECK((panels[1].look.colour - Vec3f(1, 0, 0.21586f)).norm() < 1e-5f);  // 128/255 of sRGB in linear light
 }
 
-TEST_CASE("panels stand in a row of two or three, more of them in a square, or as the scene says") {
+TEST_CASE("two or three panels are in a row, more in a square, or as the scene specifies") {
     Scene scene;
     const auto columns = [&](std::size_t panels) {
         scene.panels.resize(panels);
@@ -171,7 +171,7 @@ TEST_CASE("panels that were interrupted go on to the same film") {
     CHECK(difference(read_png(parts / "frames/000005.png"), read_png(fs::path(scratch.run("whole")) / "frames/000005.png")).max < 1);
 }
 
-TEST_CASE("a film of panels is made longer, with the colours that it began with, and its settings make the same film again") {
+TEST_CASE("a film of panels is extended with its first colours, and its settings make the same film again") {
     // The speed's range goes by the whole film, so that of a longer one would be another.
     const Scratch scratch;
     const std::vector<std::string> shown{"--set", "look.style=particles", "--set", "look.field=speed", "--no-video", "--quiet"};
@@ -247,7 +247,7 @@ TEST_CASE("warnings of panels are those of their own runs, and said once where a
     CHECK_THAT(warnings("40000", "40000")[0], Catch::StartsWith("fluid.density = 40000"));
 }
 
-TEST_CASE("a panel's wrong key is told with its place, before anything is written") {
+TEST_CASE("a panel's wrong key is reported with its location, before anything is written") {
     const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.viscocity=3\"]\n");
     const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
     CHECK(outcome.code == 2);
@@ -256,7 +256,7 @@ TEST_CASE("a panel's wrong key is told with its place, before anything is writte
     CHECK_FALSE(fs::exists(scratch.run()));
 }
 
-TEST_CASE("a panel with pictures of another size, or without any, is told before anything runs") {
+TEST_CASE("a panel with images of another size, or without images, is refused before the run") {
     const auto refused = [](const std::string& set, const std::string& why) {
         const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"" + set + "\"]\n");
         const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
@@ -406,7 +406,7 @@ TEST_CASE("a film with a difference is made longer, and is the film that its set
     CHECK((read_whole(fs::path(scratch.run("kept")) / "frames/000004.png") == read_whole(run / "frames/000004.png")));
 }
 
-TEST_CASE("a difference or chart of what is not there is told with its place") {
+TEST_CASE("a difference or chart of a missing panel is refused with its location") {
     const auto refused = [](const std::string& from, const std::string& to, const std::string& why) {
         std::string text = turning;
         text.replace(text.find(from), from.size(), to);
@@ -423,7 +423,7 @@ TEST_CASE("a difference or chart of what is not there is told with its place") {
             "differences are drawn of slices");
 }
 
-TEST_CASE("a film without a range takes what 99 % of its particles stay below, as a coarse run finds it") {
+TEST_CASE("a film without a range uses the 99th percentile of a coarse run") {
     // u = .1 sin(20 pi y) m/s: the speed is at most .1, a little more where coarse particles settle, and the next number is .12.
     std::string text = turning;
     text.erase(text.find("[[panel]]"));

@@ -54,7 +54,7 @@ TEST_CASE("a run whose end lies between two frames is done with the last of them
     }
 }
 
-TEST_CASE("a run writes a row a frame, its probes, its settings and what it used", "[tools][render]") {
+TEST_CASE("a run writes a row per frame, its probes, its settings and its resources", "[tools][render]") {
     const Scratch scratch;
     const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--out", scratch.run(), "--json"});
     INFO(done.err);
@@ -96,7 +96,7 @@ TEST_CASE("the same scene gives the same particles, bit for bit, with 1, 2 and 4
     CHECK(reproducible(lines(scratch / "1/diagnostics.csv")) == reproducible(lines(scratch / "4/diagnostics.csv")));
 }
 
-TEST_CASE("an interrupted run says how to go on, and goes on to the same bits as one that never stopped", "[tools][resume]") {
+TEST_CASE("an interrupted run prints how to continue, and continues bit-identically", "[tools][resume]") {
     const Scratch scratch;
     const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--export", "points", "--quiet", "--out"};
     const auto with = [&](const std::string& folder) {
@@ -128,7 +128,7 @@ TEST_CASE("an interrupted run says how to go on, and goes on to the same bits as
     CHECK(run["resumed"] == 1);
 }
 
-TEST_CASE("a film that is done goes on to a later end, its settings say so, and rendering them makes the same film", "[tools][resume]") {
+TEST_CASE("a finished film continues to a later end, and its saved settings make the same film", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(
         test::whorl({"render", scratch.scene(), "--no-images", "--export", "points", "--until", "0.1", "--quiet", "--out", scratch.run()})
@@ -168,7 +168,7 @@ TEST_CASE("a longer film that would take other constants is refused, with these"
     CHECK(refused.err.find("pressure.sound_speed") != std::string::npos);
 }
 
-TEST_CASE("a longer film goes on where only the preconditioner is another, which is chosen step by step", "[tools][resume]") {
+TEST_CASE("a longer film continues if only the preconditioner differs, which is chosen per step", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--set", "models.pressure=ppe", "--until", "0.025", "--quiet", "--out",
                          scratch.run()})
@@ -184,7 +184,7 @@ TEST_CASE("a longer film goes on where only the preconditioner is another, which
     CHECK_NOTHROW(resume_from_newest(request));
 }
 
-TEST_CASE("a film whose pictures were left to draw goes on when they are drawn, or without pictures", "[tools][resume]") {
+TEST_CASE("a film with images left to draw continues when they are drawn, or without images", "[tools][resume]") {
     const Scratch scratch;
     const Outcome slow = test::whorl({"render", scratch.scene(), "--fps", "1e-5", "--out", scratch.run()});  // not asked without a video
     CHECK(slow.code == 2);
@@ -206,7 +206,7 @@ TEST_CASE("a film whose pictures were left to draw goes on when they are drawn, 
     CHECK(files_in(scratch / "run/frames").size() == 4);
 }
 
-TEST_CASE("an interrupted run without pictures of its own says that it goes on without", "[tools][resume]") {
+TEST_CASE("an interrupted run without images reports that it continues without", "[tools][resume]") {
     const Scratch scratch;
     Program program({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--quiet", "--out", scratch.run()});
     REQUIRE(program.wait_until([&] { return lines(scratch / "run/diagnostics.csv").size() > 2; }));
@@ -251,7 +251,7 @@ TEST_CASE("resume refuses a mesh that was edited after the run began, by name, a
     CHECK(test::whorl({"resume", scratch.run(), "--until", "0.15", "--quiet"}).code == 0);
 }
 
-TEST_CASE("a box with more fluid than it holds is told as crowded, with how much", "[tools][render]") {
+TEST_CASE("an overfilled box reports how crowded it is", "[tools][render]") {
     const Scratch scratch(R"(
 name = "stuffed"
 [time]
@@ -290,7 +290,7 @@ inside = true
     CHECK((*crowded)["what"].template get<std::string>().find("particles are still crowded, one by") != std::string::npos);
 }
 
-TEST_CASE("solves that end at their limit are told once, with residual and key, and counted at the end", "[tools][render]") {
+TEST_CASE("solves that end at their limit are reported once, with residual and key, and counted at the end", "[tools][render]") {
     const auto said = [](const std::string& text, const std::string& part) {
         std::size_t count = 0;
         for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
@@ -356,7 +356,7 @@ TEST_CASE("a film is whole in a folder that is named like a protocol, from a par
     CHECK(std::count_if(made.begin(), made.end(), [](const fs::path& file) { return file.extension() == ".mp4"; }) == 1);
 }
 
-TEST_CASE("a run that diverges says where and when, ends with 1 and keeps what was made", "[tools][render]") {
+TEST_CASE("a run that diverges reports place and time, ends with 1 and keeps its files", "[tools][render]") {
     std::string text = honey;
     const std::size_t viscosity = text.find("viscosity");
     text.replace(viscosity, text.find('\n', viscosity) - viscosity, std::string("viscosity = \"") + test::diverging_viscosity + "\"");
@@ -494,7 +494,7 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     CHECK(files_in(scratch / "run/frames").size() == 4);
 }
 
-TEST_CASE("a run whose folder is taken away says so, and goes on when it is back", "[tools][resume]") {
+TEST_CASE("a run whose folder is removed reports it, and resumes when the folder is back", "[tools][resume]") {
     const Scratch scratch;
     Program program({"render", scratch.scene(), "--size", "64x36", "--no-video", "--quiet", "--out", scratch.run()});
     REQUIRE(program.wait_until([&] { return fs::exists(scratch / "run/frames/000002.png"); }));
@@ -506,8 +506,7 @@ TEST_CASE("a run whose folder is taken away says so, and goes on when it is back
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
 }
 
-TEST_CASE("a film of particles chooses its range of colours at the start, writes it down, and leaves a given one alone",
-          "[tools][render]") {
+TEST_CASE("a film of particles chooses and stores its colour range at the start, unless one is given", "[tools][render]") {
     const Scratch scratch;
     const auto range_of = [&](const std::vector<std::string>& more) {
         std::vector<std::string> arguments{"render", scratch.scene(), "--frames",    "1",     "--no-video",          "--size",
@@ -526,7 +525,7 @@ TEST_CASE("a film of particles chooses its range of colours at the start, writes
     CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
 }
 
-TEST_CASE("a stage's CPU time is what the simulation took, without what its thread does besides", "[tools]") {
+TEST_CASE("a stage's CPU time is the simulation's, without other work of its thread", "[tools]") {
     const auto work = [](double seconds) {
         const double began = simulation_cpu_seconds();
         while (simulation_cpu_seconds() - began < seconds) {}

@@ -19,8 +19,7 @@ namespace run_folder_test {
 using test::files_in;
 using Scratch = test::FilmScratch;
 
-TEST_CASE("a folder that is not a run's is left alone, a run's is kept under another name, or replaced where that is asked for",
-          "[tools][render]") {
+TEST_CASE("a run's folder is kept under another name, or replaced on request, and other folders are kept", "[tools][render]") {
     const Scratch scratch;
     std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", scratch.run() + "/"};
     fs::create_directories(scratch / "run");
@@ -87,7 +86,7 @@ TEST_CASE("a video without ffmpeg is refused before an earlier run is touched", 
     }
 }
 
-TEST_CASE("what became of the run that stood there is told also with --quiet, and as an event with --json", "[tools][render]") {
+TEST_CASE("the fate of an existing run is reported also with --quiet, and as an event with --json", "[tools][render]") {
     const Scratch scratch;
     std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--frames", "1", "--out", scratch.run(), "--quiet"};
     REQUIRE(test::whorl(arguments).err.empty());

@@ -76,7 +76,7 @@ TEST_CASE("files that a panel, a change or a restart names are found from the sc
     CHECK(read_scene_file(changes.scene()).look.environment == changes.scenes() / "room.hdr");
 }
 
-TEST_CASE("a change to a file that is not there, or is none of its kind, is refused where it is made", "[tools][scene]") {
+TEST_CASE("a change to a missing or wrong file is refused at its location", "[tools][scene]") {
     const Scratch scratch(mesh);
     const SceneFile file = read_scene_file(scratch.scene());
     const auto refused = [&](const std::string& key, const std::string& value, const std::string& why) {

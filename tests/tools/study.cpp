@@ -45,8 +45,7 @@ void write_sbatch(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("the Pareto front holds the points that no other beats in both cost and error, from cheap to dear, and no failed run",
-          "[study]") {
+TEST_CASE("the Pareto front contains the points that no other beats in cost and error, and no failed run", "[study]") {
     const std::vector<Measured> points{{{0}, 1, 5}, {{1}, 2, 6}, {{2}, 3, 2}, {{3}, 4, 2}, {{4}, 5, 1}, {{5}, 0.1, NAN}};
     CHECK(pareto_front(points) == std::vector<std::size_t>{0, 2, 4});
 }
@@ -98,7 +97,7 @@ TEST_CASE("errors of a run: against an expression, its first row, and a run that
     CHECK_THROWS_WITH(error_of(a, folder / "a", ""), Catch::Contains("did you mean \"kinetic_energy\"?"));
 }
 
-TEST_CASE("a study runs its points once, writes table and pictures, recommends, and a second call keeps what is done", "[study]") {
+TEST_CASE("a study runs its points once, writes table and images, recommends, and a second call keeps them", "[study]") {
     const ScratchFolder folder;
     const std::string rock = "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     const std::string scene =
@@ -168,7 +167,7 @@ TEST_CASE("a study runs its points once, writes table and pictures, recommends, 
     CHECK(dry.code == 0);
 }
 
-TEST_CASE("the run that counts as true may be a point of the grid, and a value may stand there twice", "[study]") {
+TEST_CASE("the reference run may be a point of the grid, and a value may be listed twice", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     write(folder / "s.toml",
@@ -191,7 +190,7 @@ TEST_CASE("the run that counts as true may be a point of the grid, and a value m
     CHECK(kept == 0);
 }
 
-TEST_CASE("a stability map tells stable from unstable steps, with the limit that the plan predicts in its table", "[study]") {
+TEST_CASE("a stability map separates stable from unstable steps, with the plan's limit in its table", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     // Explicit viscosity is stable to 0.125 R^2/(4 nu) = 3.1e-3 s here, R = 0.1 m, nu = 0.1 m^2/s.
@@ -324,7 +323,7 @@ TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", 
     CHECK(with_values("seed={radius}, {2*radius}", {"block[0].radius=1", "radius=4", "solid[0].radius=2"}) == "seed=4, 8");
 }
 
-TEST_CASE("a point reads the scene, the quality and the seed that its settings name, a scene beside the study first", "[study]") {
+TEST_CASE("a point reads scene, quality and seed of its settings, a scene next to the study first", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     Study study;
@@ -339,7 +338,7 @@ TEST_CASE("a point reads the scene, the quality and the seed that its settings n
     CHECK(other.set == std::vector<std::string>{"time.end=1"});
 }
 
-TEST_CASE("a study whose knob turns nothing is refused, and so is a point that the plan refuses, with its reason", "[study]") {
+TEST_CASE("a study with a key without effect is refused, and a point that the plan refuses gives its reason", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     const std::string head = "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\n";
@@ -352,7 +351,7 @@ TEST_CASE("a study whose knob turns nothing is refused, and so is a point that t
     CHECK_THAT(wrong.err, Catch::Contains("fluid.spacing = -1"));
 }
 
-TEST_CASE("a study file's mistakes are told with their places, all in one go", "[study]") {
+TEST_CASE("mistakes of a study file are reported together with their locations", "[study]") {
     const ScratchFolder folder;
     write(folder / "bad.toml", "scenes = []\nlimit = -1\n[[knob]]\nkey = \"a\"\nvalues = [1]\n[acuracy]\n");
     const Outcome bad = test::whorl({"tradeoff", (folder / "bad.toml").string(), "--out", (folder / "out").string()});

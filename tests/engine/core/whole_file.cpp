@@ -18,7 +18,7 @@ TEST_CASE("a file appears whole and leaves no temporary behind", "[core]") {
     REQUIRE(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("a file that is given up leaves what stood there before", "[core]") {
+TEST_CASE("an uncommitted write leaves the file unchanged", "[core]") {
     test::ScratchFolder folder;
     const std::string before = "before";
     write_whole(folder / "a.txt", std::as_bytes(std::span(before)));
@@ -31,7 +31,7 @@ TEST_CASE("a file that is given up leaves what stood there before", "[core]") {
     REQUIRE(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("writing into a folder that is not there says so", "[core]") {
+TEST_CASE("writing into a missing folder is an error that names it", "[core]") {
     test::ScratchFolder folder;
     REQUIRE_THROWS_AS(write_whole(folder / "missing" / "a.txt", {}), EnvironmentError);
 }

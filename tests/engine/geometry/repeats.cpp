@@ -95,7 +95,7 @@ TEST_CASE("a solid that turns has at every image the velocity of its surface the
     CHECK(solids.all[0].velocity_at({Real(0.9), 1, 0}).y() == Approx(-0.2).epsilon(1e-3));
 }
 
-TEST_CASE("what reaches over a face of the domain is drawn on both sides of it", "[geometry][periodic]") {
+TEST_CASE("a solid that crosses a periodic face is drawn on both sides", "[geometry][periodic]") {
     const Domain domain = unit_cube({true, true, false});
     const Repeats corner(*make_sphere({0, 2, 0.5}, 0.2), domain), middle(*make_sphere({2.5, 0.5, 0.5}, 0.2), domain);
     CHECK(corner.shifts_into(domain).size() == 4);

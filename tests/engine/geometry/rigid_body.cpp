@@ -58,8 +58,7 @@ struct Stage {
 
 }  // namespace
 
-TEST_CASE("volume, centre and inertia of box, sphere and cylinder are those of their meshes, within what a mesh lacks of a round body",
-          "[geometry][bodies]") {
+TEST_CASE("volume, centre and inertia of box, sphere and cylinder agree with those of their meshes", "[geometry][bodies]") {
     ShapeKeys ball, can;
     ball.kind = "sphere", ball.centre = Vec3d(0.1, 0.2, -0.3), ball.radius = 0.2;
     can.kind = "cylinder", can.from = Vec3d(0, 0, 0), can.to = Vec3d(0.2, 0.3, 0.1), can.radius = 0.15;
@@ -93,7 +92,7 @@ TEST_CASE("a tumbling box keeps its angular momentum to the bit and its energy w
     CHECK(least_alignment < -0.9);  // it did turn over
 }
 
-TEST_CASE("a box falls on a floor, comes to rest on it and does not sink in by more than a twentieth of a spacing", "[geometry][bodies]") {
+TEST_CASE("a falling box comes to rest on the floor and sinks in by less than a twentieth of a spacing", "[geometry][bodies]") {
     Stage stage(0.01);
     ShapeKeys ground;
     ground.kind = "plane", ground.centre = Vec3d::Zero();
@@ -169,8 +168,7 @@ TEST_CASE("a box slides on a floor for v^2/(2 mu g), whatever the step, within 3
     }
 }
 
-TEST_CASE("a box sticks on a slope below the angle of friction and slides with g (sin - mu cos) above it, whatever the step",
-          "[geometry][bodies]") {
+TEST_CASE("a box on a slope sticks below the friction angle and slides with g (sin - mu cos) above it", "[geometry][bodies]") {
     constexpr double degree = std::numbers::pi / 180, critical = 16.70 * degree;  // atan 0.3
     for (const double dt : {5e-3, 5e-4}) {
         INFO("step " << dt);
@@ -187,7 +185,7 @@ TEST_CASE("a box sticks on a slope below the angle of friction and slides with g
     }
 }
 
-TEST_CASE("bodies that spin flat on a floor are braked as by an evenly loaded face, within 7 % with ten spacings", "[geometry][bodies]") {
+TEST_CASE("spinning bodies on a floor are braked as by an evenly loaded face, within 7 %", "[geometry][bodies]") {
     // Torque mu m g <r>, <r> the mean distance from the axis over the face: 2 R/3 for a disc, .7652 a for a square of 2 a, a quarter of the
     // length for a cylinder that lies. The corners alone would be 1.85 times as much for a square. What is short: the outermost particles
     // stand up to half a spacing inside the edge.
@@ -216,7 +214,7 @@ TEST_CASE("bodies that spin flat on a floor are braked as by an evenly loaded fa
     }
 }
 
-TEST_CASE("a heavy box on two light ones stands still", "[geometry][bodies]") {
+TEST_CASE("a heavy box on two light ones stays at rest", "[geometry][bodies]") {
     // Ten times as heavy: what contacts found one after the other take longest for. Coordinates are rounded to 1.5e-8 m in each of 500
     // steps: a thousandth of a spacing.
     Stage stage = box_on_slope(0, 2e-3);
@@ -257,7 +255,7 @@ TEST_CASE("while contacts hold, bodies answer a change of load as their velociti
     CHECK(change[6] == Approx(1e-3 / stage.solids.all[2].body->mass).epsilon(1e-6));
 }
 
-TEST_CASE("two boxes that collide keep momentum and angular momentum to 1e-12, and bounce as they are told", "[geometry][bodies]") {
+TEST_CASE("colliding boxes keep both momenta to 1e-12 and bounce with their coefficient of restitution", "[geometry][bodies]") {
     for (const double bounce : {0.0, 0.8}) {
         Stage stage(0.01);
         stage.weight.setZero();

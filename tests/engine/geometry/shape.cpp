@@ -102,8 +102,7 @@ TEST_CASE("a mesh of a shape measures the shape's own distance, inside, outside,
     }
 }
 
-TEST_CASE("the parts of a mesh are solid together however they are turned, lie and touch, and one inside another is a hollow",
-          "[geometry]") {
+TEST_CASE("mesh parts are solid in any orientation and contact, and one inside another is a hollow", "[geometry]") {
     using Box = std::pair<Vec3d, Vec3d>;
     const auto cube = [](double from, double to) { return Box(Vec3d::Constant(from), Vec3d::Constant(to)); };
     struct Case {
@@ -266,7 +265,7 @@ TEST_CASE("OBJ, PLY, STL and glTF, ascii and binary, give the same cube", "[geom
     }
 }
 
-TEST_CASE("a broken mesh file is named with its line and what is wrong", "[geometry]") {
+TEST_CASE("a broken mesh file is reported with line and fault", "[geometry]") {
     using Catch::Matchers::Contains;
     CHECK_THAT(message_of("/nowhere/x.obj"), Contains("/nowhere/x.obj") && Contains("cannot be opened"));
     CHECK_THAT(message_of(temporary("a.obj", "v 0 0 0\nv 1 0 zero\n")), Contains("a.obj:2") && Contains("\"zero\" is not a number"));
@@ -322,7 +321,7 @@ std::string prism(const std::vector<std::array<double, 2>>& polygon, std::size_t
 
 }  // namespace
 
-TEST_CASE("a concave polygon of a mesh encloses its own volume, whatever corner it begins with", "[geometry]") {
+TEST_CASE("a concave polygon of a mesh encloses its volume, whatever its first corner", "[geometry]") {
     const std::vector<std::array<double, 2>> notch{{3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}, {0, 0}},
         arrow{{0, 0.5}, {1, 0}, {0, 2}, {-1, 0}};
     for (std::size_t first = 0; first < 8; ++first) {
@@ -336,7 +335,7 @@ TEST_CASE("a concave polygon of a mesh encloses its own volume, whatever corner 
         CHECK(make_mesh(temporary("arrow.obj", prism(arrow, first)), 1, Vec3d::Zero())->distance({0, Real(0.4), Real(0.5)}) > 0);
 }
 
-TEST_CASE("a mesh that crosses itself is solid where its winding number is not 0, and tells so", "[geometry]") {
+TEST_CASE("a self-intersecting mesh is solid where its winding number is not 0, and is reported", "[geometry]") {
     std::vector<std::array<double, 2>> star;
     for (int k = 0; k < 5; ++k) star.push_back({std::cos(0.8 * std::numbers::pi * k), std::sin(0.8 * std::numbers::pi * k)});
     const auto shape = make_mesh(temporary("star.obj", prism(star, 0)), 1, Vec3d::Zero());
@@ -349,7 +348,7 @@ TEST_CASE("a mesh that crosses itself is solid where its winding number is not 0
     CHECK(shape->remarks[0].find("crosses itself") != std::string::npos);
 }
 
-TEST_CASE("faces and parts without a volume are left out of a mesh and told", "[geometry]") {
+TEST_CASE("faces and parts without a volume are left out of a mesh and reported", "[geometry]") {
     // Three corners apart from the cube, with a face either way; a face of the cube twice; a face with two equal corners.
     const std::string more = "v 5 0 0\nv 6 0 0\nv 5 1 0\nf 9 10 11\nf 9 11 10\nf 1 4 3 2\nf 1 2 1\n";
     const auto shape = make_mesh(temporary("more.obj", cube_obj + more), 1, Vec3d::Zero());

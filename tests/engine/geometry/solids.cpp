@@ -43,7 +43,7 @@ std::pair<double, double> gaps(const SolidParticles& particles, Real spacing, co
 
 }  // namespace
 
-TEST_CASE("a solid turns about its own centre at a constant rate exactly", "[geometry]") {
+TEST_CASE("a solid turns about its centre at a constant rate exactly", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_box({0, 0, 0}, {2, 4, 2})));
     solids.all[0].spin = expressions("0", "0", "3");
@@ -251,7 +251,7 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
     }
 }
 
-TEST_CASE("a plane that moves has its layer wherever it meets the domain until the end, and what is counted before", "[geometry]") {
+TEST_CASE("a moving plane has boundary particles wherever it meets the domain, and as many as predicted", "[geometry]") {
     const Real d = Real(0.2);
     struct Motion {
         Vec3d normal;
@@ -321,7 +321,7 @@ TEST_CASE("a layer beyond 50 million particles is refused in words, with the sol
                           Catch::Matchers::Contains("million particles"));
 }
 
-TEST_CASE("the layer of a wide box costs what its surface holds, not its inside", "[geometry]") {
+TEST_CASE("the boundary particles of a wide box scale with its surface, not its volume", "[geometry]") {
     const LayerRegion region{Real(1e-4), cube(100), 0, false};
     ShapeKeys plate;
     plate.min = {0, 0, 0}, plate.max = {30, 30, 0}, plate.cut = true;
@@ -347,8 +347,7 @@ TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
     }
 }
 
-TEST_CASE("cuts by the plane: distances and normals lie in it, whatever z, and the layer is the line that bounds them",
-          "[geometry][plane]") {
+TEST_CASE("in 2D distances and normals lie in the plane, and the boundary particles on the outline", "[geometry][plane]") {
     ShapeKeys box, ball, rod;
     box.min = {0, 0, -1}, box.max = {0.4, 0.2, 3};
     ball.kind = "sphere", ball.centre = {1, 1, 0.3}, ball.radius = 0.5;  // cut to a radius of 0.4
@@ -391,7 +390,7 @@ TEST_CASE("cuts by the plane: distances and normals lie in it, whatever z, and t
     for (const Vec3& x : line.position) REQUIRE((x.z() == 0 && x.y() == Approx(-0.01)));
 }
 
-TEST_CASE("fluid on a lattice sees what it lacks at faces, edges and corners of a box within 0.2 % of the density", "[geometry][solids]") {
+TEST_CASE("fluid on a lattice has its density within 0.2 % at faces, edges and corners of a box", "[geometry][solids]") {
     // sum_s V_s W(|r'_is|) of the constraint's images against the lattice, continued through the solids. Where three walls meet V_s is 15 %
     // too large on convex corners, which have fewer neighbours.
     const Real d = Real(0.1);

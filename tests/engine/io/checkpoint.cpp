@@ -116,7 +116,7 @@ TEST_CASE("a checkpoint with any one byte changed is refused", "[io][checkpoint]
     CHECK(taken.empty());
 }
 
-TEST_CASE("a table that goes on from a checkpoint is cut back to it", "[io][checkpoint]") {
+TEST_CASE("a table that continues from a checkpoint is truncated to it", "[io][checkpoint]") {
     const test::ScratchFolder folder;
     const fs::path file = folder / "rows.csv";
     std::uint64_t bytes = 0;

@@ -95,8 +95,7 @@ TEST_CASE("diagnostics.csv has the documented columns, and a cell for each in ev
           "2,0.125,14,0,0.25,0,0,0,0,0,0,0,0,0,0,0,0,12.5,2,3,1.5,2.5,,,,,,,,,,,,,,,0,7,\n");
 }
 
-TEST_CASE("the volume column follows a pool that is squeezed by 3 % within 0.5 %, on a lattice and off it, in space and in the plane",
-          "[io][diagnostics]") {
+TEST_CASE("the volume column follows a pool squeezed by 3 % within 0.5 %, on and off a lattice, in 3D and 2D", "[io][diagnostics]") {
     const double d = 0.01;
     for (const int depth : {12, 1})
         for (const double jitter : {0.0, 0.2})
@@ -130,7 +129,7 @@ TEST_CASE("the volume column follows a pool that is squeezed by 3 % within 0.5 %
     CHECK(filled_volume({}, {}, {}, Real(d)) == 0);
 }
 
-TEST_CASE("a region probe counts, weighs and averages what is inside its box", "[io][probe]") {
+TEST_CASE("a region probe counts, weighs and averages the particles inside its box", "[io][probe]") {
     World world = some_fluid(3);
     set(world, 0, {0.2f, 0.2f, 0.2f}, {1, 0, 0});
     set(world, 1, {0.4f, 0.2f, 0.2f}, {3, 0, 0});
@@ -146,7 +145,7 @@ TEST_CASE("a region probe counts, weighs and averages what is inside its box", "
     CHECK(csv_lines(probe->rows(world, 0.5)) == "0.5,0,0,,,,,,,,,\n");
 }
 
-TEST_CASE("a point probe gives a constant field exactly, at a free surface too, and nothing where there is no fluid", "[io][probe]") {
+TEST_CASE("a point probe is exact for constant fields, also at a free surface, and empty without fluid", "[io][probe]") {
     World world = some_fluid(200);
     for (std::size_t i = 0; i < 200; ++i) {
         const auto a = static_cast<Real>(i);
@@ -175,7 +174,7 @@ TEST_CASE("a line probe writes its points from end to end, a profile a frame", "
     CHECK(rows.find("\n1,2,0,0,2,") != std::string::npos);
 }
 
-TEST_CASE("a nozzle is a closed tube whose wall encloses a volume, for a round opening and a slot in any direction", "[io][snapshot]") {
+TEST_CASE("a nozzle's mesh is a closed tube with a volume, for round openings and slots in any direction", "[io][snapshot]") {
     EmitterShape opening;
     opening.radius = Real(0.005), opening.width = Real(0.02), opening.thickness = Real(0.004);
     for (const bool slot : {false, true})

@@ -5,7 +5,7 @@
 
 using namespace whorl;
 
-TEST_CASE("block Cholesky solves a grid of 6x6 blocks in space to round-off, and refuses what is not positive definite", "[solver]") {
+TEST_CASE("block Cholesky solves a 3D grid of 6x6 blocks to round-off, and refuses an indefinite matrix", "[solver]") {
     // 9 x 8 x 7 nodes, coupled to their neighbours by uneven blocks, one node coupled to nothing.
     const int side[3] = {9, 8, 7};
     const int count = side[0] * side[1] * side[2] + 1;

@@ -115,7 +115,7 @@ TEST_CASE("a constant that is sought comes with the functions: a string's first 
     CHECK(curve.y.front()[2] == Approx(std::numbers::pi * std::numbers::pi).epsilon(1e-6));
 }
 
-TEST_CASE("a problem without a solution ends within its steps and says that it did not converge", "[math]") {
+TEST_CASE("a problem without a solution ends within its steps and reports no convergence", "[math]") {
     Bratu bratu;
     Curve<2> curve = even_guess<2>(20, {0, 0});
     REQUIRE(Collocation<Bratu>::solve(bratu, curve, limits).converged);

@@ -66,7 +66,7 @@ TEST_CASE("no load has no answer but zero", "[math][solver]") {
     for (Real value : x) CHECK(value == 0);
 }
 
-TEST_CASE("a solver that cannot converge says why", "[math][solver]") {
+TEST_CASE("a solver that cannot converge reports why", "[math][solver]") {
     std::vector<Real> b(50, 1), x(50, 0);
     SECTION("too few iterations") {
         const SolveReport report = conjugate_gradients<Real>(Laplacian{}, NoPreconditioner{}, b, x, {1e-5, 3});

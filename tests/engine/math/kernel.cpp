@@ -6,7 +6,7 @@
 
 using namespace whorl;
 
-TEST_CASE("each kernel integrates to one in space and in the plane, and its derivative is the slope of its value", "[math]") {
+TEST_CASE("each kernel integrates to one in 3D and 2D, and its derivative is the slope of its value", "[math]") {
     const Real R = Real(0.37);
     for (KernelKind kind : {KernelKind::cubic, KernelKind::wendland_c2, KernelKind::wendland_c4})
         with_kernel(kind, R, [&](const auto& kernel) {

@@ -164,8 +164,7 @@ TEST_CASE("more sweeps keep the V-cycle symmetric and positive, and contract the
     CHECK(three < two);
 }
 
-TEST_CASE("with smoothed interpolation the iterations do not grow with the lattice: at most 8 for 8^3 and for 32^3",
-          "[math][multigrid][regression]") {
+TEST_CASE("with smoothed interpolation multigrid needs at most 8 iterations for 8^3 and for 32^3", "[math][multigrid][regression]") {
     // To 1e-4. Measured: 5 and 7; constants alone need 10 and 23.
     const Cube small(8, true), large(32, true);
     CHECK(iterations(small, {true, 100, 20}) <= 8);

@@ -45,8 +45,7 @@ viscosity = "2 + 100*age"
 
 }  // namespace
 
-TEST_CASE("each emitter gives its own viscosity, by age where it says so, what was there at the start keeps that of its place",
-          "[sim][viscosity]") {
+TEST_CASE("each emitter sets its viscosity, also by age, and fluid of the start keeps that of its place", "[sim][viscosity]") {
     Simulation simulation = simulation_of(pour);
     while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
     const World& w = simulation.world();
@@ -92,8 +91,7 @@ TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends wi
     CHECK((state(resumed) == state(whole)));
 }
 
-TEST_CASE("a live change of fluid.viscosity acts on what that key gave its viscosity, emitters with their own keep theirs",
-          "[sim][viscosity][change]") {
+TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their viscosity unchanged", "[sim][viscosity][change]") {
     const auto changed = [](const std::string& viscosity) {
         ReadRequest request;
         request.changes.push_back({"fluid.viscosity", viscosity, "test"});
@@ -128,7 +126,7 @@ TEST_CASE("a live change of fluid.viscosity acts on what that key gave its visco
     }
 }
 
-TEST_CASE("a live change of fluid.viscosity leaves an emitter with its own alone where nothing ages, too", "[sim][viscosity][change]") {
+TEST_CASE("without ageing a live change of fluid.viscosity leaves an emitter with its viscosity unchanged", "[sim][viscosity][change]") {
     std::string text = pour;
     text.replace(text.find("\"2 + 100*age\""), 13, "7");
     Simulation simulation = simulation_of(text);
@@ -158,15 +156,14 @@ TEST_CASE("a live change of fluid.viscosity leaves an emitter with its own alone
     }
 }
 
-TEST_CASE("a viscosity that becomes negative with age is told before anything runs", "[plan]") {
+TEST_CASE("a viscosity that becomes negative with age is refused before the run", "[plan]") {
     std::string text = pour;
     text.replace(text.find("2 + 100*age"), 11, "2 - 100*age");
     const Scene scene = read_scene_text(text, "test.toml");
     CHECK_THROWS_WITH(make_plan(scene), Catch::Contains("emitter[1].viscosity is") && Catch::Contains("at the age of"));
 }
 
-TEST_CASE("a value that is none is told where a particle has it: at the start with key and place, later as what ends the run",
-          "[sim][viscosity]") {
+TEST_CASE("an invalid viscosity is reported at the start with key and place, later as the end of the run", "[sim][viscosity]") {
     const auto with = [](const std::string& key, const std::string& value) {
         ReadRequest request;
         for (const auto& [k, v] : {std::pair{key, value}, {"time.fixed_step", "0.01"}, {"time.end", "1"}})
@@ -211,7 +208,7 @@ TEST_CASE("a value that is none is told where a particle has it: at the start wi
     CHECK(end_of(changed) == "new fluid: fluid.viscosity is -1 Pa s");
 }
 
-TEST_CASE("ages are sums of rounded steps: past the last that has a viscosity a particle has that of shortly before", "[viscosity]") {
+TEST_CASE("past the last age with a viscosity a particle keeps the value of shortly before", "[viscosity]") {
     const auto at = [](const std::string& viscosity, double age, double time, double dt) {
         ReadRequest request;
         request.changes.push_back({"fluid.viscosity", "\"" + viscosity + "\"", "test"});

@@ -49,8 +49,7 @@ ViscousOperator matrix_free(TestWorld& w, Span<const Mat3> before = {}, Real pen
 
 }  // namespace
 
-TEST_CASE("every assembled coefficient is the derivative of the matrix-free operator, with walls and uneven density and viscosity, to 1e-5",
-          "[viscosity]") {
+TEST_CASE("each assembled coefficient is the derivative of the matrix-free operator to 1e-5, also at walls", "[viscosity]") {
     for (const Real penalty : {viscous_penalty, Real(0)}) {
         TestWorld w = prepared(true);
         const AssembledOperator A = assembled(w, false, {}, penalty);
@@ -73,8 +72,7 @@ TEST_CASE("every assembled coefficient is the derivative of the matrix-free oper
     }
 }
 
-TEST_CASE("velocities of walls and the curvature of the move act alike in the assembled and in the matrix-free operator, to 1e-5",
-          "[viscosity][boundary]") {
+TEST_CASE("wall velocities and curvature act equally in the assembled and matrix-free operators, to 1e-5", "[viscosity][boundary]") {
     TestWorld w = prepared(true);
     auto& layer = w.world.solid_particles;
     for (std::size_t s = 0; s < layer.velocity.size(); ++s) layer.velocity[s] = noise(static_cast<Index>(s));
@@ -101,8 +99,7 @@ TEST_CASE("velocities of walls and the curvature of the move act alike in the as
     }
 }
 
-TEST_CASE("the assembled matrix is symmetric with the own volume in each gradient, as printed it is not where densities differ",
-          "[viscosity]") {
+TEST_CASE("the assembled matrix is symmetric with V_i in each gradient, unlike the printed one", "[viscosity]") {
     const auto asymmetry_in = [](TestWorld w, bool printed) { return asymmetry(assembled(w, printed, {}, printed ? 0 : viscous_penalty)); };
     CHECK(asymmetry_in(prepared(false), false) < 1e-6);
     CHECK(asymmetry_in(prepared(true), false) < 1e-6);
@@ -110,8 +107,7 @@ TEST_CASE("the assembled matrix is symmetric with the own volume in each gradien
     CHECK(asymmetry_in(prepared(true, false), true) > 1e-3);
 }
 
-TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian and no load of curvature, at a wall too, to 1e-3",
-          "[viscosity][printed]") {
+TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian to 1e-3, also at a wall", "[viscosity][printed]") {
     // Every sum over all pairs, in double. Solids have m V_s/V and the wall's velocity, 0.
     AssembledViscosityOptions options;
     options.printed = true, options.penalty = 0, options.limits.tolerance = 1e-6;
@@ -156,8 +152,7 @@ TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian and no l
     CHECK(off < 1e-3 * most);
 }
 
-TEST_CASE("the printed own coefficient on a lattice is the mass alone: nearly all of the true diagonal comes with the second ring",
-          "[viscosity]") {
+TEST_CASE("on a lattice the printed diagonal is the mass alone, the second ring gives most of the true one", "[viscosity]") {
     TestWorld w = prepared(false, false, 0);
     const AssembledOperator A = assembled(w);
     const ViscousOperator B = matrix_free(w);
@@ -176,8 +171,7 @@ TEST_CASE("the printed own coefficient on a lattice is the mass alone: nearly al
     CHECK(A.block(middle, middle)(0, 0) == Approx(true_diagonal).epsilon(1e-5));
 }
 
-TEST_CASE("a step of the assembled viscosity ends where the matrix-free one does, and keeps the momentum but not the spin of a free body",
-          "[viscosity]") {
+TEST_CASE("an assembled viscosity step equals the matrix-free one and keeps a free body's momentum", "[viscosity]") {
     FullViscosityOptions apart;
     apart.limits.tolerance = 1e-6;
     AssembledViscosityOptions together;

@@ -148,8 +148,7 @@ Found require_rows_of_all_pairs(const Fluid& fluid) {
 
 }  // namespace
 
-TEST_CASE("rows of a block hold those that a search over all pairs finds, with one more block for the last of 257 particles",
-          "[models][coupled]") {
+TEST_CASE("block rows contain the pairs of a brute-force search, with an extra block for 257 particles", "[models][coupled]") {
     Fluid fluid;
     fluid.add_block(Vec3(0, 0, 0), 16, 4, 4);
     fluid.add(Vec3(16, 1, 1));
@@ -168,7 +167,7 @@ TEST_CASE("two turns 1.8 spacings apart share no pair through the air, unless bo
     CHECK(require_rows_of_all_pairs(fluid).gated > 100);
 }
 
-TEST_CASE("a bridge of single particles joins what it touches", "[models][coupled]") {
+TEST_CASE("a bridge of single particles joins the bodies that it touches", "[models][coupled]") {
     Fluid fluid;
     fluid.add_block(Vec3(0, 0, 0), 5, 5, 5);
     fluid.add_block(Vec3(0, Real(6.2), 0), 5, 5, 5);

@@ -60,8 +60,7 @@ TEST_CASE("the curvature never exceeds a fifth of the gradient", "[viscosity]") 
     CHECK(curvature_strain(Mat3::Zero(), Real(1e-3)) == Mat3::Zero());
 }
 
-TEST_CASE("the gradient before the forces is exact for linear fields, in a free block and beside a wall that the fluid sticks to",
-          "[viscosity][boundary]") {
+TEST_CASE("the gradient before the forces is exact for linear fields, in a free block and at a no-slip wall", "[viscosity][boundary]") {
     Mat3 wanted;
     wanted << 1, 2, 3, -4, 5, 6, 7, -8, -6;
     for (const bool wall : {false, true}) {

@@ -59,8 +59,7 @@ struct Floor : TestWorld {
 
 }  // namespace
 
-TEST_CASE("the rate of density is the derivative of the density beside a wall, with and without a gate, within 1 %",
-          "[pressure][boundary]") {
+TEST_CASE("at a wall the density rate is the density's derivative within 1 %, with and without a gate", "[pressure][boundary]") {
     // Central difference over +-0.005 d. What is left is the difference's own error (third derivatives of the kernel jump at R/2) and
     // round-off in float.
     for (const double threshold : {0.0, 0.1, -1.0, -2.0, -3.0}) {
@@ -81,8 +80,7 @@ TEST_CASE("the rate of density is the derivative of the density beside a wall, w
     }
 }
 
-TEST_CASE("what a move bends is the change of density that its rate leaves out, beside a wall, with and without a gate",
-          "[pressure][boundary]") {
+TEST_CASE("at a wall the curvature term is the density change beyond its rate, with and without a gate", "[pressure][boundary]") {
     // Particles move by up to 0.2 d against each other along each axis. Neighbours that come within reach are left out: W is near 0 there.
     for (const double threshold : {0.0, 0.1, -1.0, -2.0, -3.0}) {
         INFO("gate " << threshold << "; -1 to -3: none, and images in 1 to 3 walls");
@@ -102,8 +100,7 @@ TEST_CASE("what a move bends is the change of density that its rate leaves out, 
     }
 }
 
-TEST_CASE("fluid that turns with a solid keeps its density at first order, and a step bends it as the turned solid shows",
-          "[pressure][boundary]") {
+TEST_CASE("fluid that turns with a solid keeps its density at first order, and its curvature is right", "[pressure][boundary]") {
     // The rate vanishes by symmetry; left is round-off. A step of 0.1 radians takes fluid 10 d from the axis .05 d outward.
     Floor fluid(0);
     World& world = fluid.world;

@@ -88,8 +88,7 @@ double largest_share_taken(Fluid& f) {
 
 }  // namespace
 
-TEST_CASE("a solve of the density source gains no energy, on lattices and scattered, in the open, between walls and in closed boxes",
-          "[pressure][density_source]") {
+TEST_CASE("a density-source solve gains no energy, on and off lattices, free, between walls and enclosed", "[pressure][density_source]") {
     // Pressures of both signs and no density error: the solve is linear in the velocity. Its force is the transpose of its divergence D, so
     // it takes away T = M^-1 D^T L^-1 D, and energy cannot grow as long as D M^-1 D^T <= 2 L, that is, the eigenvalues of T are at most 2.
     // 1e-3: what 60 rounds of the power method and the solver's tolerance leave open.
@@ -131,8 +130,7 @@ TEST_CASE(
     CHECK(lacking == Approx(1.20).epsilon(0.01));
 }
 
-TEST_CASE("density source: a particle alone is isolated, one with solids only is separated, a block has its surface and its inside",
-          "[pressure][density_source]") {
+TEST_CASE("density source: particles are classified as isolated, separated, surface or inside", "[pressure][density_source]") {
     Fluid f(Domain{Vec3(-1, 0, -1), Vec3(1, 2, 1), {}}, exact_options());
     f.add_wall(1, +1, 0);
     f.place(Vec3(0, Real(1.5), 0), Vec3(Real(d), Real(1.5 + d), Real(d)));              // in mid-air
@@ -155,7 +153,7 @@ TEST_CASE("density source: a particle alone is isolated, one with solids only is
     }
 }
 
-TEST_CASE("density source: a particle that meets a moving wall alone has the pressure b/alpha, in the solved and in the printed form",
+TEST_CASE("density source: a lone particle at a moving wall has the pressure b/alpha, solved and as printed",
           "[pressure][density_source]") {
     PoissonPressureOptions options = exact_options();
     options.density_correction = 1;

@@ -41,7 +41,7 @@ TEST_CASE("XSPH smooths and keeps the momentum to 1e-6 of the sum of |m u|", "[v
     CHECK(smooth < rough);
 }
 
-TEST_CASE("explicit viscosity is a force between pairs: momentum is kept to 1e-6, whatever density and viscosity do", "[viscosity]") {
+TEST_CASE("explicit viscosity keeps momentum to 1e-6, also with uneven density and viscosity", "[viscosity]") {
     for (bool monaghan : {false, true}) {
         TestWorld w =
             uneven_blob({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),

@@ -53,7 +53,7 @@ TEST_CASE("shifting evens out jittered particles in a shear flow, and leaves the
     CHECK(std::equal(before.begin(), before.end(), w.column<field::velocity>().begin()));
 }
 
-TEST_CASE("shifting is the same in a frame that moves along, and nothing where nothing moves against its neighbours", "[shifting]") {
+TEST_CASE("shifting is the same in a moving frame, and zero without relative motion", "[shifting]") {
     TestWorld still = sheared(true, Vec3::Zero()), drifting = sheared(true, Vec3(3, -2, 1));
     still.step(5e-3), drifting.step(5e-3);
     const auto a = still.column<field::shift>(), b = drifting.column<field::shift>();

@@ -140,7 +140,7 @@ TEST_CASE("the blocks of the preconditioner are the operator's own diagonal", "[
     CHECK(largest < 1e-4);
 }
 
-TEST_CASE("implicit viscosity keeps momentum and angular momentum of a free body to 1e-5, even with a loose tolerance", "[viscosity]") {
+TEST_CASE("implicit viscosity keeps both momenta of a free body to 1e-5, even with a loose tolerance", "[viscosity]") {
     for (double mu : {1e-3, 1e3, 1e7}) {
         FullViscosityOptions options;
         options.limits = {1e-2, 500};
@@ -209,7 +209,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the coarse level moves particles, not the free bodies that stand behind them") {
+TEST_CASE("the coarse level moves particles, not the free bodies behind them") {
     const std::vector<Vec3> x{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
     const std::vector<std::int16_t> role(4, 0);
     const std::vector<std::int32_t> group(4, 1);
@@ -227,8 +227,7 @@ TEST_CASE("the coarse level moves particles, not the free bodies that stand behi
     CHECK(z[3] == Vec3(Vec3::Zero()));
 }
 
-TEST_CASE("with the coarse level a stiff free body needs less than half of the iterations, and keeps momentum and angular momentum to 1e-5",
-          "[viscosity]") {
+TEST_CASE("the coarse level halves the iterations of a stiff free body and keeps its momenta to 1e-5", "[viscosity]") {
     // A bar of 40 x 6 x 6 with nu dt/d^2 = 1000, bent by its initial velocity.
     std::array<int, 2> iterations{};
     for (int coarse : {0, 1}) {

@@ -136,8 +136,7 @@ double apart(TestWorld a, TestWorld b) {
 
 }  // namespace
 
-TEST_CASE("in every model a gated wall does nothing to fluid that is not near, and all it does without a gate to fluid in contact",
-          "[boundary]") {
+TEST_CASE("in every model a gated wall acts fully on fluid in contact and not at all farther away", "[boundary]") {
     for (const Model& model : models())
         for (const Wall wall : {Wall::sticks, Wall::slips}) {
             if (wall == Wall::slips && !model.knows_slip_length) continue;

@@ -47,7 +47,7 @@ double amplitude(TestWorld& w) {
 
 }  // namespace
 
-TEST_CASE("a wave of ink decays as exp(-D k^2 t), in the plane and in space, on a lattice and on uneven particles", "[ink]") {
+TEST_CASE("a wave of ink decays as exp(-D k^2 t), in 2D and 3D, on a lattice and off it", "[ink]") {
     for (const int dimensions : {2, 3})
         for (const double loose : {0.0, 0.2}) {
             TestWorld w = spreading(dimensions, loose);

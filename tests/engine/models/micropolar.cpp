@@ -117,8 +117,7 @@ TEST_CASE("every curl of a step is the sum that the notes print, times the latti
     }
 }
 
-TEST_CASE("both Laplacians of a step are the sums of the notes with symmetric weights, times one lattice factor each, to 1e-5",
-          "[micropolar]") {
+TEST_CASE("both Laplacians are the notes' sums with symmetric weights times a lattice factor, to 1e-5", "[micropolar]") {
     Cloud cloud;
     const auto rho = cloud.column<field::density>();
     const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
@@ -146,8 +145,7 @@ TEST_CASE("both Laplacians of a step are the sums of the notes with symmetric we
           1e-5);
 }
 
-TEST_CASE("without coupling the micropolar stage pushes as the explicit viscosity does, with both Laplacians and at a wall, to 1e-5",
-          "[micropolar][viscosity][boundary]") {
+TEST_CASE("without coupling the micropolar force equals explicit viscosity to 1e-5, also at a wall", "[micropolar][viscosity][boundary]") {
     for (const bool central : {false, true}) {
         INFO((central ? "monaghan" : "brookshaw"));
         TestWorld w(0.1, 2.5, Domain{Vec3::Zero(), Vec3(Real(0.6), Real(0.8), Real(0.6)), {true, false, true}});
@@ -206,8 +204,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the symmetric curl and the difference with the own density are adjoint, at a free surface too, the other pairs are not",
-          "[micropolar]") {
+TEST_CASE("the symmetric curl and the difference with rho_i are adjoint, also at a surface, unlike others", "[micropolar]") {
     Cloud cloud;
     const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
     const auto rho = cloud.column<field::density>();
@@ -225,7 +222,7 @@ TEST_CASE("the symmetric curl and the difference with the own density are adjoin
     CHECK(defect(CurlForm::symmetric, CurlForm::symmetric) > 1e-2);
 }
 
-TEST_CASE("the composed coupling takes exactly half of itself times |curl u - 2 w|^2, at a free surface and at a wall", "[micropolar]") {
+TEST_CASE("the composed coupling dissipates half of it times |curl u - 2 w|^2, at surfaces and walls", "[micropolar]") {
     // Its forces are the derivatives of that energy: any arrangement of particles loses it, to the round-off of single precision.
     for (const bool wall : {false, true})
         for (const bool co_rotating : {true, false}) {

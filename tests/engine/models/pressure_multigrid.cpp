@@ -175,8 +175,7 @@ TEST_CASE("the pressure's multigrid is symmetric and positive definite on every 
     }
 }
 
-TEST_CASE("the pressure's multigrid stays symmetric and positive where particles stop and start to press after its set-up",
-          "[pressure][multigrid]") {
+TEST_CASE("the pressure's multigrid stays symmetric and positive when the active set changes after set-up", "[pressure][multigrid]") {
     Fluid fluid(shapes[1]);
     Constraint system(fluid);
     for (std::size_t i = 0; i < system.unknown().size(); i += 5) system.unknown()[i] = 0;

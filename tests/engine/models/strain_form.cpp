@@ -101,8 +101,7 @@ TEST_CASE("the diagonal blocks are those of the operator", "[models][coupled]") 
         }
 }
 
-TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates to 1e-5, with a thin thread, held particles and friction",
-          "[models][coupled]") {
+TEST_CASE("the coarse matrix is R^T A R to 1e-5, with a thin thread, held particles and friction", "[models][coupled]") {
     std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 14 * d, d);
     for (int k = 0; k < 12; ++k) x.push_back(Vec3(0, (Real(14.5) + Real(k)) * d, 0));
     Form f(x, 10);
@@ -125,8 +124,7 @@ TEST_CASE("the coarse matrix is R^T A R of the rigid motions of its aggregates t
     CHECK(found.difference < 1e-5 * found.largest);
 }
 
-TEST_CASE("the coarse matrix is R^T A R in a periodic slab of 5 and 8 spacings, where a row meets both sides of an aggregate",
-          "[models][coupled]") {
+TEST_CASE("the coarse matrix is R^T A R in a periodic slab whose rows meet both sides of an aggregate", "[models][coupled]") {
     for (const int width : {5, 8}) {
         RandomNumbers random(3);
         std::vector<Vec3> x;
@@ -152,7 +150,7 @@ TEST_CASE("the coarse matrix is R^T A R in a periodic slab of 5 and 8 spacings, 
     }
 }
 
-TEST_CASE("the strain form returns the product u.y of what stays free", "[models][coupled]") {
+TEST_CASE("the strain form returns the product u.y of the free particles", "[models][coupled]") {
     const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 12 * d, d);
     const Form f(x, 10);
     RandomNumbers random(2);

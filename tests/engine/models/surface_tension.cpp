@@ -86,8 +86,7 @@ TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a u
     CHECK(energy / (d * d) == Approx(0.89 * 2 * sigma).epsilon(0.01));
 }
 
-TEST_CASE("surface tension has no scale of its own: the same drop from 10 micrometres to a metre a particle, from 1e-6 to 10 N/m",
-          "[surface_tension]") {
+TEST_CASE("surface tension is scale-free: equal drops from 10 um to 1 m per particle, 1e-6 to 10 N/m", "[surface_tension]") {
     // Accelerations over sigma/(rho d^2) agree to the rounding of the positions.
     std::vector<double> first;
     for (const double d : {1e-2, 1e-5, 1.0})
@@ -107,8 +106,7 @@ TEST_CASE("surface tension has no scale of its own: the same drop from 10 microm
         }
 }
 
-TEST_CASE("the skin alone pulls: a flat surface is pulled straight down, the layers under it up as much in all, and deeper nothing is",
-          "[surface_tension]") {
+TEST_CASE("only the surface layer exerts cohesion: a flat surface is pulled down, the next layers up", "[surface_tension]") {
     const double d = 0.01;
     TestWorld w(d, 2, Domain{Vec3(0, Real(-9 * d), 0), Vec3(Real(8 * d), Real(9 * d), Real(8 * d)), {true, false, true}});
     w.use({make_stage("surface tension", "surface tension", SurfaceTension{{sigma, {}, nullptr}})});

@@ -130,7 +130,7 @@ TEST_CASE("water beside a vertical wall is carried by the whole pressure gradien
     CHECK(std::abs(sideways / count_beside) < 0.05 * g);
 }
 
-TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0 for any gamma, and 0 where that is negative", "[wcsph]") {
+TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, and 0 if that is negative", "[wcsph]") {
     TestWorld w(d, 2, Domain{});
     WeaklyCompressible options;
     options.sound_speed = 20;
@@ -153,7 +153,7 @@ TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0 for a
         }
 }
 
-TEST_CASE("both pressure gradients are the sums that the notes print, to 1e-5, and what each is exact for comes out", "[wcsph]") {
+TEST_CASE("both pressure gradients are the notes' sums to 1e-5, and exact for their fields", "[wcsph]") {
     const auto place = [](bool difference, bool jitter, const std::function<double(const Vec3&)>& pressure) {
         WeaklyCompressible options;
         options.difference_gradient = difference;

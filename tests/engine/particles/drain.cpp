@@ -25,7 +25,7 @@ std::shared_ptr<const Shape> unit_box() {
 
 }  // namespace
 
-TEST_CASE("a drain takes what is inside it at once, and leaves what is outside or still in a nozzle in its order", "[drain]") {
+TEST_CASE("a drain removes particles inside it, and keeps the order of those outside or in a nozzle", "[drain]") {
     ParticleStore fluid = particles_at({{2, 0, 0}, {0.5, 0.5, 0.5}, {3, 0, 0}, {0.2, 0.5, 0.5}, {0.7, 0.7, 0.7}});
     fluid.column<field::role>()[3] = -1;
     CHECK(drain(fluid, {{unit_box(), 0}}, Real(0.01)) == 2);
@@ -36,7 +36,7 @@ TEST_CASE("a drain takes what is inside it at once, and leaves what is outside o
     CHECK(x[2].x() == Real(0.2));
 }
 
-TEST_CASE("a drain that waits takes what has stayed inside for so long, who leaves and comes back begins anew", "[drain]") {
+TEST_CASE("a delayed drain removes particles after that time inside, and restarts for those that return", "[drain]") {
     ParticleStore fluid = particles_at({{0.5, 0.5, 0.5}, {0.2, 0.5, 0.5}});
     const std::vector<Drain> drains{{unit_box(), Real(0.25)}};
     for (int step = 0; step < 2; ++step) CHECK(drain(fluid, drains, Real(0.1)) == 0);

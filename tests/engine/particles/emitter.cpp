@@ -106,7 +106,7 @@ TEST_CASE("the mass flow of a plug is exact to one particle after whole repeats 
     CHECK(std::abs(free_particles - 3 * count) <= 1);
 }
 
-TEST_CASE("the column of a wide opening is shorter: it has a layer's hundred thousand particles, not 24 layers of them", "[particles]") {
+TEST_CASE("the column of a wide opening has one layer of a hundred thousand particles, not 24", "[particles]") {
     CHECK(column_points(100, 1, false, 3) == 2400);
     CHECK(column_points(100, 1, true, 3) == 100);
     CHECK(column_points(1e4, 1, false, 3) == 100000);
@@ -126,7 +126,7 @@ TEST_CASE("a parabolic profile flows twice as fast in the middle and never makes
     CHECK(free_particles == Approx(emitter.expected_particles()).epsilon(0.06));
 }
 
-TEST_CASE("an emitter that starts and stops lets out what its speed says, and its saved state goes on exactly", "[particles]") {
+TEST_CASE("an emitter emits volume at its speed, and continues exactly from its saved state", "[particles]") {
     ParticleStore store = empty_store();
     const Expression speed("0.5*t");
     Emitter emitter(nozzle(), speed, 0.1, 0.5, d, 4 * d, 2, 7);

@@ -69,7 +69,7 @@ void require_symmetric(const Pairs& pairs) {
 
 }  // namespace
 
-TEST_CASE("the search finds what brute force finds, periodic along any axes, for micrometres and kilometres", "[particles]") {
+TEST_CASE("the search finds the pairs of brute force, periodic along any axes, from micrometres to kilometres", "[particles]") {
     for (const Real scale : {Real(1e-6), Real(1), Real(1e3)})
         for (int axes = 0; axes < 8; ++axes) {
             const auto x = cloud(300, 10 * scale, 1 + static_cast<std::uint32_t>(axes));
@@ -136,7 +136,7 @@ TEST_CASE("particles outside a periodic box have the neighbours of their images 
     require_symmetric(outside);
 }
 
-TEST_CASE("positions that are not finite get no neighbours and disturb nobody", "[particles]") {
+TEST_CASE("positions that are not finite get no neighbours and change no others", "[particles]") {
     auto x = cloud(600, 1, 5);
     const auto clean = x;
     const Real nan = std::numeric_limits<Real>::quiet_NaN(), inf = std::numeric_limits<Real>::infinity();
@@ -179,7 +179,7 @@ TEST_CASE("a few stray particles far away cost neither memory nor neighbours", "
     for (Index i = 0; i < alone.size(); ++i) REQUIRE(pairs.count(i) == alone.count(i));
 }
 
-TEST_CASE("groups of neighbours hold what a call a neighbour gets, and beyond it nothing that a kernel would see", "[particles]") {
+TEST_CASE("grouped neighbours equal single ones, and padding lies outside the kernel", "[particles]") {
     // So dense that some rows need two groups; two periodic axes and a free one.
     const auto x = cloud(3000, 1, 5);
     const Real R = Real(0.25);
@@ -250,8 +250,7 @@ TEST_CASE("the rows are the same for 1, 2 and 4 threads and for a search that wa
     set_threads(0);
 }
 
-TEST_CASE("pairs that were found with reach to spare are narrowed to those of a search at the new places, unless somebody went too far",
-          "[particles]") {
+TEST_CASE("pairs found with a margin are narrowed to those of a new search, unless a particle moved too far", "[particles]") {
     const Real support = Real(1.1), spare = Real(0.2);
     for (int axes = 0; axes < 8; ++axes) {
         const Domain domain = box(10, axes);

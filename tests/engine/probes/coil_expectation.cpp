@@ -40,7 +40,7 @@ std::optional<CoilParameters> parameters_of(const std::string& from = "", const 
 
 }  // namespace
 
-TEST_CASE("what theory is asked follows the scene, and nothing is asked where it is not of such a thread", "[io][coil_theory]") {
+TEST_CASE("the input of the coil theory follows the scene, and is empty without such a thread", "[io][coil_theory]") {
     const auto plain = parameters_of();
     REQUIRE(plain);
     CHECK(plain->nozzle_radius == 5e-3);
@@ -67,7 +67,7 @@ TEST_CASE("what theory is asked follows the scene, and nothing is asked where it
                               "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.02]\n"));
 }
 
-TEST_CASE("who does not wait for the theory has its answer soon, the same as who waits", "[io][coil_theory]") {
+TEST_CASE("a non-blocking theory query soon returns the same answer as a blocking one", "[io][coil_theory]") {
     CoilExpectation waiting(TheorySearch::wait), in_background(TheorySearch::in_background);
     CoilParameters p{5e-3, 0.1, 0.2, 9.81, 0.12, 0};
     const auto answer = waiting.at(p);

@@ -85,8 +85,7 @@ ProbeKeys upright_axis() {
 
 }  // namespace
 
-TEST_CASE("the coil probe reads frequency and radius of a coiling thread within 2 %, with the particles jittered by a fifth of the spacing",
-          "[io][probe]") {
+TEST_CASE("the coil probe measures frequency and radius within 2 %, with jitter of a fifth of the spacing", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
@@ -106,8 +105,7 @@ TEST_CASE("the coil probe reads frequency and radius of a coiling thread within 
 
 // The mean over the newest four turns: at t the ground that the thread landed on about two turns ago, so the fall is longer by two turns'
 // growth of the pile, 4 a. The pile's growth within a sight's range of speeds and the layers cost a spacing each.
-TEST_CASE("the coil probe's fall is from the top of the thread to the ground that its last turns landed on, to two spacings",
-          "[io][probe]") {
+TEST_CASE("the coil probe's fall is from the thread's top to its last turns' ground, within two spacings", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
@@ -122,14 +120,14 @@ TEST_CASE("the coil probe's fall is from the top of the thread to the ground tha
 
 // Where the thread is 1.5 particles in radius, or every particle off its place by half a spacing, a slice's mean is good to d/sqrt(7), a
 // turn's to a tenth of that: 4 % stands for the probe's own ranges, which hold a particle or two each.
-TEST_CASE("few particles, noise, the other direction or an axis beside the coil's leave frequency and radius within 4 %", "[io][probe]") {
+TEST_CASE("few particles, noise, reversal or an axis off centre change frequency and radius by at most 4 %", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     SECTION("1.5 particles across the radius") { thread.d = thread.a / 1.5; }
     SECTION("particles off their places by half a spacing") { thread.noise = 0.5; }
     SECTION("clockwise") { thread.side = -1; }
     double missed = 0.5;  // turns
-    SECTION("an axis half a radius beside the coil's: the first turn or two pass until the coil's own middle is known") {
+    SECTION("with an axis half a radius off, the coil's centre is known after one or two turns") {
         thread.axis = Vec3d(0.5 * thread.R, 0, 0);
         missed = 2;
     }
@@ -195,7 +193,7 @@ TEST_CASE("a thread that folds back and forth has no frequency, once it coils, i
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.05));
 }
 
-TEST_CASE("the coil probe goes on from its saved state with the same bits", "[io][probe]") {
+TEST_CASE("the coil probe continues bit-identically from its saved state", "[io][probe]") {
     CoilingThread thread;
     CoilProbe whole(upright_axis()), first(upright_axis()), second(upright_axis());
     double t = 0;

@@ -47,7 +47,7 @@ Vec3d interpolated_velocity(const World& world, const Vec3d& at) { return veloci
 
 }  // namespace
 
-TEST_CASE("probes interpolate a quadratic field exactly between uneven particles, on a face of the fluid, and in a sheet", "[probe]") {
+TEST_CASE("probes are exact for quadratic fields on uneven particles, at a face of the fluid and in a sheet", "[probe]") {
     for (const bool sheet : {false, true}) {
         const double depth = sheet ? 0 : 1;
         const auto u = [&](const Vec3d& x) {
@@ -74,7 +74,7 @@ TEST_CASE("probes interpolate a quadratic field exactly between uneven particles
     }
 }
 
-TEST_CASE("outside of the fluid probes give the mean of what is near, and nothing further away", "[probe]") {
+TEST_CASE("outside the fluid probes give the mean of near particles, and nothing farther away", "[probe]") {
     World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(1, x.x(), 0); });
     const Vec3d beside = interpolated_velocity(world, Vec3d(1.2, 0.5, 0.5));
     CHECK(beside.x() == Approx(1).epsilon(1e-6));

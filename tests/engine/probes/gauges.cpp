@@ -90,7 +90,7 @@ void step(World& world, Probe& probe, double dt, double end) {
 }  // namespace
 
 // Half a spacing is what the probe promises; on a lattice the kernel sums are exact to some hundredths of that.
-TEST_CASE("the level of still water is right on lattices and jittered, in the middle, beside walls and in corners", "[probe]") {
+TEST_CASE("the level of still water is right on and off a lattice, in the middle, at walls and in corners", "[probe]") {
     for (const int dimensions : {2, 3})
         for (const double jitter : {0.0, 0.3})
             for (const double depth : {0.6, 1.0, 1.3}) {
@@ -201,7 +201,7 @@ TEST_CASE("a flux probe counts every path across its opening, signed, from disc 
     }
 }
 
-TEST_CASE("a flux probe counts round a periodic domain, sees no nozzle, and what a drain takes has passed", "[probe]") {
+TEST_CASE("a flux probe counts across periodic faces, ignores nozzles, and includes drained particles", "[probe]") {
     World world = world_of(lattice(Vec3d(1, 1, 1), 3, 0.2, [](const Vec3d&) { return true; }));
     world.step.domain.min = Vec3::Zero(), world.step.domain.max = Vec3::Ones(), world.step.domain.periodic = {true, true, true};
     for (Vec3& x : world.fluid.column<field::position>()) x = world.step.domain.wrapped(x);

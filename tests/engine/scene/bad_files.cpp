@@ -228,7 +228,7 @@ std::string messages_of(const std::string& text, const ReadRequest& request = {}
 
 TEST_CASE("the scene that the bad ones are made from is right", "[scene]") { CHECK(messages_of(good) == "no error"); }
 
-TEST_CASE("every mistake in a scene file gets its place, what is wrong, a hint and what is allowed", "[scene]") {
+TEST_CASE("every mistake in a scene file is reported with location, fault, hint and allowed values", "[scene]") {
     CHECK(cases.size() >= 40);
     for (const Case& c : cases) {
         std::string text = good;
@@ -239,7 +239,7 @@ TEST_CASE("every mistake in a scene file gets its place, what is wrong, a hint a
     }
 }
 
-TEST_CASE("what stops being TOML gets the way out, at its place", "[scene]") {
+TEST_CASE("a TOML syntax error is reported at its location with a fix", "[scene]") {
     const std::string number = "write numbers as in 0.5 or 1e-3, without a unit; put expressions in quotes",
                       quotes = "put strings and expressions in quotes; booleans are true and false";
     const std::vector<std::pair<std::string, std::string>> wrong = {
@@ -319,7 +319,7 @@ TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three w
     }
 }
 
-TEST_CASE("several mistakes are told in one go, in the order of their places, those of the command line last", "[scene]") {
+TEST_CASE("several mistakes are reported together, sorted by location, those of the command line last", "[scene]") {
     ReadRequest request;
     request.changes = {parse_change("fluid.viscosity=-1"),
                        parse_change("time.edn=3"),

@@ -26,7 +26,7 @@ struct Machine : test::ScratchFolder {
 
 }  // namespace
 
-TEST_CASE("free memory is what the machine has, and no more than the group and those around it leave", "[scene]") {
+TEST_CASE("free memory is the minimum of the machine's and of all enclosing groups'", "[scene]") {
     const Machine machine("0::/user.slice/job.scope\n");
     CHECK(free_memory(machine.path()) == 8.192e9);
     machine.write("sys/fs/cgroup/user.slice/job.scope/memory.max", "max\n");
@@ -61,7 +61,7 @@ TEST_CASE("the memory controller of the older control groups counts, too", "[sce
     CHECK(free_memory(machine.path()) == 2.3e9);
 }
 
-TEST_CASE("what the process holds already is there for its run, whose address space may have a limit", "[scene]") {
+TEST_CASE("memory that the process holds counts as free, up to a limit of the address space", "[scene]") {
     const Machine machine("0::/job\n");
     machine.write("proc/self/status", "VmRSS:\t  6000000 kB\nRssAnon:\t  5000000 kB\n");
     CHECK(free_memory(machine.path()) == 13.312e9);

@@ -83,7 +83,7 @@ TEST_CASE("a thinner fluid is solved with its pressure down to a viscous number 
     CHECK(with_number(0.2) == PressureModel::ppe);
 }
 
-TEST_CASE("the coupled solve refuses fluid whose viscous number is below 0.04 anywhere at the start, with what to choose", "[plan]") {
+TEST_CASE("the coupled solve refuses a viscous number below 0.04 anywhere at the start, with a fix", "[plan]") {
     const double d = 2e-3, speed = std::sqrt(0.25 * 0.25 + 2 * 9.81 * 0.09);
     const auto with_number = [&](double number) { return std::to_string(1000 * number * d * speed / 0.4); };
     const auto coupled = [](const std::string& viscosity) {
@@ -126,14 +126,14 @@ TEST_CASE("the plan warns of a spun edge past the rim or the domain, and of coup
     CHECK(warned(0.062, 0.12, "coupled", "viscosity = 8\n[models]\npressure = \"coupled\"\n"));
 }
 
-TEST_CASE("what the user chose stays, also the kernel and its support", "[plan]") {
+TEST_CASE("the user's choices are kept, also kernel and support", "[plan]") {
     const Plan plan = plan_with({"fluid.kernel=cubic", "fluid.support=2.5"});
     CHECK(plan.kernel == KernelKind::cubic);
     CHECK(plan.support == Approx(5e-3));
     CHECK_FALSE(choice(plan, "fluid.support").automatic);
 }
 
-TEST_CASE("water takes the pressure equation and explicit viscosity, a dry fluid none", "[plan]") {
+TEST_CASE("water gets the pressure equation and explicit viscosity, an inviscid fluid no viscosity", "[plan]") {
     const Plan water = plan_with({"fluid.viscosity=0.001"});
     CHECK(water.pressure == PressureModel::ppe);
     CHECK(water.viscosity == ViscosityModel::explicit_laplacian);
@@ -206,7 +206,7 @@ TEST_CASE("thick fluid that lies on a floor counts for the models", "[plan]") {
     CHECK(make_plan(scene_with({}, scene)).largest_viscosity == Approx(100));
 }
 
-TEST_CASE("the viscosity of a block counts that is at none of the points where it is looked for", "[plan]") {
+TEST_CASE("a block's viscosity counts even if no sample point lies in it", "[plan]") {
     const test::ScratchFolder folder;  // two pieces in opposite corners
     std::ofstream(folder / "two.obj") << "v 0 8 8\nv 8 0 8\nv 8 8 0\nv 8 8 8\nv 40 32 32\nv 32 40 32\nv 32 32 40\nv 32 32 32\n"
                                          "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\nf 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
@@ -223,7 +223,7 @@ TEST_CASE("few particles across the opening are a warning", "[plan]") {
     CHECK(plan.warnings[0] == "only 2.5 particles across emitter[0]: details there are lost, take a smaller fluid.spacing");
 }
 
-TEST_CASE("a block that reaches into a solid is a warning, one that stands on it or fills its container is not", "[plan]") {
+TEST_CASE("a block that reaches into a solid is a warning, one on it or filling its container is not", "[plan]") {
     const auto warnings = [](const std::string& block) { return plan_with({"block[0]={shape=\"box\", " + block + "}"}).warnings; };
     CHECK(warnings("min=[-0.004,0,-0.004], max=[0.004,0.01,0.004]")
               .empty());  // a layer of a fifth is nearer to the plane than half a spacing
@@ -255,7 +255,7 @@ TEST_CASE("a force whose speeds the plan cannot know is warned of where sound ha
     CHECK_FALSE(warned({"fluid.force=[1,0,0]"}));
 }
 
-TEST_CASE("the plan of the assembled viscosity tells what its matrix takes", "[plan]") {
+TEST_CASE("the plan of the assembled viscosity reports the memory of its matrix", "[plan]") {
     const Plan plan = plan_with({"models.viscosity=full_assembled", "models.pressure=ppe"});
     // 251 lattice points nearer than four spacings, each nine numbers and an index.
     CHECK(choice(plan, "viscosity matrix").reason.find(sizeof(Real) == 4 ? "10.0 kB a particle" : "19.1 kB a particle") !=
@@ -275,7 +275,7 @@ TEST_CASE("the monaghan Laplacian with few neighbours is warned of with its stif
     CHECK(warning("4").find("times as stiff") == std::string::npos);
 }
 
-TEST_CASE("a background pressure is warned of where blocks leave room, not in a channel that is full but for its walls", "[plan]") {
+TEST_CASE("a background pressure is a warning if blocks leave room, not in a full channel", "[plan]") {
     const auto channel = [](const std::string& top) {
         return make_plan(
             scene_with({},
@@ -362,7 +362,7 @@ TEST_CASE("without weight the projection is refused but for a single body that i
           std::string::npos);
 }
 
-TEST_CASE("in two dimensions the plan counts particles by area, and refuses by name what the plane does not have", "[plan][plane]") {
+TEST_CASE("in 2D the plan counts particles by area, and refuses by name keys that exist only in 3D", "[plan][plane]") {
     const std::string tank = R"toml([time]
 end = 1
 [domain]

@@ -39,8 +39,7 @@ std::string eddy_messages(const std::vector<std::string>& changes) {
 
 }  // namespace
 
-TEST_CASE("the three micropolar systems differ in their viscosity and coupling, and long waves feel the one less half of the other",
-          "[plan][micropolar]") {
+TEST_CASE("micropolar systems differ in viscosity and coupling, and long waves feel nu minus half of nu_r", "[plan][micropolar]") {
     const auto numbers = [](const std::string& model) {
         return make_plan(
                    scene_with({"models.micropolar=" + model, "micropolar.transfer_viscosity=2", "micropolar.micro_inertia=0.01"}, eddies))
@@ -58,8 +57,7 @@ TEST_CASE("the three micropolar systems differ in their viscosity and coupling, 
     CHECK(numbers("seed").spin_length() == Approx(std::sqrt(4 * 0.01 / (6 * 2))));
 }
 
-TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spin length that were asked for, in every system",
-          "[plan][micropolar]") {
+TEST_CASE("a calibrated micropolar fluid has the requested viscosity and spin length in every system", "[plan][micropolar]") {
     std::string text = eddies;
     text.replace(text.find("viscosity = 4\n"), 14, "");
     for (const std::string model : {"seed", "bender", "eringen"}) {
@@ -74,8 +72,7 @@ TEST_CASE("a calibrated micropolar fluid has the effective viscosity and the spi
     }
 }
 
-TEST_CASE("a micropolar system that feeds energy in is an error by default and a warning with its numbers where it was asked for",
-          "[plan][micropolar]") {
+TEST_CASE("a micropolar system that gains energy is an error by default, and a warning if it was requested", "[plan][micropolar]") {
     const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
     CHECK(by_default.find("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
                           "micropolar.transfer_viscosity = 0.3 Pa s, "
@@ -101,7 +98,7 @@ TEST_CASE("a transfer viscosity that the source of the seed system excludes is w
     CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.4", "models.micropolar=eringen"}));
 }
 
-TEST_CASE("micropolar keys that cannot be are told", "[plan][micropolar]") {
+TEST_CASE("invalid micropolar keys are refused", "[plan][micropolar]") {
     CHECK(eddy_messages({"micropolar.micro_inertia=0"}).find("micropolar.micro_inertia") != std::string::npos);
     CHECK(eddy_messages({"micropolar.transfer_viscosity=-1"}).find("micropolar.transfer_viscosity") != std::string::npos);
     CHECK(eddy_messages({"fluid.viscosity=1+x"})

@@ -78,7 +78,7 @@ TEST_CASE("a resolved scene reads back as the same scene, to the last bit and ev
     CHECK(again.name == "all_sorts");
 }
 
-TEST_CASE("what a scene leaves out takes the defaults of the structs", "[scene]") {
+TEST_CASE("missing keys get the defaults of the structs", "[scene]") {
     const Scene scene = read_scene_text(text, "x.toml");
     CHECK(scene.time.cfl == TimeKeys{}.cfl);
     CHECK(scene.fluid.density == 1000);
@@ -121,7 +121,7 @@ TEST_CASE("texts keep their quotes and odd characters through a resolved scene",
     CHECK(*read.find("x")->as<std::string>() == "a \"b\" \\ \n\t\x01");
 }
 
-TEST_CASE("a scene remembers where each key stands, and the nearest table of one that was not given", "[scene]") {
+TEST_CASE("a scene stores the location of each key, or of the nearest table of a missing one", "[scene]") {
     const Scene scene =
         read_scene_text("[time]\nend = 1\n[fluid]\nspacing = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [1,1,1]\n", "s.toml");
     CHECK(scene.place("fluid.spacing").line == 4);

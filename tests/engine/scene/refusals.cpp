@@ -9,7 +9,7 @@ using namespace whorl;
 using test::messages_with;
 using test::scene_with;
 
-TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
+TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
     const std::string domain = "; the domain goes from (-0.1, -0.01, -0.1) to (0.1, 0.1, 0.1)";
     CHECK(messages_with({"emitter[0].position=[0,0.2,0]"}) ==
           "--set emitter[0].position=[0,0.2,0]: emitter[0] at (0, 0.2, 0) lies outside of the domain" + domain);
@@ -99,7 +99,7 @@ TEST_CASE("impossible scenes are told with place and hint", "[plan]") {
                         "or take the program of the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
 }
 
-TEST_CASE("models that do not go together, or that this version does not have, are told", "[plan]") {
+TEST_CASE("incompatible or missing models are refused", "[plan]") {
     CHECK(messages_with({"models.pressure=coupled", "models.viscosity=full"}) ==
           "--set models.viscosity=full: models.pressure = \"coupled\" solves for the viscosity itself; leave models.viscosity = \"full\" "
           "out, or choose "
@@ -116,13 +116,12 @@ TEST_CASE("models that do not go together, or that this version does not have, a
     CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=wcsph"}) == "no error");
 }
 
-TEST_CASE("all that is impossible is told in one go", "[plan]") {
+TEST_CASE("all impossible keys are reported together", "[plan]") {
     const std::string all = messages_with({"emitter[0].position=[0,0.2,0]", "boundary.gate=0.1", "fluid.spacing=0.02"});
     CHECK(std::count(all.begin(), all.end(), '\n') == 2);
 }
 
-TEST_CASE("keys of the published pressure rows are refused with other forms of pressure, and correction with source velocity",
-          "[plan][pressure]") {
+TEST_CASE("keys of the published pressure rows are refused with other forms, correction with velocity source", "[plan][pressure]") {
     const auto messages = [](const std::string& keys) -> std::string {
         try {
             make_plan(
@@ -150,8 +149,7 @@ TEST_CASE("keys of the published pressure rows are refused with other forms of p
     CHECK(messages(published + "cycle = \"w\"").find("additive or v_cycle") != std::string::npos);
 }
 
-TEST_CASE("keys that belong to another model than auto took, or that the chosen form leaves aside, are refused with their line",
-          "[plan][pressure]") {
+TEST_CASE("keys that the chosen models or forms do not use are refused with their line", "[plan][pressure]") {
     const std::string start =
                           "[time]\nend = 1\n[domain]\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\nperiodic = [true, true, true]\n"
                           "[fluid]\nspacing = 0.01\nviscosity = 1e-3\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\n",

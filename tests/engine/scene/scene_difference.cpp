@@ -37,7 +37,7 @@ std::vector<std::string> after(const std::string& change) {
 
 }  // namespace
 
-TEST_CASE("settings that decide the simulation are told apart from those of the picture", "[scene]") {
+TEST_CASE("settings of the simulation are distinguished from those of the image", "[scene]") {
     CHECK(after("output.size=[640, 360]").empty());
     CHECK(after("name=other").empty());
     CHECK(after("probe[0].count=5").empty());
@@ -48,7 +48,7 @@ TEST_CASE("settings that decide the simulation are told apart from those of the 
     CHECK(after("fluid.kernel=wendland_c4") == std::vector<std::string>{"fluid.kernel: \"auto\", now \"wendland_c4\""});
 }
 
-TEST_CASE("differences come in the later list's order, what is gone comes last", "[scene]") {
+TEST_CASE("differences come in the later list's order, removed keys last", "[scene]") {
     const auto found = differences(NamedTexts{{"a", "1"}, {"b", "2"}, {"c", "3"}}, NamedTexts{{"d", "4"}, {"c", "3"}, {"b", "5"}});
     CHECK(texts_of(found) == std::vector<std::string>{"d: absent, now 4", "b: 2, now 5", "a: 1, now absent"});
     CHECK_FALSE(found[0].before);

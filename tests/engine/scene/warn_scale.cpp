@@ -20,7 +20,7 @@ std::string without_emitter() {
 
 }  // namespace
 
-TEST_CASE("a size that comes from a wrong unit is told with its key, what it means and the likely slip", "[plan]") {
+TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mistake", "[plan]") {
     const auto warned = [](const std::vector<std::string>& changes, const std::string& text) {
         const std::vector<std::string> all = plan_with(changes).warnings;
         INFO(text);
@@ -63,7 +63,7 @@ TEST_CASE("a size that comes from a wrong unit is told with its key, what it mea
                    Catch::EndsWith("; speeds are in m/s: for mm/s take a thousandth, 0.3"));
 }
 
-TEST_CASE("a solid that is a thousand times too large is told with the key that makes it so", "[plan]") {
+TEST_CASE("a solid that is a thousand times too large is reported with its key", "[plan]") {
     const auto warnings = [](const std::string& shape) { return plan_with({"solid[0]={" + shape + "}"}).warnings; };
     const std::string plate = "shape=\"cylinder\", from=[0,-0.004,0], to=[0,0,0], radius=";
     CHECK(warnings(plate + "0.06").empty());
@@ -76,7 +76,7 @@ TEST_CASE("a solid that is a thousand times too large is told with the key that 
     CHECK(warnings("shape=\"plane\"").empty());
 }
 
-TEST_CASE("a shape larger than the whole domain is blamed itself, not what it swallows", "[plan]") {
+TEST_CASE("a shape larger than the domain is reported itself, not the shapes inside it", "[plan]") {
     const std::string slip = "larger than the whole domain (0.2 m)", mm = "; lengths are in metres: millimetres would be 10 m across";
     const std::string ball = "shape=\"sphere\", radius=5000";
     CHECK(messages_with({"block[0]={" + ball + ", position=[0,0.05,0]}"}) ==
@@ -118,7 +118,7 @@ TEST_CASE("a container or drain as large as the domain is no slip where it leave
                Catch::Contains("no fluid is left after 2 s"));
 }
 
-TEST_CASE("a rod that spins about its own axis is as fast as its surface", "[plan]") {
+TEST_CASE("a rod that spins about its axis is as fast as its surface", "[plan]") {
     const auto warnings = [](const std::string& rotation) {
         return plan_with({"solid[1]={shape=\"cylinder\", from=[0,-0.5,0], to=[0,0.5,0], radius=0.02, position=[0.06,0,0.06], rotation=" +
                           rotation + "}"})
@@ -142,7 +142,7 @@ TEST_CASE("a viscosity that is no number on one side of a nozzle is refused", "[
         CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]"));
 }
 
-TEST_CASE("a viscosity that is none at the rim of a nozzle, where no particle is, is taken", "[plan]") {
+TEST_CASE("a viscosity that is invalid only at a nozzle's rim, without particles, is accepted", "[plan]") {
     const std::string rim = "fluid.viscosity=50*sqrt(9e-6-(x-0.05)^2-(z-0.05)^2)";
     CHECK(messages_with({rim, "emitter[0].radius=0.003", "emitter[0].position=[0.05,0.1,0.05]", "fluid.spacing=1e-3"}) == "no error");
     // A slot has a long and a short axis.
@@ -151,13 +151,13 @@ TEST_CASE("a viscosity that is none at the rim of a nozzle, where no particle is
     CHECK(messages_with({slot, "fluid.viscosity=1000*sqrt(0.07-x)"}) != "no error");
 }
 
-TEST_CASE("a wrong unit is told beside the mistake that it makes", "[plan]") {
+TEST_CASE("a wrong unit is reported next to the mistake that it causes", "[plan]") {
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=0.01", "models.pressure=coupled", "fluid.viscosity=1"}),
                Catch::Contains("too thin for models.pressure = \"coupled\"") &&
                    Catch::Contains("--set emitter[0].speed=300: a likely slip: emitter[0].speed: the fluid moves at 300 m/s"));
 }
 
-TEST_CASE("a mesh that is a thousand times too large or too small is told", "[plan]") {
+TEST_CASE("a mesh that is a thousand times too large or too small is reported", "[plan]") {
     const test::ScratchFolder folder;
     std::ofstream(folder / "bowl.obj") << "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0 30\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     const auto warnings = [&](const std::string& scale) {

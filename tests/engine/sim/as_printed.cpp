@@ -120,8 +120,7 @@ std::string messages(const std::vector<std::string>& changes, const std::string&
 
 }  // namespace
 
-TEST_CASE("as printed, two steps of the third note's system are its printed sums within 1e-4 of what they change, XSPH last",
-          "[micropolar][printed]") {
+TEST_CASE("as printed, two steps of the third note's system are its printed sums within 1e-4", "[micropolar][printed]") {
     for (const bool second : {false, true}) {
         CAPTURE(second);
         const Scene scene = scene_with({std::string("viscosity.laplacian=") + (second ? "monaghan" : "brookshaw")}, cloud);
@@ -149,7 +148,7 @@ TEST_CASE("as printed, two steps of the third note's system are its printed sums
     }
 }
 
-TEST_CASE("as printed: the plan refuses models and values that are in none of the notes, by key", "[plan][printed]") {
+TEST_CASE("as printed: the plan refuses models and values that no note has, by key", "[plan][printed]") {
     CHECK(messages({}) == "no error");
     CHECK_THAT(messages({"micropolar.micro_inertia=1"}),
                Catch::Contains("micropolar.micro_inertia = 1.0 is not what the notes print, 2.0"));

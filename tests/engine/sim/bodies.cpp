@@ -191,7 +191,7 @@ TEST_CASE("a body that lies on the bottom of weakly compressible water stays the
     }
 }
 
-TEST_CASE("what cannot be a free body, and models that do not move one, are told before the run", "[sim][bodies]") {
+TEST_CASE("invalid free bodies, and models that cannot move one, are refused before the run", "[sim][bodies]") {
     const auto complaint = [](const std::string& text) -> std::string {
         try {
             make_plan(read_scene_text(text, "test.toml"));

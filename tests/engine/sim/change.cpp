@@ -47,7 +47,7 @@ Scene scene_of(const std::vector<std::pair<std::string, std::string>>& changes =
 
 }  // namespace
 
-TEST_CASE("a run that is told what it does already goes on with the same bits", "[sim][change]") {
+TEST_CASE("setting the current values changes no bit", "[sim][change]") {
     const Scene scene = scene_of();
     Simulation told(scene, make_plan(scene)), untold(scene, make_plan(scene));
     for (const double until : {0.04, 0.08, 0.12}) {
@@ -115,8 +115,7 @@ TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]
     CHECK(resumed_to(0.2, saved, before, after, 0.1) == state_of(whole));
 }
 
-TEST_CASE("a change between two frame times begins anew what lags, and a run resumed at the next one is the run that went on",
-          "[sim][change]") {
+TEST_CASE("a change between frame times restarts lagged values, and a resumed run is bit-identical", "[sim][change]") {
     const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "40"}, {"solid[0].position", "[0, 0, \"0.2*t\"]"}});
     const auto half_way = [&](Simulation& simulation) {
         run_until(simulation, 0.1);

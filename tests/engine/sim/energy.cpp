@@ -85,8 +85,7 @@ TEST_CASE("the energy budget of a block in free fall: gravity's work, and the er
         CHECK(none == 0);
 }
 
-TEST_CASE("a piston's work is the energy that the water gains and damping takes: constraint 1 %, wcsph 10 %, projection 13 %",
-          "[sim][energy]") {
+TEST_CASE("a piston's work is the water's energy and damping: constraint 1 %, wcsph 10 %, projection 13 %", "[sim][energy]") {
     // wcsph: the force of solids counts them twice, the density once. With projection the water gains 6 % more than the work (physics.md
     // 7).
     for (const auto& [pressure, tolerance] :
@@ -103,7 +102,7 @@ TEST_CASE("a piston's work is the energy that the water gains and damping takes:
     }
 }
 
-TEST_CASE("a drum's work is the energy of its honey and what viscosity and damping take, within 1 %", "[sim][energy]") {
+TEST_CASE("a drum's work is its honey's energy plus the losses by viscosity and damping, within 1 %", "[sim][energy]") {
     for (const char* models : {"[models]\npressure = \"ppe\"\nviscosity = \"full\"\n", "[models]\npressure = \"coupled\"\n"}) {
         INFO(models);
         Simulation drum = simulation_of(
@@ -148,7 +147,7 @@ TEST_CASE("a nozzle brings the energy that a drain takes, within 1 %, and their 
     CHECK(totals.emitted_particles - totals.drained_particles == measure(jet.world(), Vec3d::Zero(), 1).particles);
 }
 
-TEST_CASE("the energy budget changes no bit of a run, and is the same for any number of threads and after a resume",
+TEST_CASE("the energy budget changes no bit of a run, and is the same for any threads and after a resume",
           "[sim][energy][threads][resume]") {
     const std::string text = channel(flows);
     Simulation plain = simulation_of(text), one = simulation_of(text), two = simulation_of(text);
@@ -210,7 +209,7 @@ TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice 
     }
 }
 
-TEST_CASE("two drops that merge keep their momentum within 1e-7, and the work of their surface closes the budget", "[sim][energy]") {
+TEST_CASE("merging drops keep their momentum within 1e-7, and their surface work closes the budget", "[sim][energy]") {
     Simulation drops = simulation_of(R"toml([time]
 end = 1
 [domain]

@@ -72,7 +72,7 @@ TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the partic
     CHECK(off < 0.02);
 }
 
-TEST_CASE("a run with ink goes on after a resume with the same bits", "[sim][ink]") {
+TEST_CASE("a run with ink resumes bit-identically", "[sim][ink]") {
     const std::string scene = vortices("ink_diffusion = 1e-4", R"toml([[stream]]
 min = [0.4, 0.4]
 max = [0.6, 0.6]
@@ -142,7 +142,7 @@ ink = ["t < 0.5 ? 1 : 0", 0, "x > 0 ? 1 : 0"]
     }
 }
 
-TEST_CASE("ink cannot spread where there is none", "[sim][ink]") {
+TEST_CASE("ink diffusion without ink is refused", "[sim][ink]") {
     std::string text = vortices("ink_diffusion = 1e-4", "");
     text.erase(text.find("ink = ["), text.find("0.25]") + 5 - text.find("ink = ["));
     try {

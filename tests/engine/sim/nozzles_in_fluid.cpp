@@ -136,14 +136,14 @@ TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure
     pours(tank, 0);
 }
 
-TEST_CASE("the projection, which lets fluid flow into a pipe from behind, refuses one that stands in the fluid", "[sim][emitter]") {
+TEST_CASE("the projection, which lets fluid enter a pipe from behind, refuses a pipe in the fluid", "[sim][emitter]") {
     const std::string projection = "[pressure]\nform = \"projection\"\n";
     CHECK_THROWS_WITH(simulation_of(Tank{.x = 0.1, .more = projection}.text()),
                       Catch::Contains("the pipe of emitter[0] stands in the fluid"));
     CHECK_NOTHROW(simulation_of(Tank{.speed = 0.1, .x = 0.4, .more = projection}.text()));
 }
 
-TEST_CASE("a nozzle in a pipe that is as wide, or narrower by up to a spacing, fills it with as much as it brings", "[sim][emitter]") {
+TEST_CASE("a nozzle in a pipe as wide, or up to a spacing narrower, fills it at the nozzle's rate", "[sim][emitter]") {
     constexpr double d = 1e-3, radius = 4 * d, speed = 0.2;
     for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"})
         for (const double narrower : {0.0, 0.3, 1.0})
@@ -165,7 +165,7 @@ TEST_CASE("a nozzle in a pipe that is as wide, or narrower by up to a spacing, f
             }
 }
 
-TEST_CASE("a run with a nozzle in the fluid goes on from a saved state with the same bits", "[sim][emitter]") {
+TEST_CASE("a run with a nozzle in the fluid resumes bit-identically", "[sim][emitter]") {
     const Tank tank{.start = 0.1};
     Simulation whole = simulation_of(tank.text()), second = simulation_of(tank.text());
     run_until(whole, 0.06);
@@ -224,7 +224,7 @@ TEST_CASE("a closed room into which more comes than fits is named by the plan, o
     CHECK(rounded.text() == "the closed room from (0, -0.2, 0) to (0.3, 0, 0.5) m");
 }
 
-TEST_CASE("a room that is full takes no more: the run says so once and stays calm", "[sim][emitter]") {
+TEST_CASE("a full room stops its emitter, which is reported once, and stays calm", "[sim][emitter]") {
     const auto [dimensions, more] = GENERATE(
         table<int, std::string>({{2, ""}, {3, ""}, {2, "[models]\npressure = \"wcsph\"\n"}, {3, "[models]\npressure = \"wcsph\"\n"}}));
     INFO(dimensions << ' ' << more);
@@ -243,7 +243,7 @@ TEST_CASE("a room that is full takes no more: the run says so once and stays cal
     CHECK(shortest > (more.empty() ? 1e-3 : 1e-5));
 }
 
-TEST_CASE("a lid that squeezes a full room by 1 % is reported once, and the run goes on without short steps", "[sim][emitter]") {
+TEST_CASE("a lid that squeezes a full room by 1 % is reported once, and steps stay long", "[sim][emitter]") {
     Simulation run = simulation_of(
         "[time]\nend = 0.1\nfps = 50\n[domain]\ndimensions = 2\nmin = [-0.06, -0.06]\nmax = [0.06, 0.1]\n[fluid]\nspacing = 0.01\n"
         "[models]\npressure = \"ppe\"\n[[block]]\nshape = \"box\"\nmin = [-0.04, -0.04]\nmax = [0.04, 0.04]\n"

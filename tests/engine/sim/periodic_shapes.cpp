@@ -75,7 +75,7 @@ double farthest(const World& a, const World& b, const Vec3& shift) {
 
 }  // namespace
 
-TEST_CASE("a whole scene of a periodic domain may stand anywhere: particles and figures are the same", "[sim][periodic]") {
+TEST_CASE("moving a whole periodic scene changes no particle and no figure", "[sim][periodic]") {
     const auto [name, more] = GENERATE(table<std::string, std::string>({{"full", "[pressure]\nform = \"constraint\"\n"},
                                                                         {"part", ""},
                                                                         {"part", "[models]\npressure = \"wcsph\"\n"},
@@ -113,7 +113,7 @@ TEST_CASE("a whole scene of a periodic domain may stand anywhere: particles and 
     }
 }
 
-TEST_CASE("nothing may stand in a periodic domain that leaves no room, and a rod just as long as it is no longer", "[sim][periodic]") {
+TEST_CASE("a solid that fills a periodic domain is refused, a rod as long as the domain is accepted", "[sim][periodic]") {
     const std::string top =
         "[time]\nend = 0.01\n[domain]\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.3]\nperiodic = [true, true, true]\n[fluid]\n"
         "spacing = 0.025\n";

@@ -251,7 +251,7 @@ velocity = [0.1, 0]
 
 }  // namespace
 
-TEST_CASE("under the projection a nozzle fills a basin as fast as it pours, and what stands above its rim runs out", "[sim][projection]") {
+TEST_CASE("under the projection a nozzle fills a basin at its rate, and fluid above the rim runs out", "[sim][projection]") {
     // .1 m at .1 m/s for .4 s: 10 particles, at the start less what lies in the opening already, a row. The level rises by less than a
     // spacing, 50 particles.
     Simulation simulation = simulation_of(basin);
@@ -267,7 +267,7 @@ TEST_CASE("under the projection a nozzle fills a basin as fast as it pours, and 
     CHECK(free_particles(simulation) < before + 50);
 }
 
-TEST_CASE("a jet that falls freely under the projection carries what its nozzle pours, as fast as it falls", "[sim][projection]") {
+TEST_CASE("a free jet under the projection carries its nozzle's rate at the speed of free fall", "[sim][projection]") {
     std::string text = basin.substr(0, basin.find("[[solid]]"));
     text.erase(text.find("[[block]]"), text.find("[[emitter]]") - text.find("[[block]]"));
     const auto put = [&](const std::string& old, const std::string& now) { text.replace(text.find(old), old.size(), now); };

@@ -132,7 +132,7 @@ TEST_CASE("in the plane nothing leaves the plane, and the mass is that of a metr
     }
 }
 
-TEST_CASE("fluid that fills its container lacks no layer that fits, and stands on the floor where the layers round up", "[sim]") {
+TEST_CASE("fluid that fills its container has every layer that fits, and rests on the floor", "[sim]") {
     for (const double layers : {8.0, 8.3, 8.55, 8.7, 8.86, 8.97})
         for (const std::string container : {"box", "cylinder"}) {
             CAPTURE(layers, container);
@@ -209,7 +209,7 @@ inside = true
     CHECK(densest < 1150);
 }
 
-TEST_CASE("a solid that stands still is tilted about its middle, as the scene says", "[sim]") {
+TEST_CASE("a fixed solid is tilted about its centre, as the scene specifies", "[sim]") {
     const Simulation simulation = simulation_of(R"toml([time]
 end = 1
 [fluid]
@@ -288,8 +288,7 @@ TEST_CASE("a saved state with values that no run has is refused", "[sim][resume]
     refused(count, std::numeric_limits<Index>::max());
 }
 
-TEST_CASE("a drop in a scene without solids falls by g t within 1e-5, with every pressure model, by gravity or by a force of the scene",
-          "[sim][pressure]") {
+TEST_CASE("a drop without solids falls by g t within 1e-5, in every pressure model, by gravity or force", "[sim][pressure]") {
     const std::string gravity = "gravity = [0, -9.81, 0]\n[fluid]\nviscosity = 100\n",
                       force = "gravity = [0, 0, 0]\n[fluid]\nviscosity = 100\nforce = [0, -9.81, 0]\n",
                       varying = "gravity = [0, 0, 0]\n[fluid]\nviscosity = 100\nforce = [0, \"-9.81*(t < 10 && x*x + z*z < 1)\", 0]\n";
@@ -319,8 +318,7 @@ pressure = ")toml" + pressure + "\"\n");
     }
 }
 
-TEST_CASE("a wall adds volume_factor rho_0/sum W of the published masses to the density of fluid in contact, within 1 %",
-          "[sim][boundary]") {
+TEST_CASE("a wall adds volume_factor rho_0/sum W of the published masses to the density, within 1 %", "[sim][boundary]") {
     const double d = 0.01;
     const auto lowest_density = [&](const std::string& factor) {
         Simulation simulation = simulation_of(R"toml([time]
@@ -363,7 +361,7 @@ shape = "plane"
     CHECK(lowest_density("1") - lowest_density("0.5") == Approx(0.5 * 1000 * layer / own).epsilon(0.01));
 }
 
-TEST_CASE("a plane that comes in from outside pushes the fluid as a box does, level or askew, and lets none through", "[sim][boundary]") {
+TEST_CASE("a plane that enters the domain pushes fluid as a box does, level or tilted, without leaks", "[sim][boundary]") {
     const auto pushed = [](const std::string& domain, const std::string& block, const std::string& solid) {
         Simulation simulation =
             simulation_of("[time]\nend = 1\n[domain]\ndimensions = 2\ngravity = [0, 0]\n" + domain +
@@ -386,8 +384,7 @@ TEST_CASE("a plane that comes in from outside pushes the fluid as a box does, le
     CHECK(askew.y() == Approx(askew.x()).epsilon(0.1));
 }
 
-TEST_CASE("a plane that moves pushes the same in a run that ends sooner, and in one that is resumed to end later",
-          "[sim][boundary][resume]") {
+TEST_CASE("a moving plane pushes equally in a run that ends sooner and in one that is resumed", "[sim][boundary][resume]") {
     const std::string motion = GENERATE("position = [\"0.317*t\", \"0.05*t\"]\n", "rotation = [0, 0, \"0.5*sin(7*t)\"]\n");
     const auto until = [&](const std::string& end) {
         return simulation_of(

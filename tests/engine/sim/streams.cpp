@@ -33,8 +33,7 @@ max = [1, 1, 1]
 
 }  // namespace
 
-TEST_CASE("a stream brings the fluid in its box to its velocity as 1 - exp(-t/time), whatever the step, and leaves the rest",
-          "[sim][stream]") {
+TEST_CASE("a stream accelerates the fluid in its box as 1 - exp(-t/time), whatever the step", "[sim][stream]") {
     for (const double step : {0.1, 0.02}) {
         Simulation simulation = simulation_of(fluid_in_stream(fmt::format(R"toml([models]
 pressure = "none"

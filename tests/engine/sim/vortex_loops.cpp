@@ -89,7 +89,7 @@ TEST_CASE("a vortex adds its velocity to the block's, and its ink fills the core
     CHECK(inside > 100);
 }
 
-TEST_CASE("a vortex that no fluid can hold is refused, and says why", "[sim][vortex]") {
+TEST_CASE("an impossible vortex is refused with the reason", "[sim][vortex]") {
     const auto refused = [](const std::string& scene, const std::string& why) {
         CHECK_THROWS_WITH(simulation_of(scene), Catch::Contains(why));
     };

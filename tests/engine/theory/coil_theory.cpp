@@ -58,7 +58,7 @@ TEST_CASE("steady coils between and beyond the table's rows are those of an inde
 
 // Without gravity and inertia a slender thread's coil is a figure of its own: Omega H/U = 4, R = H/4; the thread's thickness counts by its
 // share in the fall.
-TEST_CASE("without gravity and inertia a thin thread coils on a quarter of its fall, the more so the thinner it is", "[io][coil_theory]") {
+TEST_CASE("without gravity and inertia the coil of a thin thread tends to a quarter of its fall", "[io][coil_theory]") {
     double before = 0.15;
     for (const double slenderness : {0.04, 0.02, 0.01, 0.005}) {
         const CoilTheory theory = found({slenderness * 0.1, 0.1, 1e4, 0, 0.1, 0});
@@ -74,8 +74,7 @@ TEST_CASE("without gravity and inertia a thin thread coils on a quarter of its f
 
 // Omega_G = (g Q^3/(nu a^8))^(1/4) and Omega_I = (Q^4/(nu a^10))^(1/3) with the radius a at the coil (Ribe 2004), times numbers that hardly
 // vary.
-TEST_CASE("coils that gravity bends and coils that inertia bends follow their own scaling laws, while the frequency triples",
-          "[io][coil_theory]") {
+TEST_CASE("gravitational and inertial coils follow their scaling laws while the frequency triples", "[io][coil_theory]") {
     const double pi = std::numbers::pi;
     for (const double fall : {0.1, 0.14, 0.2, 0.28}) {
         const CoilTheory g = found({2.5e-3, 0.002, 5, 9.81, fall, 0});
@@ -116,7 +115,7 @@ TEST_CASE("a coil followed as its fall, speed and viscosity change is the one fo
     CHECK(leapt->frequency == Approx(found(p).frequency).epsilon(1e-6));
 }
 
-TEST_CASE("a coil goes on from its saved state with the same bits", "[io][coil_theory]") {
+TEST_CASE("a coil continues bit-identically from its saved state", "[io][coil_theory]") {
     CoilSolver first, second;
     CoilParameters p = nozzle_of_5_mm(0.1, 0.12, 0.2);
     REQUIRE(first.at(p));
@@ -132,8 +131,7 @@ TEST_CASE("a coil goes on from its saved state with the same bits", "[io][coil_t
     CHECK(cut.at(p)->frequency == Approx(first.at(p)->frequency).epsilon(1e-6));
 }
 
-TEST_CASE("nonsense and extremes have no coil or a finite one, within the bounded effort, and who gives up is answered at once",
-          "[io][coil_theory]") {
+TEST_CASE("invalid and extreme input gives no coil or a finite one, with bounded effort", "[io][coil_theory]") {
     CoilSolver solver;
     CHECK_FALSE(solver.at({}));
     CHECK_FALSE(solver.at({5e-3, -1, 1, 9.81, 0.1, 0}));

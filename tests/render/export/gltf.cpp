@@ -95,7 +95,7 @@ TEST_CASE("a glTF scene has solids that move, emitters, a camera that looks and 
     CHECK(glb.node("lamp")["extensions"]["KHR_lights_punctual"]["light"] == 0);
 }
 
-TEST_CASE("a glTF scene goes on from the frame that a run is resumed at, to the same file, and a damaged one is named", "[export]") {
+TEST_CASE("a resumed run continues its glTF scene to the same file, and names a damaged one", "[export]") {
     const test::ScratchFolder folder;
     SceneExport whole({"two", 25, 0.02, 160, 90}), first = whole, second = whole;
     for (int number = 1; number <= 9; ++number) whole.add(frame_at(number), view_at_frame(number), {});

@@ -51,7 +51,7 @@ const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 2, 1}, {0, 1, 3}, 
 
 }  // namespace
 
-TEST_CASE("a PLY of particles holds what other programs are told, to the bit, with units, and nothing of the solver's", "[export]") {
+TEST_CASE("a PLY of particles contains the exported fields bit for bit, with units, and no solver fields", "[export]") {
     const test::ScratchFolder folder;
     const Frame frame = some_frame();
     write_ply(folder / "a.ply", note_of(frame), particle_attributes(frame));
@@ -74,8 +74,7 @@ TEST_CASE("a PLY of particles holds what other programs are told, to the bit, wi
     CHECK_THROWS_AS(write_ply(folder / "missing" / "a.ply", note_of(frame), particle_attributes(frame)), EnvironmentError);
 }
 
-TEST_CASE("a PLY of a mesh holds normals, what the fluid carries and the triangles, and an empty one has no faces but says so",
-          "[export]") {
+TEST_CASE("a PLY of a mesh contains normals, fluid values and triangles, and an empty one has 0 faces", "[export]") {
     const test::ScratchFolder folder;
     TriangleMesh mesh;
     mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1.25f, 0}, {0, 0, 1e-3f}};

@@ -27,7 +27,7 @@ FlowGrid white_cube(int nodes, F&& dense) {
 
 }  // namespace
 
-TEST_CASE("light falls off in an even cloud as its depth says, from above and slanting", "[render][flow]") {
+TEST_CASE("light decays in an even cloud with its depth, from above and slanting", "[render][flow]") {
     const int n = 32;
     const FlowGrid grid = white_cube(n, [](int, int, int) { return true; });
     const std::vector<float> density(grid.value.size(), 1);

@@ -38,7 +38,7 @@ TEST_CASE("iso-lines part the range evenly, a pixel wide") {
     }
 }
 
-TEST_CASE("an even value has no iso-lines and no relief, a slope that faces the lamp is brighter than one that does not") {
+TEST_CASE("a constant value has no iso-lines and no relief, and a slope facing the lamp is brighter") {
     PlaneField field = ramp();
     const std::vector<float> falling = relief(field, field.value[0], {0, 1}, 1);
     for (float& v : field.value[0]) v = 1 - v;
@@ -52,7 +52,7 @@ TEST_CASE("an even value has no iso-lines and no relief, a slope that faces the 
     for (const float light : relief(field, field.value[0], {0, 1}, 1)) CHECK(light == Approx(1));
 }
 
-TEST_CASE("arrows lie along the flow around their places, are as long as its way, and there are none where it stands still") {
+TEST_CASE("arrows point along the local flow, have the length of its path, and are missing at rest") {
     PlaneField field = ramp();
     for (const float share : arrows(field, 4, 1, 0.01f).body) CHECK(share == 0);
     field.velocity[0].assign(field.cover.size(), 0.1f);  // m/s; 10 pixels a second

@@ -85,7 +85,7 @@ TEST_CASE("a linear field is exact in every pixel, at the edges too, in the plan
         }
 }
 
-TEST_CASE("a slice goes on across a periodic joint", "[render][slice]") {
+TEST_CASE("a slice continues across a periodic face", "[render][slice]") {
     Frame frame = uneven(2, turning);
     frame.periodic = {true, true, false};
     std::vector<float> value;
@@ -127,7 +127,7 @@ TEST_CASE("noise has mean 0 and variance 1 and goes with the particles", "[rende
     CHECK(most < 0.02f);
 }
 
-TEST_CASE("streaks run along the flow, and there are none where nothing moves", "[render][slice]") {
+TEST_CASE("streaks run along the flow, and vanish at rest", "[render][slice]") {
     const Frame moving = uneven(2, [](const Vec3f&) { return Vec3f(1, 0, 0); }),
                 still = uneven(2, [](const Vec3f&) { return Vec3f(Vec3f::Zero()); });
     const PixelPlane plane = slice_plane(moving, LookOptions{}, 300);
@@ -145,7 +145,7 @@ TEST_CASE("streaks run along the flow, and there are none where nothing moves", 
     CHECK(mean_square(streaks(plane_field(still, {none}, plane), 1, plane.pixel)) == 0);
 }
 
-TEST_CASE("fluid that stands still looks the same in every frame, and a moving one nearly so", "[render][slice]") {
+TEST_CASE("fluid at rest looks the same in every frame, and moving fluid nearly so", "[render][slice]") {
     // A vortex in the middle of fluid at rest; 1/24 s between frames.
     const auto vortex = [](const Vec3f& x) { return Vec3f(std::exp(-20 * (x - Vec3f(0.5f, 0.5f, 0)).squaredNorm()) * turning(x)); };
     Frame frame = uneven(2, vortex);

@@ -73,8 +73,7 @@ TEST_CASE("depth is the distance along the view axis, normals are the world's, a
     CHECK(at(layers, width / 2 + static_cast<int>(0.08f / 0.6f * pixels_a_metre_at_1), height / 2).id == 1);
 }
 
-TEST_CASE("motion is in pixels to the right and up until the next picture: of solids, of turning ones, of the fluid, of the camera",
-          "[render][exr]") {
+TEST_CASE("motion is in pixels right and up until the next frame, of solids, fluid and camera", "[render][exr]") {
     Renderer renderer(width, height);
     Frame frame = ball();
     Surface drop = test::sphere(Vec3f(0.08f, 0.1f, 0), 0.02f, 0.002f);
@@ -106,8 +105,7 @@ TEST_CASE("motion is in pixels to the right and up until the next picture: of so
     CHECK(ground.motion.x() == Approx(-0.01f * pixels_a_metre_at_1 / ground.depth).margin(0.02));
 }
 
-TEST_CASE("a transparent picture has alpha 1 within a solid and 0 where nothing stands, and the ground is only its shadow",
-          "[render][exr]") {
+TEST_CASE("a transparent image has alpha 1 in a solid and 0 beyond, and only the ground's shadow", "[render][exr]") {
     Renderer renderer(width, height);
     View from_above = ahead;
     from_above.position = Vec3f(0, 0.4f, 0.5f), from_above.target = Vec3f(0, 0.05f, 0);
@@ -144,8 +142,7 @@ TEST_CASE("a transparent picture has alpha 1 within a solid and 0 where nothing 
     CHECK(reddest > 0.1f);
 }
 
-TEST_CASE("a transparent solid laid over a plate looks as the opaque picture does, and honey over the studio as honey in the studio",
-          "[render][exr]") {
+TEST_CASE("a transparent image over its plate equals the opaque one, and honey over the studio honey in it", "[render][exr]") {
     Renderer renderer(width, height);
     const Frame frame = ball();
     const Image opaque = renderer.draw(frame, Surface{}, {}, ahead),

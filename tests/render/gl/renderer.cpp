@@ -31,7 +31,7 @@ LookOptions one_sample() {
 
 }  // namespace
 
-TEST_CASE("an EGL device works, and every device that was tried says what came of it", "[render]") {
+TEST_CASE("an EGL device works, and every tried device reports its outcome", "[render]") {
     bool works = false;
     for (const DeviceAttempt& attempt : probe_devices()) {
         CHECK_FALSE(attempt.name.empty());
@@ -108,8 +108,7 @@ FrameSolid solid(TriangleMesh mesh) {
 
 }  // namespace
 
-TEST_CASE("a box that stands on a plate darkens the plate at its foot and throws a soft shadow towards the viewer, alone the plate is even",
-          "[render]") {
+TEST_CASE("a box darkens the plate at its foot and casts a soft shadow, without it the plate is even", "[render]") {
     Renderer renderer(192, 128);
     const View from_above{Vec3f(0, 0.35f, 0.5f), Vec3f(0, 0.02f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
@@ -184,7 +183,7 @@ TEST_CASE("a slice shows the field in its plane: dark in the middle of a turning
     CHECK(middle[2] > middle[1] + 20);
 }
 
-TEST_CASE("a volume is a cloud: what stands behind its thin parts shows through, what is strong glows", "[render]") {
+TEST_CASE("a volume is a cloud: things behind its thin parts show through, strong parts glow", "[render]") {
     Renderer renderer(160, 120);
     LookOptions look = one_sample();
     look.style = "volume";
@@ -229,7 +228,7 @@ Frame with_dark_post(float z) {
 
 }  // namespace
 
-TEST_CASE("a wide lens shows what stands at its focus as sharp as a pinhole does, and blurs what stands behind", "[render]") {
+TEST_CASE("a wide lens is as sharp as a pinhole at its focus, and blurs things behind it", "[render]") {
     Renderer renderer(160, 96);
     LookOptions look;
     look.samples = 32;
@@ -242,7 +241,7 @@ TEST_CASE("a wide lens shows what stands at its focus as sharp as a pinhole does
     CHECK(sharpest_step(renderer.draw(with_dark_post(-0.3f), Surface{}, look, lens)) < 0.5 * sharp);
 }
 
-TEST_CASE("an open shutter smears a solid that moves across the picture, and leaves one that stands as it is", "[render]") {
+TEST_CASE("an open shutter blurs a moving solid, and not a fixed one", "[render]") {
     Renderer renderer(160, 96);
     LookOptions look;
     look.samples = 32;
@@ -300,7 +299,7 @@ TEST_CASE("a picture round the scene that is wider than the driver takes lights 
 
 // A lens of no width is no blur, but lets every sample see all. A delta E of 2.3 is a just noticeable difference; half floats round the
 // backdrop by .1 in the mean where it is a sum of samples.
-TEST_CASE("pixels that keep their first sample look as they do with all samples, on honey in a glass box and on wood", "[render]") {
+TEST_CASE("pixels that stop at their first sample look as with all samples, on honey, glass and wood", "[render]") {
     Renderer renderer(320, 240);
     Frame frame = empty_frame();
     const auto add = [&](TriangleMesh mesh, const std::string& material, bool container) {
@@ -376,7 +375,7 @@ TEST_CASE("a post in clear fluid is seen where light that bends at the surface c
     CHECK(std::abs(sum / static_cast<float>(dark) - expected) < 2);  // half a voxel of the solids' field, and half a pixel
 }
 
-TEST_CASE("what a renderer drew before does not change a picture, whatever it keeps", "[render]") {
+TEST_CASE("earlier images of a renderer do not change the next one, whatever it caches", "[render]") {
     struct Scene {
         Frame frame = empty_frame();
         LookOptions look = {};

@@ -22,7 +22,7 @@ std::array<int, 3> at(const Image& image, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("a canvas draws on white what it is told to, in its colours", "[render]") {
+TEST_CASE("a canvas draws shapes on white in their colours", "[render]") {
     const Image image = drawing().image();
     CHECK(image.width == 120);
     CHECK(image.height == 80);

@@ -55,7 +55,7 @@ TEST_CASE("a Radiance picture's rows are read packed and plain, to the bit", "[r
     CHECK(pictures.read(head + "-Y 1 +X 1\n" + std::string{'\x80', 1, 1, 0}).rgb == std::vector<float>{0, 0, 0});
 }
 
-TEST_CASE("a Radiance picture that is cut off anywhere or damaged is refused, with its name and what is wrong", "[render][hdr]") {
+TEST_CASE("a truncated or damaged Radiance image is refused with its name and fault", "[render][hdr]") {
     const Pictures pictures;
     for (const std::string& whole : {packed(), plain()})
         for (std::size_t size = 0; size < whole.size(); ++size) CHECK_THROWS_AS(pictures.read(whole.substr(0, size)), InputError);

@@ -82,7 +82,7 @@ TEST_CASE("an EXR file has only the layers that were asked for, and a broken one
     CHECK_THROWS_AS(write_exr("/dev/full/a.exr", plain, {}), EnvironmentError);
 }
 
-TEST_CASE("what screens show of layers has straight alpha that holds the shadow as black", "[image][exr]") {
+TEST_CASE("layers for screens have straight alpha with the shadow as black", "[image][exr]") {
     CHECK(pixel({0.5f, 0.5f, 0.5f, 1}, {}).alpha.empty());
     // Half covered: as if wholly covered, and half of it.
     const Image whole = pixel({0.4f, 0.2f, 0.1f, 1}, {1, 1, 1}), half = pixel({0.2f, 0.1f, 0.05f, 0.5f}, {1, 1, 1});
@@ -96,7 +96,7 @@ TEST_CASE("what screens show of layers has straight alpha that holds the shadow 
     CHECK(gathered.alpha[0] == 0);
 }
 
-TEST_CASE("a PNG keeps its alpha, and what knows none gets the picture over grey", "[image][exr]") {
+TEST_CASE("a PNG keeps its alpha, and formats without alpha get the image over grey", "[image][exr]") {
     const test::ScratchFolder folder;
     Image image{2, 1, {200, 100, 0, 10, 20, 30}, {255, 0}};
     write_png(folder / "a.png", image);

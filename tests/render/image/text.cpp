@@ -17,7 +17,7 @@ std::string pixels(const Image& image) { return {image.rgb.begin(), image.rgb.en
 
 }  // namespace
 
-TEST_CASE("every printable character has a shape of its own, also at the size of a legend", "[render]") {
+TEST_CASE("every printable character has a distinct shape, also at the size of a legend", "[render]") {
     std::map<std::string, char> known;  // pixels as characters
     for (char c = ' '; c <= '~'; ++c) {
         if (c == '^') continue;  // lifts an exponent
@@ -34,7 +34,7 @@ TEST_CASE("every printable character has a shape of its own, also at the size of
     CHECK(known.count(pixels(letter('\x01', 12))) == 0);  // the box of what is not in the font
 }
 
-TEST_CASE("text is as wide as it says, scales with its height, and lifts exponents", "[render]") {
+TEST_CASE("text is as wide as predicted, scales with its height, and raises exponents", "[render]") {
     CHECK(text_width("m/s", 20) == Approx(2 * text_width("m/s", 10)));
     CHECK(text_width("kg/m^3", 10) < text_width("kg/m3", 10));
     Image image = plain_image(200, 60, 255);

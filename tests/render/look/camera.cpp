@@ -23,7 +23,7 @@ TEST_CASE("a camera on keys passes through each of them and between them without
     }
 }
 
-TEST_CASE("a camera stands still between equal keys and goes beyond none, and sweeps through keys on its way", "[render]") {
+TEST_CASE("a camera rests between equal keys, overshoots none, and passes through keys on its way", "[render]") {
     CameraOptions camera;
     camera.kind = "keys";
     const auto key = [&](double time, float z, float fov) { camera.keys.push_back({time, Vec3f(0, 0, z), Vec3f::Zero(), fov}); };
@@ -94,8 +94,7 @@ TEST_CASE("an automatic camera shows all of its box, as near as the picture's si
     CHECK(std::max(h, v) == Approx(1 / 1.12).epsilon(1e-3));  // an eighth of margin; rounding of floats is below 1e-3
 }
 
-TEST_CASE("a lens is focused on the target unless the scene says where, and a shutter is open for its part of the time between pictures",
-          "[render]") {
+TEST_CASE("a lens is focused on the target by default, and a shutter is open for its share of a frame", "[render]") {
     CameraOptions camera;
     camera.kind = "fixed";
     camera.position = Vec3f(0, 0, 0.5f);

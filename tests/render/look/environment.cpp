@@ -38,7 +38,7 @@ TEST_CASE("under an even sky a white surface gives back the sky's radiance, whic
         CHECK(light_on(light, n).x() == Approx(2).epsilon(2e-3));  // the sum over 32 rows
 }
 
-TEST_CASE("under half a sky a surface gets what it sees of it: all, half or nothing, within 4 %", "[look]") {
+TEST_CASE("under half a sky a surface receives all, half or nothing of it by its view, within 4 %", "[look]") {
     const auto light = light_of(all_round([](const Vec3f& d) { return d.x() > 0 ? 1.0f : 0.0f; }));
     CHECK(light_on(light, Vec3f(1, 0, 0)).x() == Approx(1).margin(0.04));  // what the third order and higher would add
     CHECK(light_on(light, Vec3f(0, 0, 1)).x() == Approx(0.5).margin(0.04));
@@ -47,7 +47,7 @@ TEST_CASE("under half a sky a surface gets what it sees of it: all, half or noth
     CHECK(brightest_side(light).y() > 0.5f);  // at least 35 degrees above the horizon
 }
 
-TEST_CASE("a Radiance picture is read in linear light, a missing one and one of another kind are refused by name", "[look]") {
+TEST_CASE("a Radiance image is read as linear light, a missing or different file is refused by name", "[look]") {
     const test::ScratchFolder folder;
     {
         std::ofstream out(folder / "two.hdr", std::ios::binary);

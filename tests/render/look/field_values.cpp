@@ -4,7 +4,7 @@
 
 using namespace whorl;
 
-TEST_CASE("a range that runs down turns the colours, not what is strong", "[render]") {
+TEST_CASE("a descending range reverses the colours, not the strength", "[render]") {
     Frame frame;
     frame.position.assign(2, Vec3f::Zero());
     frame.velocity = {Vec3f(0.25f, 0, 0), Vec3f(1, 0, 0)};

@@ -80,7 +80,7 @@ TEST_CASE("a legend shows the map from end to end with the field's name and unit
     CHECK(field_title(look) == "spin z [1/s]");
 }
 
-TEST_CASE("no word stands on the flow or is cut off, whatever its sides and the picture's", "[render]") {
+TEST_CASE("no text overlaps the flow or is cut off, for any aspect of flow and image", "[render]") {
     const LookOptions look = wordy();
     const int sizes[][2] = {{640, 360}, {640, 178}, {318, 360}, {1280, 720}, {1920, 1080}, {420, 420}};
     for (const auto& [width, height] : sizes)

@@ -5,7 +5,7 @@
 
 using namespace whorl;
 
-TEST_CASE("a thick ink has its own colour on any ground, no ink the ground's", "[render][ink]") {
+TEST_CASE("a thick ink has its pure colour on any ground, no ink the ground's", "[render][ink]") {
     for (const float ground : {0.0f, 0.3f, 1.0f}) {
         const Pigments pigments({"#1e50a0", "#e6b400"}, Vec3f::Constant(ground));
         Vec3f blue;

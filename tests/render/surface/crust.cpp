@@ -27,7 +27,7 @@ Fluid block(int n) {
 
 }  // namespace
 
-TEST_CASE("two plates meet half-way between their middles, and the distance to that edge is told in spacings", "[render][surface]") {
+TEST_CASE("two plates meet half-way between their centres, and the distance to that edge is in spacings", "[render][surface]") {
     Fluid fluid = block(4);
     fluid.position = {Vec3f(0, 0, 0), Vec3f(8 * d, 0, 0), Vec3f(2 * d, 5 * d, 0)};
     fluid.grain = {1e-3f, 2e-3f, 0.5f};

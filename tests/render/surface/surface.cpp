@@ -207,8 +207,7 @@ TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by
             }
 }
 
-TEST_CASE("the distance volume is what a search over all triangles finds: exactly near the surface, and hardly more further off",
-          "[surface]") {
+TEST_CASE("the distance volume equals a search over all triangles near the surface, and nearly so farther off", "[surface]") {
     TriangleMesh lump = test::sphere(Vec3f::Zero(), 1, 0.3f).mesh;
     for (Vec3f& x : lump.position) x = x.cwiseProduct(Vec3f(1, 0.6f, 0.45f));
     for (const float voxel : {0.12f, 0.17f, 0.4f}) {  // wider and narrower than the rows that are looked at together
@@ -284,7 +283,7 @@ TEST_CASE("a periodic fluid is cut off flat at the sides of its period, and both
     REQUIRE(volume(mesh) == Approx(static_cast<double>(period.position.size())).epsilon(0.03));
 }
 
-TEST_CASE("water fills its glass: a surface runs along the walls of a box and of a cylinder, turned as they may stand", "[surface]") {
+TEST_CASE("water fills its glass: a surface follows the walls of a box and a cylinder in any rotation", "[surface]") {
     // A lattice half a spacing from the walls of the lower half of a vessel: the volume is that of the vessel's lower half.
     const bool round = GENERATE(false, true);
     const Mat3f turn = GENERATE(Mat3f::Identity().eval(), Eigen::AngleAxisf(0.7f, Vec3f(1, 2, 3).normalized()).toRotationMatrix());

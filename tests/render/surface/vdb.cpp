@@ -10,7 +10,7 @@
 
 using namespace whorl;
 
-TEST_CASE("a VDB file opens with a level set, a velocity and a cloud's density, and says what they are", "[surface]") {
+TEST_CASE("a VDB file contains a level set, a velocity and a cloud's density with their metadata", "[surface]") {
     test::ScratchFolder folder;
     const Surface surface = build_surface(test::sphere_frame(4, 1), {});
     // Fluid fills the lower half of a grid of cells of three lengths.

@@ -6,7 +6,7 @@
 
 using namespace whorl;
 
-TEST_CASE("what particles carry reaches the surface as the mean of those near by", "[render][surface]") {
+TEST_CASE("particle values reach the surface as the mean of near particles", "[render][surface]") {
     const std::vector<Vec3f> particle{{0, 0, 0}, {1, 0, 0}, {10, 0, 0}};
     const std::vector<float> value{2, 4, 9};
     const std::vector<Vec3f> vertex{{0.5f, 0, 0}, {0, 0, 0}, {10, 0.5f, 0}, {5, 5, 5}};
@@ -17,7 +17,7 @@ TEST_CASE("what particles carry reaches the surface as the mean of those near by
     CHECK(found[3] == 0);  // nobody there
 }
 
-TEST_CASE("a surface tells the fluid's age at its vertices where the frame knows it, and none where it does not", "[render][surface]") {
+TEST_CASE("a surface has the fluid's age at its vertices if and only if the frame has it", "[render][surface]") {
     Frame frame;
     frame.spacing = 0.1f;
     frame.domain_min = Vec3f::Constant(-1), frame.domain_max = Vec3f::Constant(2);

@@ -195,7 +195,7 @@ TEST_CASE("without ffmpeg the error names the package", "[video]") {
     REQUIRE(encoder_version().rfind("ffmpeg version", 0) == 0);
 }
 
-TEST_CASE("an encoder that gives up says why and raises no signal", "[video]") {
+TEST_CASE("an encoder that fails reports why and raises no signal", "[video]") {
     test::ScratchFolder folder;
     VideoEncoder encoder(folder / "missing" / "film.mp4", 640, 480, {});
     const Image image = flat_picture(640, 480, 0, 0, 0);

@@ -82,8 +82,7 @@ double longest_link(const std::vector<Vec3d>& x) {
 
 }  // namespace
 
-TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thins as its length says, and does not tear",
-          "[validation][coupled]") {
+TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thins and does not tear", "[validation][coupled]") {
     HeldThread w(24);
     const double rate = 5;
     std::vector<std::size_t> middle;  // the same particles throughout

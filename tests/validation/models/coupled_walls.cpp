@@ -70,7 +70,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("coupled: a block of syrup on a free-slip incline of 30 degrees speeds up with g sin 30 within 0.5 % and stays on it",
+TEST_CASE("coupled: a block on a free-slip incline of 30 degrees accelerates by g sin 30 within 0.5 %",
           "[validation][coupled][boundary][slip]") {
     const double d = 0.01, slope = std::numbers::pi / 6, g = 9.81, dt = 0.002;
     for (const auto& [nu, side] : {std::pair(0.05, 4), std::pair(0.5, 8), std::pair(5.0, 4)}) {
@@ -117,7 +117,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("coupled: a paddle that turns in a tank of syrup takes it along, and none leaks into the paddle or out of the tank",
+TEST_CASE("coupled: a turning paddle drags syrup along, and none leaks into the paddle or out of the tank",
           "[validation][coupled][boundary]") {
     const double d = 0.01;
     for (double slip : {0.0, freely}) {
@@ -229,7 +229,7 @@ TEST_CASE("coupled: a closed drum that turns takes its syrup into a rigid rotati
     CHECK(turning / inertia == Approx(2).epsilon(0.01));
 }
 
-TEST_CASE("coupled: a film of syrup 6 to 12 spacings thick runs down a sticking slope at g sin(angle) H^2/(3 nu) on average, within 3 %",
+TEST_CASE("coupled: a film of 6 to 12 spacings flows at g sin(angle) H^2/(3 nu) on average, within 3 %",
           "[validation][coupled][boundary]") {
     const double d = 0.01, nu = 0.5, g = 9.81, slope = 0.3;
     for (const int layers : {6, 12}) {
@@ -287,7 +287,7 @@ Rest rest_of(const Vessel& v, double seconds) {
 
 }  // namespace
 
-TEST_CASE("coupled: honey at rest keeps its height within 1.5 % over 5 s, at three spacings in the plane, in a box and in a jar",
+TEST_CASE("coupled: honey at rest keeps its height within 1.5 % over 5 s, in 2D, in a box and in a jar",
           "[validation][coupled][boundary]") {
     // The surface is uneven by some tenths of a spacing, and a start that is no lattice settles by as much.
     for (const Vessel& v : {Vessel{"plane", 1}, Vessel{"plane", 30}, Vessel{"plane", 1000, 0.004, "jittered"}, Vessel{"plane", 5, 0.008},

@@ -22,8 +22,7 @@ using namespace whorl::test;
 
 namespace micropolar_test {
 
-TEST_CASE("a micropolar Taylor-Green vortex follows its two equations within 2 % at 32 particles a wave, at second order",
-          "[validation][micropolar]") {
+TEST_CASE("a micropolar Taylor-Green vortex follows its equations within 2 %, at second order", "[validation][micropolar]") {
     const Micropolar2 coefficients{1, 1.5, 0.02, 0.05};
     for (const bool implicit : {false, true}) {
         INFO((implicit ? "implicit" : "explicit"));
@@ -50,8 +49,7 @@ TEST_CASE("with the composed part of \"split\" the Taylor-Green vortex follows i
     CHECK(error.spin < 0.02);
 }
 
-TEST_CASE("in the plane the Taylor-Green vortex with spin follows its two differential equations within 2 %, too",
-          "[validation][micropolar][plane]") {
+TEST_CASE("in 2D the Taylor-Green vortex with spin follows its two differential equations within 2 %", "[validation][micropolar][plane]") {
     const VortexError error = taylor_green_error({1, 1.5, 0.02, 0.05}, {}, false, 32, 2, 0, 2);
     CHECK(error.velocity < 0.02);
     CHECK(error.spin < 0.02);
@@ -134,8 +132,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a free blob keeps orbital and spin angular momentum together to 1e-4 with the adjoint pair of curls, and its momentum",
-          "[validation][micropolar][regression]") {
+TEST_CASE("a free blob keeps momentum and total angular momentum to 1e-4 with the adjoint curls", "[validation][micropolar][regression]") {
     // viscosity = coupling (seed with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque pays
     // for curl u.
     MicropolarOptions options;
@@ -203,8 +200,7 @@ spin = ["0", "0", "3*sin(2*pi*x)"]
 
 }  // namespace
 
-TEST_CASE("the energy budget closes to 1 % with both pressure models, explicit and implicit viscosity, and a stirring solid",
-          "[validation][micropolar]") {
+TEST_CASE("the energy budget closes to 1 % in both pressure models, with any viscosity and a stirrer", "[validation][micropolar]") {
     const std::string solid = "solid[0]={shape=\"sphere\", position=[0.5,0.5,0.125], radius=0.12, rotation=[0,0,3]}";
     for (const std::vector<std::string>& changes : {std::vector<std::string>{"pressure.background_pressure=2000"},
                                                     {"models.pressure=ppe", "pressure.form=constraint"},
@@ -254,8 +250,7 @@ const std::string ball =
 
 }  // namespace
 
-TEST_CASE("a free body gains speed by forms whose torque is not the coupling's, at the rate that the plan warns of, within 10 %",
-          "[validation][micropolar][plane]") {
+TEST_CASE("forms without the coupling's torque speed a free body up at the plan's rate within 10 %", "[validation][micropolar][plane]") {
     // (D + 2)(kappa - a)/R^2 with the form along u_i - u_j and (D + 2) kappa/R^2 along r_ij (docs/physics.md 8), of .5e-3 m^2/s each: small
     // beside the viscosity, which keeps the rotation rigid.
     for (const auto& [shape, dimensions] : {std::pair{ball, 3}, std::pair{disc, 2}})
@@ -277,8 +272,7 @@ TEST_CASE("a free body gains speed by forms whose torque is not the coupling's, 
         }
 }
 
-TEST_CASE("spinning fluid never gains energy with the forms that the plan chooses, in balls, discs, jets and tanks",
-          "[validation][micropolar][plane]") {
+TEST_CASE("spinning fluid never gains energy with the plan's forms, in balls, discs, jets and tanks", "[validation][micropolar][plane]") {
     const std::string jet = "[[emitter]]\nposition = [0, 0.1, 0]\ndirection = [0, -1, 0]\nradius = 0.03\nspeed = 0.5\n",
                       tank =
                           "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.08, 0]\nradius = 0.06\n"

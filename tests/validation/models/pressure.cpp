@@ -109,8 +109,7 @@ void carries_its_weight(Model model, double jitter) {
 
 }  // namespace
 
-TEST_CASE("the pressure at the bottom of a column of 30 layers is its weight within 2 %, with all pressure models",
-          "[validation][pressure][long]") {
+TEST_CASE("the pressure below a column of 30 layers is its weight within 2 %, in all pressure models", "[validation][pressure][long]") {
     carries_its_weight(Model::poisson, 0);
     carries_its_weight(Model::constraint, 0);
     carries_its_weight(Model::wcsph, 0.05);

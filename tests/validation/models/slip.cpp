@@ -132,7 +132,7 @@ TEST_CASE(
     poiseuille({0.5, 2});
 }
 
-TEST_CASE("walls that slip by ten spacings: the straight profile and the parabola as with less, within 2 % (explicit monaghan 5 %)",
+TEST_CASE("walls with a slip of ten spacings keep both profiles within 2 % (explicit monaghan 5 %)",
           "[validation][viscosity][boundary][slip][long][regression]") {
     couette({10});
     poiseuille({10});

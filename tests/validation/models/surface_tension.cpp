@@ -156,7 +156,7 @@ TEST_CASE("drops of 8 and 11 spacings have the pressure 2 sigma/R within 10 % ho
     presses_however_begun(11);
 }
 
-TEST_CASE("the pressure in a drop is 2 sigma/R, and it swings between long and flat with Rayleigh's period, within 12 % and 5 %",
+TEST_CASE("a drop has the pressure 2 sigma/R within 12 % and Rayleigh's period within 5 %",
           "[validation][surface_tension][regression][long]") {
     presses_and_swings({6, 8});
 }

@@ -74,8 +74,7 @@ double vortex_amplitude(TestWorld& w, double k) {
 
 }  // namespace
 
-TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles a wave, explicit and full",
-          "[validation][viscosity]") {
+TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its rate, 32 particles per wave", "[validation][viscosity]") {
     const double L = 1, d = L / 32, k = 2 * std::numbers::pi / L, nu = 1;
     in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
         const double support = support_of(form);
@@ -119,8 +118,7 @@ TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola with
     });
 }
 
-TEST_CASE("plane Couette flow between a wall at rest and one that moves stays straight within 2 %, 16 particles across",
-          "[validation][viscosity][boundary]") {
+TEST_CASE("plane Couette flow has a straight profile within 2 %, with 16 particles across", "[validation][viscosity][boundary]") {
     // From the exact flow, for nu t/H^2 = 0.5: what a discrete steady state differs by has come up to 1 - exp(-pi^2/2) = 99 %.
     const double H = 1, d = H / 16, nu = 1;
     in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
@@ -177,8 +175,7 @@ double start_up_error(Form form, double g, double U, const std::function<double(
 
 }  // namespace
 
-TEST_CASE("Couette and Poiseuille flow start from rest as their series, within 2 % of the largest speed, 24 particles across",
-          "[validation][viscosity][boundary]") {
+TEST_CASE("Couette and Poiseuille flow start as their series, within 2 % of the largest speed", "[validation][viscosity][boundary]") {
     const double pi = std::numbers::pi;
     for (Form form : all_forms) {
         INFO(name(form));
@@ -214,8 +211,7 @@ double gradient_symbol(double k, double d, double support) {
 
 }  // namespace
 
-TEST_CASE("the published full viscosity slows a shear wave at nu times the square of its own lattice sum, to 1e-4, not at nu k^2",
-          "[validation][viscosity]") {
+TEST_CASE("the published full viscosity damps a shear wave by nu times its lattice sum squared, to 1e-4", "[validation][viscosity]") {
     // The force is the transpose of the gradient: the rate is nu S^2 with the S of gradient_symbol(). For long waves S/k is the factor that
     // gradients of linear fields have on a lattice, 1.020 with R = 2 d: they decay 4 % too fast, however many particles a wave has. Shorter
     // waves lose some of that to the kernel's width: 2.7 % too fast with 32 particles a wave, 3.7 % with 64. With R = 4 d the factor is 1.
@@ -258,8 +254,7 @@ TEST_CASE("the published full viscosity slows a shear wave at nu times the squar
     }
 }
 
-TEST_CASE("a force sin(ky) drives a flow to f/(nu k^2) (1 - exp(-nu k^2 t)) sin(ky) within 1 %, 32 particles a wave",
-          "[validation][viscosity]") {
+TEST_CASE("a force sin(ky) drives a flow to f/(nu k^2) (1 - exp(-nu k^2 t)) sin(ky) within 1 %", "[validation][viscosity]") {
     // Kolmogorov's flow, so slow that no particle passes its neighbour.
     Simulation simulation = simulation_of(R"toml([time]
 end = 0.06
@@ -289,8 +284,7 @@ max = [0.25, 1, 0.25]
     CHECK(amplitude == Approx(exact).epsilon(0.01));
 }
 
-TEST_CASE("a film on an incline keeps its half parabola within 2 %, 16 particles deep, with the forms whose free surface bears no shear",
-          "[validation][viscosity][boundary]") {
+TEST_CASE("a film on an incline keeps its half parabola within 2 % with forms without surface shear", "[validation][viscosity][boundary]") {
     // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: what the steady state differs by has come up to 1 - exp(-pi^2/4) =
     // 92 %.
     const double H = 1, d = H / 16, nu = 1, g = 2;  // largest speed g H^2/(2 nu) = 1
@@ -364,7 +358,7 @@ double published_error(const PublishedFlow& one, int flow) {
 
 }  // namespace
 
-TEST_CASE("the published viscosity sticks to walls: Couette, a film and a sliding block within 6 %, as printed it does not",
+TEST_CASE("the published viscosity sticks to walls within 6 % (Couette, film, block), as printed it does not",
           "[validation][viscosity][boundary]") {
     // On lattices within 2 %. Off them the printed gradient itself is a few per cent wrong.
     const PublishedFlow all[] = {{false, 3, 10, 2, 0}, {true, 3, 9, 2, 0.1},   {false, 3, 10, 3, 0.1},  {false, 2, 20, 2, 0},
@@ -379,8 +373,7 @@ TEST_CASE("the published viscosity sticks to walls: Couette, a film and a slidin
         }
 }
 
-TEST_CASE("a free body that turns keeps its angular momentum within 0.1 % and its energy within 1 % over two turns, with nu dt/d^2 = 10",
-          "[validation][viscosity]") {
+TEST_CASE("a turning free body keeps angular momentum within 0.1 %, energy within 1 %, at nu dt/d^2 = 10", "[validation][viscosity]") {
     // A cube of 8^3; no pressure: a rigid rotation needs a centripetal force, so the body is turned, not moved.
     const double d = 0.1;
     TestWorld w(d, 2, Domain{Vec3(-4, -4, -4), Vec3(4, 4, 4), {}});

@@ -101,16 +101,14 @@ TEST_CASE("weakly compressible water comes to rest in a full slot, with the pres
     weakly_compressible_rest("slot", 0.01, "blue_noise");
 }
 
-TEST_CASE("weakly compressible water comes to rest in a box, from other starts and finer, with its weight within 2 %",
-          "[validation][sim][long]") {
+TEST_CASE("weakly compressible water comes to rest in a box from any start, with its weight within 2 %", "[validation][sim][long]") {
     for (const std::string sampling : {"lattice", "blue_noise"}) weakly_compressible_rest("box", 0.01, sampling);
     weakly_compressible_rest("slot", 0.01, "lattice");
     for (const std::string form : {"box", "slot"})
         for (const std::string sampling : {"lattice", "blue_noise"}) weakly_compressible_rest(form, 0.0075, sampling);
 }
 
-TEST_CASE("a scene's column of 30 layers on a plane presses on it with its weight within 2 %, with both pressure models",
-          "[validation][sim][long]") {
+TEST_CASE("a column of 30 layers presses on a plane with its weight within 2 %, in both pressure models", "[validation][sim][long]") {
     // Periodic sideways; the particles of the plane are what sample_solids makes of it. Mean over 0.2 s after 1.0 s of settling.
     const std::string smoothed = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";  // wcsph has dampers of its own
     for (const std::string pressure : {"ppe", "wcsph"}) {
@@ -231,8 +229,7 @@ TEST_CASE("pressure.source density: the same where a step corrects all of the de
     for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 1);
 }
 
-TEST_CASE("pressure.source density: water that fills the slot between a floor and a ceiling stays at rest, with the pressure of its weight",
-          "[validation][sim]") {
+TEST_CASE("pressure.source density: water between floor and ceiling rests with the pressure of its weight", "[validation][sim]") {
     // Within 1 %. No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the
     // topmost layer falls (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
     Simulation simulation = simulation_of(scene_of(WaterColumn{0.1, 10 * d, d, 0.2, 2e-3}, R"toml([models]
@@ -362,7 +359,7 @@ TEST_CASE("water comes to rest in an open box, and with viscosity in a full clos
     comes_to_rest("full closed box", full_box, "[false, false, false]", {0.1, 0.1, 0.1}, xsph);
 }
 
-TEST_CASE("a block of water beside side walls stands still, and its corners have rho g depth within 5 %", "[validation][sim]") {
+TEST_CASE("a block of water at side walls stays at rest, and its corners have rho g depth within 5 %", "[validation][sim]") {
     // Walls show images, so the lattice beside them is held as inside: up to 7e-5 of its potential energy moves while its excess of 0.09 %
     // is corrected, 8e-7 after 0.1 s (9e-4 without images, when the force along walls was 0.84 of a gradient's). Later the lattice melts.
     // 2D: 1.04 in corners. 3D, 12 particles across: 1.02 in edges and corners (1.14 in corners without images), 6e-8 to 5e-7 move.
@@ -501,8 +498,7 @@ TEST_CASE("water that fills the gap between floor and ceiling lies still", "[val
     CHECK(rest.lost == 0);
 }
 
-TEST_CASE("water comes to rest between floor and ceiling and in a slot, with and without viscosity, and in boxes the other way round",
-          "[validation][sim][long]") {
+TEST_CASE("water comes to rest between floor and ceiling, in a slot and in inverted boxes", "[validation][sim][long]") {
     comes_to_rest("open box", open_box, "[false, false, false]", {0.1, 0.1, 0.1}, xsph);
     comes_to_rest("full closed box", full_box, "[false, false, false]", {0.1, 0.1, 0.1}, "");
     for (const std::string& viscosity : {std::string(), xsph}) {
@@ -705,8 +701,7 @@ TEST_CASE("honey spun for 20 s keeps its energy from 2 s on: within .5 % under p
     }
 }
 
-TEST_CASE("honey of 50 Pa s does not climb a bucket that spins: its energy in the bucket's frame falls, and moves add none",
-          "[pressure][boundary]") {
+TEST_CASE("honey of 50 Pa s does not climb a bucket that spins, and its energy in that frame falls", "[pressure][boundary]") {
     // With walls that move along straight lines in a step, it falls until 1 s and then rises.
     Simulation simulation = simulation_of(spun_bucket(8e-3, 50));
     simulation.count_energy();

@@ -78,8 +78,7 @@ void floats(double ratio) {
 
 TEST_CASE("a raft half as dense as water floats half under water, within 0.15 spacings", "[validation][bodies]") { floats(0.5); }
 
-TEST_CASE("rafts a tenth and four fifths as dense as water float with that share of their height under water, within 0.15 spacings",
-          "[validation][bodies][long]") {
+TEST_CASE("rafts of .1 and .8 times water's density float with that share immersed, within 0.15 spacings", "[validation][bodies][long]") {
     floats(0.1);
     floats(0.8);
 }
@@ -133,8 +132,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a ball that is thrown into a pool at five spacings a hundredth of a second lets no water through and loses none",
-          "[validation][bodies]") {
+TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water through and loses none", "[validation][bodies]") {
     for (const double density : {200.0, 3000.0}) {
         Simulation simulation = pool({0.25, 0.1, 0.25}, ppe,
                                      fmt::format("shape = \"sphere\"\nposition = [0.1, 0.2, 0.12]\nradius = 0.04\nvelocity = [1, -6, "
@@ -242,7 +240,7 @@ max = [0.2, 0.4]
 
 }  // namespace
 
-TEST_CASE("a heavy plate presses honey out from under itself as fast as lubrication says, within 20 %", "[validation][bodies]") {
+TEST_CASE("a heavy plate squeezes honey out at the rate of lubrication theory within 20 %", "[validation][bodies]") {
     // 1/h^2 grows by 2 W dt/(mu L^3) under a plate of weight W and length L. The honey beside it, which the theory leaves out, carries a
     // seventh of the weight. A splitting of pressure and viscosity that does not expect the plate's load sinks by 1 + 12 nu dt/h^2 faster:
     // 40 % at 20 Pa s, 3 times at 100.
@@ -284,8 +282,7 @@ TEST_CASE("stones under water, a raft, a sluice's plate and a wedged body are at
     for (const Bed& bed : {stone, stack, raft, sluice, wedge}) lies_still(bed, 0.01, 3, 3.5);
 }
 
-TEST_CASE("for twenty seconds stones lie still under water, a brick floats on a raft, and a sluice's plate holds",
-          "[validation][bodies][long]") {
+TEST_CASE("for 20 s stones rest under water, a brick floats on a raft, and a sluice's plate holds", "[validation][bodies][long]") {
     for (const Bed& bed : {stone, stack, raft})
         for (const double spacing : {0.01, 0.005}) lies_still(bed, spacing, 3, 20);
     for (const Bed& bed : {sluice, wedge}) lies_still(bed, 0.005, 3, 8);

@@ -97,8 +97,7 @@ TEST_CASE(
     CHECK(simulation.totals().unconverged_solves == 0);
 }
 
-TEST_CASE("a looser pressure.tolerance takes iterations from a dam break, and leaves no particle denser than the usual one does",
-          "[validation][pressure]") {
+TEST_CASE("a looser pressure.tolerance saves iterations in a dam break, and leaves no particle denser", "[validation][pressure]") {
     const auto iterations_and_error = [](const std::string& keys) {
         Simulation simulation = simulation_of(dam + keys);
         const Compression error = compression_over(simulation, 0.6);
@@ -112,7 +111,7 @@ TEST_CASE("a looser pressure.tolerance takes iterations from a dam break, and le
     CHECK(loose_error.mean < 4e-3 * 0.5);  // what a step may add
 }
 
-TEST_CASE("at any time.cfl, the weight of water shortens a step to what a column at rest bears", "[validation][pressure]") {
+TEST_CASE("at any time.cfl, the weight of water limits the step to that of a stable column at rest", "[validation][pressure]") {
     Simulation simulation =
         simulation_of(std::string("[time]\nend = 1\ncfl = 1.6\nmax_step = 1\n") + (dam + std::string(dam).find("[domain]")));
     int bound = 0;
@@ -165,8 +164,7 @@ inside = true
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE("a rotating square patch of water is held by the tension of theory, and keeps its symmetry, angular momentum and energy",
-          "[validation][pressure]") {
+TEST_CASE("a rotating square patch has the tension of theory, and keeps symmetry, spin and energy", "[validation][pressure]") {
     // Half a radian. The pressure that keeps the velocity of a turning square free of divergence solves lap p = 2 rho w^2 with p = 0 on
     // the sides: -0.1473 rho w^2 L^2 in the middle (Fourier series; Colagrossi 2005). Without a pressure the corners move to 0.79 L.
     constexpr double d = 0.05;

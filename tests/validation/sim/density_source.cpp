@@ -29,8 +29,7 @@ struct EnergyRise {
 
 }  // namespace
 
-TEST_CASE("pressure.source density: a dam that breaks in a tank gains no energy, loses no particle and comes to rest on the tank's floor",
-          "[validation][pressure]") {
+TEST_CASE("pressure.source density: a dam break gains no energy, loses no particle and comes to rest", "[validation][pressure]") {
     // The energy of height that the dam has to give: half of m g H. It may rise by 0.1 % where the wave falls on itself (0.003 % was
     // measured). The level: two fifths of the width are filled to H.
     constexpr double d = 0.0125, H = 12 * d;
@@ -70,8 +69,7 @@ max = [{5}, 0.45, 1]
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE("pressure.source density: a particle that falls alone comes to rest half a spacing above the floor, by its own pressure",
-          "[validation][pressure]") {
+TEST_CASE("pressure.source density: a lone falling particle rests half a spacing above the floor", "[validation][pressure]") {
     // It approaches by a tenth of what is left a step, and its weight holds it g dt^2/share = .01 d higher at most.
     for (const int dimensions : {2, 3}) {
         const bool plane = dimensions == 2;

@@ -162,7 +162,7 @@ TEST_CASE("forces on all solids and weight are the change of the fluid's momentu
     }
 }
 
-TEST_CASE("a free body's momentum changes by its weight and what its ledger received, to 1e-12", "[validation][ledger]") {
+TEST_CASE("a free body's momentum changes by its weight and its ledger's impulses, to 1e-12", "[validation][ledger]") {
     for (const Models& models : splashing()) {
         if (!models.bodies) continue;
         INFO(models.name);
@@ -200,8 +200,7 @@ TEST_CASE("a tank weighs its content within 1 %", "[validation][ledger]") {
     }
 }
 
-TEST_CASE("a submerged body of 6 spacings is lifted by the weight of the fluid displaced within 3 %, one of 3.5 within 5 %",
-          "[validation][ledger]") {
+TEST_CASE("the lift of a submerged body is Archimedes' within 3 % at 6 spacings, 5 % at 3.5", "[validation][ledger]") {
     // 3.7 % too much were measured for the small ball: how its few particles settle moves it by some percent.
     struct Case {
         bool plane;
@@ -388,8 +387,7 @@ max = [{L}, -{s}]
     CHECK(largest_speed(simulation.world().fluid.column<field::velocity>()) < 8 * U);
 }
 
-TEST_CASE("cylinders that turn in each other feel the torque of Couette's flow within 5 %, under the constraint within 10 %",
-          "[validation][ledger]") {
+TEST_CASE("coaxial cylinders feel the torque of Couette flow within 5 %, under the constraint within 10 %", "[validation][ledger]") {
     // 12.5 spacings apart, radii of 12.5 and 25, steady within 1 %: (b - a)^2/nu is 0.125 s. 4 pi mu Omega/(1/a^2 - 1/b^2) is exact.
     // Under the constraint, which `auto` does not choose here, the particles are still finding their places: 7 % too much, 2 % at 0.3 s.
     constexpr double a = 0.025, b = 0.05, mu = 5, Omega = 4;

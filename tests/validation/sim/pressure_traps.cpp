@@ -41,8 +41,7 @@ const std::string tank =
 
 }  // namespace
 
-TEST_CASE("a Taylor-Green vortex of 16^3 particles on a lattice that fills a periodic box never gains energy, and every solve converges",
-          "[validation][sim]") {
+TEST_CASE("a Taylor-Green vortex of 16^3 particles in a periodic box never gains energy, every solve converges", "[validation][sim]") {
     // Nothing can give way there: asked for densities below that at rest, the pressures would grow without bound (the time step collapsed
     // at 0.05 s). The energy may rise by what a step's correction of uneven densities adds, 1 % of the start.
     for (const std::string preconditioner : {"jacobi", "multigrid"}) {
@@ -74,7 +73,7 @@ velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]
     }
 }
 
-TEST_CASE("two pools that know nothing of each other stand at their own heights, with every solve converged", "[validation][sim]") {
+TEST_CASE("two separate pools keep their different heights, with every solve converged", "[validation][sim]") {
     const Scene pools = scene(tank + R"toml([[solid]]
 shape = "box"
 min = [0.1, -0.05, -0.05]
@@ -111,7 +110,7 @@ max = [0.3, 0.05, 0.1]
     CHECK(weight[1] / exact[1] == Approx(1).epsilon(0.1));
 }
 
-TEST_CASE("a drop beside a pool falls with g t within 1e-3 while the pool stands", "[validation][sim]") {
+TEST_CASE("a drop next to a pool falls with g t within 1e-3 while the pool is at rest", "[validation][sim]") {
     for (const std::string preconditioner : {"jacobi", "multigrid"}) {
         INFO(preconditioner);
         const Scene drop = scene(tank + R"toml([[block]]

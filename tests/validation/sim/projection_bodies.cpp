@@ -53,8 +53,7 @@ double part_of_acceleration(double density, double time) {
 
 }  // namespace
 
-TEST_CASE("under the projection a disc in still water starts with (m_f - m) g/(m + C m_f), within 14 % with five spacings in its radius",
-          "[validation][projection][bodies]") {
+TEST_CASE("under the projection a disc starts with (m_f - m) g/(m + C m_f) within 14 % at R = 5 d", "[validation][projection][bodies]") {
     // The pressure is read half a spacing off the surface: the added mass comes out too small, by 12 % of the acceleration where the disc
     // is light and by 3 % where it is twice as dense as the fluid.
     for (const double density : {10.0, 100.0, 2000.0, 8000.0}) {
@@ -63,8 +62,7 @@ TEST_CASE("under the projection a disc in still water starts with (m_f - m) g/(m
     }
 }
 
-TEST_CASE("under the projection a ball in still water starts with (m_f - m) g/(m + C m_f), within 10 % with four spacings in its radius",
-          "[validation][projection][bodies]") {
+TEST_CASE("under the projection a ball starts with (m_f - m) g/(m + C m_f) within 10 % at R = 4 d", "[validation][projection][bodies]") {
     // C = (b^3 + 2 a^3)/(b^3 - a^3)/2 in a vessel of radius b = 2.5 a about a ball of radius a. Too fast by 3 % where it is twice
     // as dense as the fluid and by 8 % where it is a tenth: the pressure is read half a spacing off the surface. Nothing pushes it aside.
     constexpr double C = 0.6026;
@@ -153,8 +151,7 @@ density = 500
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE("under the projection a heavy disc that turns in a round vessel loses its spin at the rate of circular Couette flow, within 5 %",
-          "[validation][projection][bodies]") {
+TEST_CASE("under the projection a heavy disc loses its spin as in circular Couette flow, within 5 %", "[validation][projection][bodies]") {
     // Torque 4 pi mu w a^2 b^2/(b^2 - a^2), inertia m a^2/2: a rate of .3600/s once the flow has become steady, with
     // five spacings in the radius.
     std::string text = vessel(1e5);

@@ -105,8 +105,7 @@ TEST_CASE("under the projection a drop in space swings with the period of theory
     CHECK(of.kept > 0.75);
 }
 
-TEST_CASE("waves on a tank under the projection that surface tension makes faster keep the period of theory within 5 %",
-          "[validation][projection][tension][long]") {
+TEST_CASE("capillary-gravity waves under the projection keep the period of theory within 5 %", "[validation][projection][tension][long]") {
     // omega^2 = (g k + sigma k^3/rho) tanh kh: with 40 N/m half of it is surface tension's.
     constexpr double k = 2 * pi / 0.4, tension = 40;
     const double period = 2 * pi / std::sqrt((9.81 * k + tension * k * k * k / rho) * std::tanh(k * 0.2));

@@ -112,7 +112,7 @@ TEST_CASE("a torque turns fluid in a round vessel whose wall holds the spin as m
     CHECK(e.spin < 0.05);
 }
 
-TEST_CASE("the same torque leaves fluid at rest where the wall lets its particles spin, and where there is no spin",
+TEST_CASE("the same torque leaves fluid at rest if the wall lets particles spin, and without spin",
           "[validation][projection][micropolar][plane]") {
     Simulation free = vessel(2);
     run_until(free, 1);
@@ -126,7 +126,7 @@ TEST_CASE("the same torque leaves fluid at rest where the wall lets its particle
     for (const Vec3& u : classical.world().fluid.column<field::velocity>()) REQUIRE(u.norm() < 1e-6);
 }
 
-TEST_CASE("uniform fluid under a torque that swings turns by its ordinary differential equation, in every form and with every pressure",
+TEST_CASE("uniform fluid under an oscillating torque follows its ODE, in every form and pressure model",
           "[validation][micropolar][plane]") {
     // theta dw/dt = tau (1 + cos(8 t)) - 2 kappa w. Steps are 2 ms. Weakly compressible flow and the constraint are first order in time:
     // off by half a step of the torque's swing and of the decay, .8 % together. The projection is of second order.
@@ -148,7 +148,7 @@ TEST_CASE("uniform fluid under a torque that swings turns by its ordinary differ
             }
 }
 
-TEST_CASE("a torque that depends on place and time goes on after a resume with the same bits, and stops acting when it is changed to 0",
+TEST_CASE("a torque of place and time resumes bit-identically, and stops acting when it is set to 0",
           "[validation][micropolar][plane][resume]") {
     for (const std::string pressure : pressures) {
         CAPTURE(pressure);

@@ -59,7 +59,7 @@ TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 
     hold_to_theory(taylor_green(64, 1000, "jittered"), {0.005, 0.005});
 }
 
-TEST_CASE("Taylor-Green vortices, 64 a side, scattered at Re 100 and from a lattice at Re 1000, keep them as well",
+TEST_CASE("Taylor-Green vortices of 64 a side keep them scattered at Re 100 and on a lattice at Re 1000",
           "[validation][projection][long]") {
     hold_to_theory(taylor_green(64, 100, "jittered"), {0.005, 0.005});
     hold_to_theory(taylor_green(64, 1000, "lattice"), {0.005, 0.005});
@@ -117,7 +117,7 @@ TEST_CASE("Taylor-Green vortices in a slab of eight layers keep energy and veloc
     }
 }
 
-TEST_CASE("Taylor-Green vortices of particles that spin keep energy within 2 % and spin within 3 % of their two equations",
+TEST_CASE("Taylor-Green vortices with spin keep energy within 2 % and spin within 3 % of their equations",
           "[validation][projection][micropolar]") {
     // U' = -2 a k^2 U + kappa k W, theta W' = -2 g k^2 W + kappa (2 k U - 2 W), from U = 1, W = 0. The spin's mean over a cell is
     // (2/pi)^2 W.
@@ -136,8 +136,7 @@ TEST_CASE("Taylor-Green vortices of particles that spin keep energy within 2 % a
     }
 }
 
-TEST_CASE("the core of a vortex grows as Lamb and Oseen say within 1.5 %, and its energy falls so, at a spacing of a third of the core",
-          "[validation][projection]") {
+TEST_CASE("a Lamb-Oseen vortex core grows within 1.5 % of theory at a spacing of a third of the core", "[validation][projection]") {
     // The vorticity is a sum of modes sin(m pi x) sin(n pi y), m and n odd, each of which decays as exp(-nu k^2 t): cores stay round and do
     // not move. Energy: sum of exp(-k^2 c^2/2)/k^2.
     const auto energy = [](double square_core) {
@@ -177,8 +176,7 @@ TEST_CASE("the core of a vortex grows as Lamb and Oseen say within 1.5 %, and it
     }
 }
 
-TEST_CASE("the double shear layer, 64 a side, keeps its energy within .3 % and its largest vorticity within 2 % of a spectral method's",
-          "[validation][projection]") {
+TEST_CASE("the double shear layer keeps energy within .3 % and vorticity within 2 % of a spectral method", "[validation][projection]") {
     const Table spectral = reference("double_shear_layer");
     Simulation simulation = benchmark("double_shear_layer", {"fluid.spacing=0.015625"});
     const double start = reading(simulation, "flow").at("kinetic_energy")[0];

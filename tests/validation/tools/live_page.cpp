@@ -200,7 +200,7 @@ TEST_CASE("the page draws the coil's frequency and radius with theory's beside t
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("the page draws what a level, a flux and a line measure, with units", "[live][page][probe]") {
+TEST_CASE("the page plots level, flux and line probes with units", "[live][page][probe]") {
     if (missing()) return;
     LiveProgram live(honey + R"([[probe]]
 name = "top"
