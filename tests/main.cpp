@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
     whorl::wait_passively(argv);
-    // Costs that the program measures and keeps (whorl plan) go beside the tests, not into the user's cache.
+    // Costs that the program measures and keeps (whorl plan) are stored with the tests, not in the user's cache.
     setenv("XDG_CACHE_HOME", (std::filesystem::temp_directory_path() / "whorl_test_cache").c_str(), 1);
     return Catch::Session().run(argc, argv);
 }

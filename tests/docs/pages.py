@@ -2,9 +2,9 @@
 
     python3 tests/docs/pages.py build/release/whorl
 
-A ```toml block whose first line is a comment with a file's name (`# my_honey.toml`) is a whole scene: it must be accepted as it stands. Any other ```toml
+A ```toml block whose first line is a comment with a file's name (`# my_honey.toml`) is a whole scene: it must be accepted unchanged. Any other ```toml
 block is a part of a scene: it must be accepted at the end of a small one. A block that begins with another file's name (`# wedge.obj`) is that file.
-Of each command line every option must exist, and a scene that it names must be accepted with the options beside it, one that ships at its coarsest unless
+Of each command line every option must exist, and a scene that it names must be accepted with the options given, a shipped one at its coarsest unless
 the line says otherwise (tests/tools/camera_warnings.cpp plans the scenes that ship at every quality).
 """
 import json

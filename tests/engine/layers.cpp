@@ -21,7 +21,7 @@ Folders operator+(Folders a, const Folders& b) {
     return a;
 }
 
-/// What each folder may include besides itself.
+/// The other folders that each folder may include.
 std::map<std::string, Folders> arrows() {
     const Folders core{"engine/core"}, math = core + Folders{"engine/math"}, geometry = math + Folders{"engine/geometry"},
                                        particles = geometry + Folders{"engine/particles"}, sph = particles + Folders{"engine/sph"},

@@ -176,7 +176,7 @@ def main():
                     tables.append(sorted(tuple(row.get(name) for name in own) for row in csv.DictReader(file)))
             check(len(tables[0]) == 2 and tables[0] == tables[1], f"the table of {command} is that of a local run")
 
-        # A job is taken from its node half-way; Slurm begins it again, and it goes on from its checkpoint.
+        # A job loses its node half-way; Slurm restarts it, and it continues from its checkpoint.
         farm = subprocess.Popen([program, "farm", "long_film.toml", "--on", "slurm", "--out", "taken", "--pieces", "2"], env=slurm.environment, cwd=folder,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         while not list((folder / "taken" / "checkpoints").glob("00000[3-9].whorl")) and farm.poll() is None:

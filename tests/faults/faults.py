@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What goes wrong outside of the program, done to a small film: what is made must stay, the message must name the cause, and `whorl resume`
-must make the film that an undisturbed run makes.
+"""Failures of the environment, injected into a small film: finished files must stay, the message must name the cause, and `whorl resume`
+must make the film of an undisturbed run.
 
     tests/faults/faults.py PROGRAM [--kills 20] [--seed 1] [NAME ...]
 
@@ -142,7 +142,7 @@ class Faults:
                 child.communicate()
                 done = self.resume(out)
                 if done.returncode == 2 and ("no run folder" in done.stderr or "no such folder" in done.stderr):
-                    done = self.run(*self.command(out))  # nothing was made yet: begun anew
+                    done = self.run(*self.command(out))  # nothing was made yet: restarted
                 self.said(done, 0)
                 self.same(out)
 
@@ -251,7 +251,7 @@ class Faults:
             self.case(f"a disk with room for {kilobytes} kB of {size // 1024}", work)
 
     def clock(self):
-        """The time of day jumps to and fro by a day while the film is made, and the program stands still for some seconds."""
+        """The time of day jumps to and fro by a day while the film is made, and the program is suspended for some seconds."""
         out, jumping = self.folder / "clock", self.folder / "jumping.so"
 
         def work():
@@ -272,7 +272,7 @@ class Faults:
         self.case("a clock that jumps", work)
 
     def locks(self):
-        """A disk without locks, as clusters have them: told, and the film is made."""
+        """A disk without locks, as on clusters: reported, and the film is made."""
         out, none = self.folder / "unlocked", self.folder / "no_locks.so"
 
         def work():
@@ -285,7 +285,7 @@ class Faults:
         self.case("a disk without locks", work)
 
     def nan(self):
-        """Expressions that are no number from a moment on: told, and what was made stays."""
+        """Expressions that become NaN at some time: reported, and finished frames are kept."""
         narrow = "abs(t-0.15037)<0.0002 ? sqrt(-1) : "
         for name, settings, codes in (
                 ("a nozzle's speed", ["emitter[0].speed=t>0.1 ? sqrt(-1) : 0.3"], (2,)),

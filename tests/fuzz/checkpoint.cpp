@@ -1,4 +1,4 @@
-// Checkpoints, and runs that go on from them.
+// Checkpoints, and runs that continue from them.
 #include "engine/io/checkpoint.h"
 
 #include <sstream>
@@ -71,7 +71,7 @@ struct Run {
     Run() : simulation(little_scene(), little_plan()), probes(make_probes(simulation, TheorySearch::in_background)) {}
 };
 
-/// As a run of this program saves it: no file of the corpus, which would grow old.
+/// A checkpoint saved by this program, not a file of the corpus, which would become outdated.
 std::string new_checkpoint() {
     Run run;
     while (run.simulation.time() < frame_time(little_scene(), 2)) fuzz::step_once(run.simulation, run.probes);

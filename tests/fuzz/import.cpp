@@ -1,4 +1,4 @@
-// What `whorl import` reads: JSON of another program. The scene that comes of it is one that the scene reader has words for.
+// Input of `whorl import`: JSON of another program. The scene reader must accept the result or reject it with a message.
 #include "engine/scene/plan.h"
 #include "render/export/ply.h"
 #include "tests/fuzz/target.h"

@@ -1,4 +1,4 @@
-// What a request to the live server says: four lines (Host, Origin, Sec-Fetch-Site, token), then the body of POST /set.
+// A request to the live server: four lines (Host, Origin, Sec-Fetch-Site, token), then the body of POST /set.
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     if (rules.refusal({lines[0], lines[1], lines[2], lines[3]}).empty()) {
-        fuzz::expect(lines[3] == "0123456789abcdef", "nobody gets in without the token");
+        fuzz::expect(lines[3] == "0123456789abcdef", "no request is accepted without the token");
         fuzz::expect(lines[1].empty() || lines[1] == "http://" + lines[0], "no other page gets in");
     }
     const auto json = nlohmann::json::parse(rest, nullptr, false);

@@ -1,6 +1,6 @@
 #pragma once
-/// Files with a checksum over all they hold (engine/io/packed.h). Most mutants are sealed anew, or no reader would ever see them; and no
-/// byte of a sound file may be changed without the reader's refusing it.
+/// Files with a checksum over their content (engine/io/packed.h). Most mutants get a new checksum, or readers would never parse them;
+/// and a reader must refuse a sound file after a change of any byte.
 #include <cstring>
 
 #include "engine/io/packed.h"

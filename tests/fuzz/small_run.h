@@ -21,7 +21,7 @@ inline bool is_small(const Scene& scene, const Plan& plan) {
     return count < few;
 }
 
-/// A step towards the second frame. Afterwards every probe tells what it saw.
+/// A step towards the second frame. Afterwards every probe reports its values.
 inline void step_once(Simulation& simulation, const NamedProbes& probes) {
     if (simulation.step(frame_time(simulation.scene(), 2)).diverged) return;
     for (const auto& [name, probe] : probes) {

@@ -1,6 +1,6 @@
 #pragma once
-/// What the fuzz targets share. A target is one function, LLVMFuzzerTestOneInput: the mistakes that its reader names are caught; whatever
-/// else comes out of it, a crash or a wait without end is a finding.
+/// Common code of the fuzz targets. A target is one function, LLVMFuzzerTestOneInput: errors that its reader reports are caught; any other
+/// exception, a crash or a hang is a finding.
 #include <unistd.h>
 
 #include <cstddef>

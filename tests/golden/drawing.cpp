@@ -1,5 +1,5 @@
 /// Pictures of fixed meshes, compared with the ones in pictures/. They were drawn with Mesa's software driver; on other devices small
-/// differences are expected and the tolerance is the same. WHORL_UPDATE_GOLDEN=1 draws them anew: look at them before you commit them.
+/// differences are expected and the tolerance is the same. WHORL_UPDATE_GOLDEN=1 redraws them: look at them before you commit them.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>

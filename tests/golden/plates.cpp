@@ -1,5 +1,5 @@
-/// Slices of flows given by formulas, compared with the pictures in pictures/. No graphics device has a part in them.
-/// WHORL_UPDATE_GOLDEN=1 draws them anew: look at them before you commit them.
+/// Slices of flows given by formulas, compared with the pictures in pictures/. They need no graphics device.
+/// WHORL_UPDATE_GOLDEN=1 redraws them: look at them before you commit them.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 """Blender opens runs of Whorl: python3 tests/programs/open_in_blender.py build/release/whorl
 
 A draft of honey_coil comes in with tools/blender/whorl_import.py and is drawn with Cycles. Its silhouette lies over Whorl's within two pixels,
-the honey is amber, and the paddle's blades stand where they stand here. Ends with 77 (skipped) where there is no Blender.
+the honey is amber, and the paddle's blades have the same pose as here. Ends with 77 (skipped) without Blender.
 """
 import json
 import math
@@ -97,7 +97,7 @@ def inside(folder):
     assert 0.2 < fastest < 0.5, fastest  # it leaves the nozzle at 0.25 m/s
     print(f"ok: {counts} vertices, up to {fastest:.2f} m/s")
 
-    # As the scene looks: amber, and neither black nor blank.
+    # As the scene looks: amber, not black and not blank.
     about = json.loads((folder / "honey/run.json").read_text())
     assert about["status"] == "done"
     picture = drawn(scene, "honey.png", 160, 90)
@@ -148,7 +148,7 @@ def inside(folder):
                 here = Vector((x * math.cos(angle) - y * math.sin(angle), -z, 0.12 + x * math.sin(angle) + y * math.cos(angle)))  # z is up there
                 off = min((corner - here).length for corner in there)
                 assert off < 1e-5, (here, off)
-    print(f"ok: the blade stands turned by {math.degrees(angle):.1f} degrees")
+    print(f"ok: the blade is turned by {math.degrees(angle):.1f} degrees")
 
 
 if "bpy" in sys.modules or "--" in sys.argv:

@@ -62,7 +62,7 @@ def inside(file):
     print(f"{count} particles fill {1e6 * filled:.2f} ml, the surface holds {1e6 * within:.2f}, the grid's cover {1e6 * cover:.2f}")
     # A thread of radius 2 spacings: the surface keeps its radius within 0.055 spacings (render/surface/colour_field.h), 5.5 % of the volume.
     assert abs(within / filled - 1) < 0.055, within / filled
-    # The cover ends softly over 1.5 spacings, and keeps its sum but for how uneven particles stand.
+    # The cover ends softly over 1.5 spacings, and keeps its sum except for the uneven particles.
     assert abs(cover / filled - 1) < 0.1, cover / filled
     print("ok")
 

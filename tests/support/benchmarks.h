@@ -1,5 +1,5 @@
 #pragma once
-/// The scenes of scenes/studies/benchmarks and the tables beside them, for tests that hold them to theory and to published figures.
+/// The scenes of scenes/studies/benchmarks and their tables, for tests that compare them with theory and published figures.
 #include <map>
 #include <string>
 #include <vector>
@@ -13,10 +13,10 @@ using Table = std::map<std::string, std::vector<double>>;  ///< columns by name
 /// The scene of this name. @param changes "key=value", laid over the file
 Simulation benchmark(const std::string& name, const std::vector<std::string>& changes = {});
 
-/// What the scene's probe of this name reads just now.
+/// Current values of the scene's probe of this name.
 Table reading(const Simulation& simulation, const std::string& probe);
 
-/// Columns of numbers of the CSV file of this name beside the scenes.
+/// Columns of numbers of the CSV file of this name in the scenes' folder.
 Table reference(const std::string& name);
 
 /// The value at x of a function given at rising places, by the cubic through the four nearest.

@@ -1,5 +1,5 @@
 #pragma once
-/// Coarse matrices of rigid motions held against what they stand for.
+/// Coarse matrices of rigid motions compared with their definition R^T A R.
 #include <algorithm>
 #include <cmath>
 

@@ -21,7 +21,7 @@ struct CoupledWorld {
     Index add(const std::vector<Vec3>& x);
     /// One step of dt [s]; false where the solve did not converge.
     bool step(Real dt, bool at_frame_time = false);
-    /// The same without move, shift and contact.
+    /// A step without move, shift and contact.
     bool solve_only(Real dt);
     const SolveReport& last_solve() const { return world.report.solves.back().report; }
     double time = 0, seconds = 0;  ///< s simulated, s of wall time spent in stages

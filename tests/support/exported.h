@@ -19,7 +19,7 @@ struct Ply {
 };
 Ply read_ply(const std::filesystem::path& file);
 
-/// A .vtp or .vti file with appended arrays: each array's bytes as floats (whole numbers as they lie there), and what stands before them.
+/// A .vtp or .vti file with appended arrays: each array's bytes as floats (integers bit for bit), and the header before them.
 struct Vtk {
     std::string text;
     std::map<std::string, std::vector<float>> number;

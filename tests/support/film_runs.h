@@ -1,5 +1,5 @@
 #pragma once
-/// Films of a little honey that a test makes in a folder of its own, and how two of them are compared.
+/// Films of a little honey that a test makes in a scratch folder, and their comparison.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,7 +12,7 @@ namespace whorl::test {
 /// A short thread of honey and a lump of it, enough particles (> 512) that parallel loops do run in parallel.
 extern const std::string honey;
 
-/// A folder with a scene file, and runs beside it.
+/// A folder with a scene file and runs.
 struct FilmScratch : ScratchFolder {
     explicit FilmScratch(const std::string& text = honey);
     std::string scene() const { return (*this / "scene.toml").string(); }

@@ -69,7 +69,7 @@ LiveProgram::LiveProgram(const std::string& scene, const std::vector<std::string
     std::string line;
     program_->wait_until([&] { return (line = program_->output()).find('\n') != std::string::npos; });
     const std::size_t colon = line.find(':', 6);
-    if (colon == std::string::npos) throw std::runtime_error("whorl live did not tell its address: " + program_->wait().err);
+    if (colon == std::string::npos) throw std::runtime_error("whorl live did not print its address: " + program_->wait().err);
     port_ = std::stoi(line.substr(colon + 1));
 }
 

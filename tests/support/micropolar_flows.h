@@ -5,7 +5,7 @@
 
 namespace whorl::test {
 
-/// What one step of the stage Micropolar adds, taken apart: the world's velocities and spins, pairs found and density set.
+/// The terms that one step of the stage Micropolar adds: the world's velocities and spins, pairs found and density set.
 struct MicropolarStep {
     std::vector<Vec3> acceleration;  ///< m/s^2
     std::vector<Vec3> spin_change;   ///< 1/s
@@ -30,7 +30,7 @@ std::pair<double, double> exact_vortex(const Micropolar2& c, double t, double k)
 struct VortexError {
     double velocity = 0, spin = 0;  ///< largest difference of the amplitudes over the run, over their largest exact values
 };
-/// The flow on a lattice with N particles a wave, none of them moved: the discrete operators against the system's own solution until the
+/// The flow on a lattice with N particles per wave, at fixed positions: the discrete operators against the system's own solution until the
 /// velocity has fallen to about 1/e. Options: forms only; the coefficients are filled in. @param support over the spacing @param jitter of
 /// the particles, in spacings
 VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, bool central, int N, double support = 2, double jitter = 0,

@@ -11,9 +11,9 @@ extern const std::string poured_honey;
 
 Scene scene_with(const std::vector<std::string>& changes, const std::string& text = poured_honey);
 Plan plan_with(const std::vector<std::string>& changes);
-/// What the plan chose for a key. @throws std::logic_error where it chose nothing
+/// The plan's choice for a key. @throws std::logic_error if it has no choice
 const Choice& choice(const Plan& plan, const std::string& key);
-/// What is said of the scene where it is refused, else "no error".
+/// The messages if the scene is refused, else "no error".
 std::string messages_with(const std::vector<std::string>& changes);
 
 }  // namespace whorl::test

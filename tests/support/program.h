@@ -25,7 +25,7 @@ public:
     /// Waits until the condition holds. @return false where the program ends before, or after five minutes
     bool wait_until(const std::function<bool()>& condition);
     void signal(int number) const;
-    /// What it has written to standard output so far.
+    /// Its standard output up to now.
     std::string output() const;
     pid_t id() const { return pid_; }
     Outcome wait();

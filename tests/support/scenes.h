@@ -15,7 +15,7 @@ struct WaterColumn {
 /// @param more further sections: models, a ceiling
 std::string scene_of(const WaterColumn& column, const std::string& more);
 
-/// Honey in a room for a thread 45 mm high: some hundred particles. @param time what stands in [time] @param more the fluid's shapes, a
+/// Honey in a room for a thread 45 mm high: some hundred particles. @param time content of [time] @param more the fluid's shapes, a
 /// plate, probes
 std::string little_honey(const std::string& time, double spacing, const std::string& more);
 

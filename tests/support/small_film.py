@@ -3,7 +3,7 @@ TIMES = ("wall_seconds", "cpu_seconds")  # of a row: no two runs share them
 
 
 def film(end, spacing, size, more=""):
-    """The scene as text; it ends with its [look], which `more` goes on with. end: s; spacing: m; size: of a picture, "64, 36"."""
+    """The scene as text; it ends with its [look], which `more` continues. end: s; spacing: m; size: of a picture, "64, 36"."""
     return f"""
 [time]
 end = {end}

@@ -1,5 +1,5 @@
 #pragma once
-/// What a surface is measured by: is it closed and manifold, how far is it from the shape that the particles fill, how bumpy, how steady.
+/// Measures of a surface: closed and manifold, distance from the shape that the particles fill, roughness, steadiness.
 #include <vector>
 
 #include "engine/core/mesh.h"

@@ -80,7 +80,7 @@ std::vector<SceneFile> runs_of(const SceneFile& file) {
 
 }  // namespace
 
-TEST_CASE("no film that ships is warned about at any quality, nor a panel of one", "[tools][scene]") {
+TEST_CASE("no shipped film and no panel of one gets a camera warning at any quality", "[tools][scene]") {
     for (const auto& [name, path] : shipped_scenes()) {
         if (path.parent_path().filename() != "scenes") continue;  // studies have no pressure, too few particles, ...: what they study
         for (const char* quality : {"draft", "standard", "fine"}) {

@@ -87,7 +87,7 @@ TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]")
 TEST_CASE("a wrong number names its range, an unknown scene the nearest name", "[tools]") {
     const fs::path folder = empty_folder("numbers");
     write(folder / "my scene.toml", "");
-    for (const auto& [arguments, told] : std::vector<std::pair<std::string, std::string>>{
+    for (const auto& [arguments, expected] : std::vector<std::pair<std::string, std::string>>{
              {"render a --frames abc", "whorl render: --frames must be a whole number, at least 1, not \"abc\"; see"},
              {"render a --frames 0", "whorl render: --frames must be a whole number, at least 1, not \"0\"; see"},
              {"render a --frames 9999999999",
@@ -107,7 +107,7 @@ TEST_CASE("a wrong number names its range, an unknown scene the nearest name", "
         const Outcome outcome = whorl_in(folder, arguments);
         INFO(outcome.text);
         CHECK(outcome.code == 2);
-        CHECK(outcome.text.rfind(told, 0) == 0);
+        CHECK(outcome.text.rfind(expected, 0) == 0);
     }
     fs::remove_all(folder);
 }
@@ -260,9 +260,9 @@ TEST_CASE("a dry run reports models, frames and folder as text and JSON, and wri
     write(folder / "s.toml",
           "[time]\nend = 1\nfps = 10\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n"
           "[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
-    const Outcome told = whorl_in(folder, "render s.toml --dry-run --json");
-    REQUIRE(told.code == 0);
-    const nlohmann::json json = nlohmann::json::parse(told.text);
+    const Outcome dry_run = whorl_in(folder, "render s.toml --dry-run --json");
+    REQUIRE(dry_run.code == 0);
+    const nlohmann::json json = nlohmann::json::parse(dry_run.text);
     CHECK(json.at("frames") == 11);  // 1 s at 10 frames a second, both ends
     CHECK(json.at("folder") == "out/s");
     CHECK(json.at("models").at(0).at("key") == "models.pressure");

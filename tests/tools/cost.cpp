@@ -117,7 +117,7 @@ TEST_CASE(
     namespace fs = std::filesystem;
     const fs::path kept = calibration_file();
     CHECK(std::distance(fs::directory_iterator(kept.parent_path()), fs::directory_iterator()) == 1);
-    // What stands there already is not written again.
+    // An existing file is not written again.
     const fs::file_time_type past(std::chrono::hours(1));
     fs::last_write_time(kept, past);
     keep_calibration(file, costs());
@@ -148,7 +148,7 @@ TEST_CASE("images cost by their moment of the film, and the time left uses that 
     CHECK(e.frames_seconds.front() == Approx(e.frames_seconds[e.frames / 4]));
     CHECK(e.frames_seconds.back() == Approx(3 * e.frames_seconds.front()));
     CHECK(e.frames_seconds[3 * e.frames / 4] == Approx(2 * e.frames_seconds.front()).epsilon(0.05));
-    CHECK(e.film_draw == Approx(1.15 * e.frames * 0.15).epsilon(0.02));  // 1.15: beside the simulation
+    CHECK(e.film_draw == Approx(1.15 * e.frames * 0.15).epsilon(0.02));  // 1.15: next to the simulation
 
     Progress progress(1, 4, true, false);
     progress.foresee({0, 1, 2, 3});
@@ -239,7 +239,7 @@ TEST_CASE("the cost of steps is split into particles and waiting threads, and me
     CHECK(half.at("pressure").particle == 0.5 * costs.at("pressure").particle);
 }
 
-TEST_CASE("the plan's drop hangs on until it outweighs surface tension, then draws its neck out and falls", "[cost]") {
+TEST_CASE("the plan's drop hangs until its weight exceeds surface tension, then necks and falls", "[cost]") {
     const SceneFile file =
         shipped("dripping_syrup", {"time.end=0.8", "fluid.viscosity=0.8", "fluid.spacing=4e-4", "domain.min=[-0.035, -0.05, -0.035]",
                                    "solid[0].from=[0, -0.048, 0]", "solid[0].to=[0, -0.044, 0]"});

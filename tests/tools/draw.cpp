@@ -97,9 +97,9 @@ TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps
     CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("holds pictures that were drawn of another run; go on with"));
     {
         const RunFolder held = RunFolder::existing(other);
-        const Outcome beside = test::whorl({"draw", run.string(), "--out", other.string()});
-        CHECK(beside.code == 2);
-        CHECK_THAT(beside.err, Catch::Contains("another run is at work in this folder"));
+        const Outcome locked = test::whorl({"draw", run.string(), "--out", other.string()});
+        CHECK(locked.code == 2);
+        CHECK_THAT(locked.err, Catch::Contains("another run is at work in this folder"));
     }
     fs::rename(run, folder / "moved");
     CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("another run; that one is no longer in "));
@@ -233,7 +233,7 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     refused({}, "render the scene with --export raw");
 }
 
-TEST_CASE("a film whose pictures were drawn in another size does not go on, and names the picture") {
+TEST_CASE("a film with images of another size does not continue, and names the image") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle;

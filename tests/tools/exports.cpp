@@ -60,7 +60,7 @@ after = 0.1
         for (const auto& [number, seen] : now) {
             const auto known = before.find(number);
             if (known == before.end()) {
-                REQUIRE(number > highest);  // nobody gets the number of one that is gone
+                REQUIRE(number > highest);  // no particle gets the id of a removed one
                 some_came = some_came || frame > 1;
                 continue;
             }
@@ -76,7 +76,7 @@ after = 0.1
     CHECK(some_came);
     CHECK(some_left);
 
-    // Files that tell of particles cannot begin half-way.
+    // Files of particles cannot begin half-way.
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
     text = read_whole(scratch / "run/scene.resolved.toml");
     std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
@@ -107,7 +107,7 @@ TEST_CASE("every export writes files under the scene's name, changes no particle
                              "vtk/little_honey_mesh.0005.vtp", "vtk/little_honey_flow.0005.vti", "vtk/little_honey.pvd"}) {
         INFO(file);
         REQUIRE(fs::exists(scratch / "whole" / file));
-        // A VDB file begins with a random number of its own.
+        // A VDB file begins with a random number.
         if (std::string(file).find("vdb") == std::string::npos)
             CHECK((read_whole(scratch / "whole" / file) == read_whole(scratch / "run" / file)));
         for (const fs::path& written : files_in((scratch / "whole" / file).parent_path())) CHECK(written.filename().string()[0] != '.');
@@ -120,7 +120,7 @@ TEST_CASE("every export writes files under the scene's name, changes no particle
 
 TEST_CASE("a file that cannot be written ends the run with its reason, and leaves nothing half written", "[tools][export]") {
     const Scratch scratch;
-    // No file is to be larger than some kilobytes: the disk is full, as far as the program can tell.
+    // Files are limited to some kilobytes, which looks like a full disk to the program.
     const auto refused = [&](const std::string& options, const std::string& file) {
         fs::remove_all(scratch / "run");
         const std::string words = " render '" + scratch.scene() + "' --quiet --frames 1 --out '" + scratch.run() + "' " + options;

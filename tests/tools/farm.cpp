@@ -66,7 +66,7 @@ TEST_CASE("a film that is simulated once and drawn in pieces is the film of one 
     CHECK(read_whole(scratch / "farmed/farm/simulate.0.log").empty());  // it replaces nothing
     for (const char* file : {"scene/little_honey.glb", "vtk/little_honey.pvd", "mesh/little_honey.0005.ply"})
         CHECK((read_whole(scratch / "farmed" / file) == read_whole(scratch / "whole" / file)));
-    // The same settings, but for the frames that it keeps.
+    // Equal settings, except for the frames that it keeps.
     std::string kept = read_whole(scratch / "farmed/scene.resolved.toml"), plain = read_whole(scratch / "whole/scene.resolved.toml");
     for (std::string* text : {&kept, &plain})
         text->erase(text->find("\nexport = "), text->find('\n', text->find("\nexport = ") + 1) - text->find("\nexport = "));
@@ -129,7 +129,7 @@ TEST_CASE("one impossible film stops all at the start, and an interrupted farm p
     INFO(refused.err);
     CHECK(refused.code == 2);
     CHECK_FALSE(fs::exists(scratch / "films"));
-    // Nor where the folder of the second cannot be had: the run that stands in that of the first stays there.
+    // Also if the folder of the second is not available: the existing run of the first stays there.
     for (const char* name : {"little_honey", "huge"}) fs::create_directories(scratch / "films" / name);
     for (const char* file : {"little_honey/scene.resolved.toml", "huge/thesis.txt"}) std::ofstream(scratch / "films" / file) << "# text";
     const auto together = [&] { return scratch.whorl({"farm", (scratch / "huge.toml").string()}, "films").err; };
@@ -182,7 +182,7 @@ TEST_CASE("a task continues from its checkpoint, and fails instead of restarting
     CHECK(!fs::exists(scratch / "run/farm/simulate.1.code"));
 }
 
-TEST_CASE("while jobs of a farm go on, another farm in its folder is refused", "[tools][farm]") {
+TEST_CASE("while jobs of a farm run, another farm in its folder is refused", "[tools][farm]") {
     const Scratch scratch;
     const auto program = [&](const char* name, const std::string& does) {
         std::ofstream(scratch / name) << "#!/bin/sh\n" << does << "\n";
@@ -197,8 +197,8 @@ TEST_CASE("while jobs of a farm go on, another farm in its folder is refused", "
     };
     test::Program first(farm(), "bash");
     REQUIRE(first.wait_until([&] { return fs::exists(scratch / "run/farm/jobs.txt"); }));
-    const Outcome beside = test::Program(farm(), "bash").wait();
-    CHECK(beside.code == 2);
+    const Outcome other = test::Program(farm(), "bash").wait();
+    CHECK(other.code == 2);
     first.signal(SIGINT);
     CHECK(first.wait().code == 130);
     const Outcome second = test::Program(farm(), "bash").wait();

@@ -76,7 +76,7 @@ TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run
     const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run("two"), "--no-video", "--threads", "2"});
     REQUIRE(again.code == 0);
     CHECK(shown_by(scratch.run("two")).isApprox(seen, 0));
-    // A try of one frame looks from where the film does, and so does a film that goes on from it.
+    // A test of one frame has the film's camera, and so does a film that continues from it.
     REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"}).code == 0);
     CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
     REQUIRE(test::whorl({"resume", scratch.run("one"), "--frames", "4"}).code == 0);
@@ -179,7 +179,7 @@ TEST_CASE("panels side by side share one box") {
     const SceneFile same = with_choices_of(file, runs);
     CHECK(panel_scenes(same)[0].camera.max == runs[0].camera.max);
 
-    // Where only a panel's camera is automatic, the file written for the film says its box, too.
+    // If only a panel's camera is automatic, the file written for the film also contains its box.
     const std::string fixed = "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n";
     const SceneFile one =
         read(std::string(hall) + fixed + "[[panel]]\nlabel = \"fixed\"\n[[panel]]\nlabel = \"auto\"\nset = [\"camera.kind=auto\"]\n");

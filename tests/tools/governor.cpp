@@ -103,7 +103,7 @@ TEST_CASE("a run with too small a budget reduces quality, reports it per frame, 
     REQUIRE(table.rows.size() == 20);
     CHECK(table.rows.back()[table.index("given_up")] == 4);
     CHECK(table.rows.back()[table.index("tolerance_factor")] == Approx(10));
-    // What it was worth: the solves end with larger residuals than at first, and the table has them.
+    // The price: the solves end with larger residuals than at first, and the table lists them.
     CHECK(table.rows.back()[table.index("largest_residual")] > table.rows.front()[table.index("largest_residual")]);
     const CsvTable figures = read_csv(folder / "out" / "diagnostics.csv");
     CHECK(figures.rows.back()[figures.index("particles")] == figures.rows.front()[figures.index("particles")]);

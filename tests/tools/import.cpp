@@ -59,7 +59,7 @@ struct Scratch : test::ScratchFolder {
     }
 };
 
-bool told(const ConvertedScene& made, int line, const std::string& what) {
+bool noted(const ConvertedScene& made, int line, const std::string& what) {
     return std::any_of(made.notes.begin(), made.notes.end(),
                        [&](const Problem& note) { return note.place.line == line && note.what.find(what) != std::string::npos; });
 }
@@ -112,12 +112,12 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK((high - Vec3f(1.4f, 0.5f, 0)).norm() < 1e-5f);
 
     const ConvertedScene made = convert_splishsplash(scratch / "scene.json");
-    CHECK(told(made, 6, "simulationMethod is taken as models.pressure"));
-    CHECK(told(made, 15, "Materials[0].dragMethod has no equivalent"));
-    CHECK(told(made, 14, "Materials[0].viscosity is taken as a kinematic viscosity in m^2/s: 450.0 Pa s"));
-    CHECK(told(made, 24, "Emitters[1].width counts particles across: the diameter is 0.16 m"));
-    CHECK(told(made, 28, "RigidBodies[0].mapResolution has no equivalent"));
-    CHECK_FALSE(told(made, 28, "scale"));
+    CHECK(noted(made, 6, "simulationMethod is taken as models.pressure"));
+    CHECK(noted(made, 15, "Materials[0].dragMethod has no equivalent"));
+    CHECK(noted(made, 14, "Materials[0].viscosity is taken as a kinematic viscosity in m^2/s: 450.0 Pa s"));
+    CHECK(noted(made, 24, "Emitters[1].width counts particles across: the diameter is 0.16 m"));
+    CHECK(noted(made, 28, "RigidBodies[0].mapResolution has no equivalent"));
+    CHECK_FALSE(noted(made, 28, "scale"));
 
     const test::Outcome again = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
     CHECK(again.code == 2);
@@ -158,7 +158,7 @@ TEST_CASE("numbers that no setting takes, and a file's name of any bytes, make a
  "Materials": [{"viscosityMethod": 1e300, "viscosity": 1}], "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}]})";
     const ConvertedScene made = convert_splishsplash(file);
     CHECK(made.toml.rfind("# From a?b = 1 ?.json by whorl import.\n", 0) == 0);
-    CHECK(told(made, 2, "is a coefficient without unit of their model"));
+    CHECK(noted(made, 2, "is a coefficient without unit of their model"));
     std::ofstream(scratch / "made.toml") << made.toml;
     CHECK(read_scene_file(scratch / "made.toml").scene.pressure.max_iterations == 1'000'000'000);
 }

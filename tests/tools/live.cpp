@@ -148,7 +148,7 @@ TEST_CASE("changes are applied completely or not at all, and the answer gives th
     CHECK(wanted(live) == before);
     CHECK(live.post("/set", R"({"time.cfl": ".4", "camera.target": ["0", ".05", 0], "look.title": "2024"})").status == 200);
 
-    // What needs a restart is done with one.
+    // Changes that need a restart are made with one.
     CHECK(live.post("/control", R"({"do": "restart", "set": {"fluid.spacing": 0.005}})").status == 200);
     CHECK(live.wait_for([](const json& s) { return s.at("particles") < 120; }));
 }
@@ -229,7 +229,8 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
     CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
     // From the same particles, meshes and poses, a renderer that drew other pictures before gives some pixels that differ by rounding (one
-    // here; so does a film that was resumed). It is not the solids' distance field, made anew for each picture; the cause is not known.
+    // here; so does a film that was resumed). It is not the solids' distance field, which is rebuilt for each image; the cause is not
+    // known.
     const fs::path shown = live.folder() / "seen.png";
     std::ofstream(shown, std::ios::binary) << seen;
     CHECK(difference(read_png(fs::path(film) / "frames" / "000006.png"), read_png(shown)).max < 1);
@@ -279,23 +280,23 @@ TEST_CASE("a saved scene file acts during the run, a broken one is reported with
         text.replace(text.find(from), from.size(), to);
         std::ofstream(live.scene()) << text;
     };
-    const auto told = [&](const std::string& what) {
+    const auto reported = [&](const std::string& what) {
         return live.wait_for([&](const json& s) {
             return s.at("notice").is_object() && s.at("notice").at("text").get<std::string>().find(what) != std::string::npos;
         });
     };
     live.step();
     save("viscosity = 200", "viscosity = 77");
-    CHECK(told("fluid.viscosity = 77"));
+    CHECK(reported("fluid.viscosity = 77"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 77);
     CHECK(live.state().at("frame") == 2);
     save("viscosity = 200", "viscosity = 55 +");
-    CHECK(told("scene.toml:10:"));
+    CHECK(reported("scene.toml:10:"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 77);
     save("[[solid]]\nshape = \"box\"", "[[solid]]\nshape = \"mesh\"\nfile = \"" + std::string(300, 'a') + "\"");
-    CHECK(told("solid[0].file: no file"));
+    CHECK(reported("solid[0].file: no file"));
     save("spacing = 0.004\nviscosity = 200", "spacing = 5e-3\nviscosity = 66");
-    CHECK(told("restart to use the new fluid.spacing"));
+    CHECK(reported("restart to use the new fluid.spacing"));
     CHECK(live.state().at("values").at("fluid.viscosity") == 66);
     CHECK(live.program().output().find('\n') != std::string::npos);
 }
@@ -454,9 +455,7 @@ TEST_CASE("the shown images can be recorded as images and a video", "[tools][liv
     CHECK(fs::exists(live.run() / "recording_2" / "recording_2.mp4"));
 }
 
-TEST_CASE(
-    "a live run keeps to the budget that it is given, tells and notes what each frame gave up, and takes it back when the budget goes",
-    "[tools][live][governor]") {
+TEST_CASE("a live run keeps its budget, reports each frame's reductions, and reverts them without a budget", "[tools][live][governor]") {
     LiveProgram live(honey);
     live.step();
     CHECK(live.state().at("given_up").at("amount") == 0);
@@ -500,7 +499,7 @@ TEST_CASE(
     CHECK(live.step().at("frame_seconds_allowed").get<double>() < 1e-3);
     CHECK(live.state().at("given_up").at("amount").get<double>() > 0);
 
-    // A restart begins anew.
+    // A restart resets it.
     CHECK(live.post("/control", R"({"do": "restart", "set": {"budget.seconds": 0}})").status == 200);
     CHECK(live.wait_for([](const json& s) { return s.at("frame") == 1; }));
     CHECK(live.state().at("given_up").at("amount") == 0);

@@ -79,7 +79,7 @@ TEST_CASE("one slow picture does not slow the pace of the others down", "[tools]
     CHECK(pace.interval() == frame);
 }
 
-TEST_CASE("a change of the look is drawn at once, one of the fluid with the first frame that goes by it", "[tools][live]") {
+TEST_CASE("a change of the look is drawn immediately, one of the fluid with the first frame after it", "[tools][live]") {
     using What = PictureOrder::What;
     PictureOrder order(frame);
     CHECK(order.next(0).what == What::nothing);
@@ -123,7 +123,7 @@ TEST_CASE("a run is short of time from where it falls behind until it has waited
     CHECK_FALSE(pace.short_of_time());
 }
 
-TEST_CASE("the simulation takes as many threads as make it quickest beside the pictures", "[tools][live]") {
+TEST_CASE("the simulation uses the number of threads that is fastest next to the drawing", "[tools][live]") {
     for (const bool all_are_quicker : {true, false}) {
         ThreadShare share(2);
         double on_best = 0, total = 0;

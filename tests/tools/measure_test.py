@@ -163,18 +163,18 @@ class Numerics(unittest.TestCase):
 
 
 class Names(unittest.TestCase):
-    def told(self, *arguments):
-        with contextlib.redirect_stderr(io.StringIO()) as told, contextlib.redirect_stdout(io.StringIO()) as shown:
+    def reported(self, *arguments):
+        with contextlib.redirect_stderr(io.StringIO()) as reported, contextlib.redirect_stdout(io.StringIO()) as shown:
             code = command.main(arguments)
-        return code, told.getvalue() + shown.getvalue()
+        return code, reported.getvalue() + shown.getvalue()
 
     def test_an_unknown_name_is_told_with_the_nearest_valid_one(self):
-        code, told = self.told("coils", "sewing_machin")
-        self.assertEqual((code, told), (2, 'measure.py: no table "sewing_machin"; did you mean "sewing_machine"? (--list shows all)\n'))
+        code, reported = self.reported("coils", "sewing_machin")
+        self.assertEqual((code, reported), (2, 'measure.py: no table "sewing_machin"; did you mean "sewing_machine"? (--list shows all)\n'))
 
     def test_the_list_has_every_name(self):
-        code, told = self.told("--list")
-        self.assertEqual((code, len(told.splitlines())), (0, len(registry.tables)))
+        code, reported = self.reported("--list")
+        self.assertEqual((code, len(reported.splitlines())), (0, len(registry.tables)))
 
     def test_the_pages_name_tables_that_there_are(self):
         for file in (runs.root / "README.md", *runs.root.glob("docs/**/*.md")):
@@ -191,9 +191,9 @@ class Names(unittest.TestCase):
             registry.write_file(page, b"![](../pictures/guide/a.jpg)\n```toml\n# a.toml\n[time]\n```\n")
             for name in registry.tables:
                 with self.subTest(name), np.errstate(all="ignore"):
-                    code, told = self.told(name, "--dry-run", "--into", folder, "--program", "whorl")
+                    code, reported = self.reported(name, "--dry-run", "--into", folder, "--program", "whorl")
                     self.assertEqual(code, 0)
-                    self.assertGreater(len(told.splitlines()), 1, told)
+                    self.assertGreater(len(reported.splitlines()), 1, reported)
             self.assertEqual([file for file in Path(folder).rglob("*") if file.is_file()], [page])
 
 

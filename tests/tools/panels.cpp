@@ -142,7 +142,7 @@ TEST_CASE("a scene with panels is one film of runs side by side, each whole in i
     CHECK(left.width == 160);
     // Below the label, the left half is the first panel.
     CHECK(std::equal(left.pixel(0, 100), left.pixel(0, 101), whole.pixel(0, 100)));
-    // Rendered again the folder begins anew, and the film before is kept.
+    // Rendered again the folder starts empty, and the earlier film is kept.
     const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--frames", "2"});
     CHECK(again.code == 0);
     CHECK_THAT(again.err, Catch::Contains("2 frames of 2 panels: " + scratch.run() + "/two_drops.mp4"));
@@ -151,7 +151,7 @@ TEST_CASE("a scene with panels is one film of runs side by side, each whole in i
     CHECK(fs::exists(scratch.run("run.1") + "/two_drops.mp4"));
 }
 
-TEST_CASE("panels that were interrupted go on to the same film") {
+TEST_CASE("interrupted panels continue to the same film") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--out", scratch.run("whole"), "--no-video", "--quiet"}).code == 0);
     Program program({"render", scratch.scene(), "--out", scratch.run("parts"), "--no-video", "--quiet"});
@@ -172,7 +172,7 @@ TEST_CASE("panels that were interrupted go on to the same film") {
 }
 
 TEST_CASE("a film of panels is extended with its first colours, and its settings make the same film again") {
-    // The speed's range goes by the whole film, so that of a longer one would be another.
+    // The speed's range depends on the whole film, so a longer film would have another.
     const Scratch scratch;
     const std::vector<std::string> shown{"--set", "look.style=particles", "--set", "look.field=speed", "--no-video", "--quiet"};
     std::vector<std::string> arguments{"render", scratch.scene(), "--until", "0.05", "--out", scratch.run()};
@@ -268,7 +268,7 @@ TEST_CASE("a panel with images of another size, or without images, is refused be
     refused("output.frames=false", "a panel without pictures leaves its place in the film empty");
 }
 
-TEST_CASE("a film of panels does not go on with a panel that was drawn in another size, and names the picture") {
+TEST_CASE("a film of panels does not continue with a panel of another size, and names the image") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--frames", "2", "--export", "raw", "--quiet"}).code == 0);
     const std::string second = scratch.run() + "/panels/2";
@@ -362,7 +362,7 @@ TEST_CASE("a third panel shows the difference of two runs, and a chart under the
     REQUIRE(outcome.code == 0);
     const fs::path run = scratch.run();
     CHECK(run_json(run).at("panels").size() == 2);
-    CHECK_FALSE(fs::exists(run / "panels/1/raw"));  // nobody asked for it
+    CHECK_FALSE(fs::exists(run / "panels/1/raw"));  // not requested
     const Image whole = read_png(run / "frames/000003.png");
     CHECK(whole.width == 640);
     CHECK(whole.height == 360);
@@ -377,12 +377,12 @@ TEST_CASE("a third panel shows the difference of two runs, and a chart under the
     for (double h = 0.1; h < 0.9; h += 0.01) most = std::max(most, blue_over_red(less, h)), least = std::min(least, blue_over_red(less, h));
     CHECK(most > 100);
     CHECK(least < -100);
-    // Chart and difference go on after all is done: the same film again from what is there.
+    // Chart and difference are made again from the existing files: the same film.
     REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
     CHECK(difference(read_png(run / "frames/000003.png"), whole).max == 0);
 }
 
-TEST_CASE("a film with a difference is made longer, and is the film that its settings make anew") {
+TEST_CASE("an extended film with a difference equals a new film of its settings") {
     const Scratch scratch(turning);
     REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--out", scratch.run(), "--quiet"}).code == 0);
     const fs::path run = scratch.run();
@@ -397,7 +397,7 @@ TEST_CASE("a film with a difference is made longer, and is the film that its set
     REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
     for (const char* picture : {"frames/000001.png", "frames/000004.png"})
         CHECK((read_whole(run / picture) == read_whole(fs::path(scratch.run("again")) / picture)));
-    // With the frames kept, the panels go on where they are.
+    // With the frames kept, the panels continue from their end.
     REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--export", "raw", "--out", scratch.run("kept"), "--quiet"}).code ==
             0);
     const Outcome on = test::whorl({"resume", scratch.run("kept"), "--until", "0.03"});

@@ -1,4 +1,4 @@
-// Plots beside the tables of probes, and the experiments in them.
+// Plots of the tables of probes, and the experiments in them.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <regex>
@@ -90,7 +90,7 @@ bool well_formed(const std::string& xml) {
 
 }  // namespace
 
-TEST_CASE("every probe's table is drawn beside it, with names, units and the experiment", "[tools][probe]") {
+TEST_CASE("every probe's table is plotted with names, units and the experiment", "[tools][probe]") {
     const Dam scratch;
     const Outcome done = scratch.render("run");
     INFO(done.err);
@@ -119,7 +119,7 @@ TEST_CASE("every probe's table is drawn beside it, with names, units and the exp
     CHECK(alone.size() < wave.size());
     CHECK_THAT(alone, !Catch::Contains("lobovsky"));
     CHECK(read_whole(scratch / "alone/probes/wave.csv") == read_whole(scratch / "run/probes/wave.csv"));
-    // What the probes read is what happens: all that has passed the gate lies behind it, and the front reaches the wall.
+    // The probes report the flow: all fluid that has passed the gate lies behind it, and the front reaches the wall.
     const auto last = [&](const std::string& name) {
         std::istringstream row(test::lines(scratch / ("run/probes/" + name + ".csv")).back());
         std::vector<double> numbers;

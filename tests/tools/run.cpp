@@ -145,7 +145,7 @@ TEST_CASE("a finished film continues to a later end, and its saved settings make
     REQUIRE(test::whorl({"render", scratch.run() + "/scene.resolved.toml", "--quiet", "--out", scratch.run("again")}).code == 0);
     check_same_particles(scratch / "run", scratch / "again");
     CHECK(reproducible(lines(scratch / "run/diagnostics.csv")) == reproducible(lines(scratch / "again/diagnostics.csv")));
-    // It stays so when it goes on once more, and what is made already is not taken back.
+    // It stays so when it continues once more, and existing frames are kept.
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
     CHECK(lines(scratch / "run/diagnostics.csv").size() == 1 + rows);
     const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05"});
@@ -519,8 +519,8 @@ TEST_CASE("a film of particles chooses and stores its colour range at the start,
             if (line.rfind("range", 0) == 0) return line.substr(line.find('['), line.find(']') + 1 - line.find('['));
         return std::string();
     };
-    // Of the whole film, also where one frame of it is tried: .3 m/s in the nozzle, and the heavy thread hardly speeds up in its fall of 45
-    // mm.
+    // The range is that of the whole film, also for a test of one frame: .3 m/s in the nozzle, and the heavy thread hardly speeds up in its
+    // fall of 45 mm.
     CHECK(range_of({}) == "[0.0, 0.4]");
     CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
 }

@@ -20,7 +20,7 @@ namespace {
 const char* const tetrahedron = "v 0 0 0\nv .01 0 0\nv 0 .01 0\nv 0 0 .01\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 const std::string picture = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd";
 
-/// scenes/scene.toml with a mesh and a picture beside it; tests run in another folder.
+/// scenes/scene.toml with a mesh and a picture in its folder; tests run in another folder.
 struct Scratch : test::ScratchFolder {
     explicit Scratch(const std::string& more, const std::string& before = "") {
         fs::create_directories(scenes());

@@ -34,7 +34,7 @@ const char* const falling =
     "[[block]]\nshape = \"sphere\"\nposition = [0, 0.5, 0]\nradius = 0.15\n"
     "[[probe]]\nname = \"all\"\nkind = \"region\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
 
-/// What stands for sbatch runs the job at once; the long test asks a real one.
+/// This replacement of sbatch runs the job immediately; the long test uses a real one.
 void write_sbatch(const fs::path& folder) {
     write(folder / "bin/sbatch", "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho \"$@\" >> " + (folder / "asked").string() +
                                      "\necho sbatch: 12 hours are left of your account >&2\necho '7;north'\nfor word; do case $word in "
@@ -51,7 +51,7 @@ TEST_CASE("the Pareto front contains the points that no other beats in cost and 
 }
 
 TEST_CASE("the search finds the front of a smooth sweep and runs little that lies off it", "[study]") {
-    // A finer spacing costs 8 times and quarters the error; a tighter tolerance costs 3 times and takes off a small share of its own. Of
+    // A finer spacing costs 8 times and quarters the error; a tighter tolerance costs 3 times and removes a small share. Of
     // the 30 points 14 are on the front.
     const auto cost = [](const GridPoint& p) { return std::pow(8.0, p[0]) * std::pow(3.0, p[1]); };
     const auto error = [](const GridPoint& p) { return 0.1 * std::pow(0.25, p[0]) + 0.002 * std::pow(0.3, p[1]); };
@@ -64,7 +64,7 @@ TEST_CASE("the search finds the front of a smooth sweep and runs little that lie
         REQUIRE(found.size() <= all.size());
     }
     CHECK(found.size() <= 18);
-    // What it found is nowhere more than a fifth worse than the true front: by then the rest would not have been worth running.
+    // Its front is at most a fifth worse than the true front, so the remaining runs would not have been worthwhile.
     for (const std::size_t k : pareto_front(all)) {
         double least = 1e9;
         for (const Measured& m : found) least = std::min(least, std::max(m.cost / all[k].cost, m.error / all[k].error));
@@ -144,7 +144,7 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
     const Case cases[]{
         {"nothing", [] {}, 3},
         {"a record, by hand", [&] { change_record("memory_bytes", "much"); }, 2},
-        {"a run's folder is gone", [&] { fs::remove_all(point("")); }, 2},
+        {"a run's folder was removed", [&] { fs::remove_all(point("")); }, 2},
         {"a run is of another call, which was interrupted", [&] { write(point("") / "run.json", "{\"status\": \"running\"}"); }, 2},
         {"a point failed", [&] { change_record("status", "failed"); }, 2},
         {"a point had less time", [&] { change_record("status", "timeout"), change_record("limit", 599); }, 2},
@@ -265,7 +265,7 @@ TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without 
 }
 
 TEST_CASE("whether a scene is refused is for the program of the point to say", "[study]") {
-    // So far from the origin that a program of single precision refuses it; this one says something of its own.
+    // Too far from the origin for a program of single precision; this program has another message.
     const ScratchFolder folder;
     write(folder / "far.toml",
           "name = \"far\"\n[time]\nend = 0.1\n[domain]\nmin = [99999, -1, -1]\nmax = [100001, 1, 1]\n[fluid]\nspacing = 0.05\n"
@@ -295,7 +295,7 @@ TEST_CASE("whether a scene is refused is for the program of the point to say", "
     }
 }
 
-TEST_CASE("a study whose program is gone ends, and does not say that its points are refused", "[study]") {
+TEST_CASE("a study whose program was removed ends, and does not report refused points", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     write(folder / "s.toml",

@@ -156,7 +156,7 @@ Stage box_on_slope(double slope, double dt) {
 }  // namespace
 
 TEST_CASE("a box slides on a floor for v^2/(2 mu g), whatever the step, within 3 %", "[geometry][bodies]") {
-    // What a step of 5 ms is short of: v dt/2, 1.5 %.
+    // A step of 5 ms falls short by v dt/2, 1.5 %.
     for (const double dt : {5e-3, 5e-4, 1e-4}) {
         Stage stage = box_on_slope(0, dt);
         RigidBody& body = *stage.solids.all[1].body;
@@ -187,8 +187,8 @@ TEST_CASE("a box on a slope sticks below the friction angle and slides with g (s
 
 TEST_CASE("spinning bodies on a floor are braked as by an evenly loaded face, within 7 %", "[geometry][bodies]") {
     // Torque mu m g <r>, <r> the mean distance from the axis over the face: 2 R/3 for a disc, .7652 a for a square of 2 a, a quarter of the
-    // length for a cylinder that lies. The corners alone would be 1.85 times as much for a square. What is short: the outermost particles
-    // stand up to half a spacing inside the edge.
+    // length for a cylinder that lies. The corners alone would be 1.85 times as much for a square. The difference: the outermost particles
+    // are up to half a spacing inside the edge.
     ShapeKeys ground, upright, lying;
     ground.kind = "plane", ground.centre = Vec3d::Zero();
     upright.kind = lying.kind = "cylinder";

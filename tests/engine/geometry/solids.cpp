@@ -115,7 +115,7 @@ TEST_CASE("a container measures the distance from within", "[geometry]") {
     CHECK(solids.nearest(Vec3(Real(0.9), 0, 0), distance) == 0);
 }
 
-TEST_CASE("every solid gets one layer half a spacing deep, neither crowded nor with holes", "[geometry]") {
+TEST_CASE("every solid gets one layer half a spacing deep, without crowding and holes", "[geometry]") {
     const Real d = Real(0.05);
     const auto sphere_mesh = make_mesh(make_sphere({0, 0, 0}, 0.6)->mesh(Real(0.1), 1), "ball");
     const auto box_mesh = make_mesh(make_box({-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3})->mesh(1, 1), "box");
@@ -195,7 +195,7 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     CHECK(sample_solids(solids, d, domain).size() == 0);
 }
 
-TEST_CASE("a box through a periodic domain has neither ends nor seam there", "[geometry]") {
+TEST_CASE("a box through a periodic domain has no ends and no seam there", "[geometry]") {
     const Real d = Real(0.1);
     const Domain domain = cube(1, {true, false, false});
     for (const bool inside : {false, true}) {
@@ -220,7 +220,7 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
         solids.set_time(0, 1e-3);
         return sample_solids(solids, d, domain);
     };
-    // A bar that stands upright and is laid into a flat domain: as if it had been made lying.
+    // An upright bar that is rotated into a flat domain equals one that was made lying.
     const Domain flat{Vec3(-2, -1, Real(-0.3)), Vec3(2, 1, Real(0.3)), {}};
     const SolidParticles laid = sampled(make_box({-0.1, -0.1, -1.5}, {0.1, 0.1, 1.5}), {0, std::numbers::pi / 2, 0}, flat);
     CHECK(laid.size() == sampled(make_box({-1.5, -0.1, -0.1}, {1.5, 0.1, 0.1}), {0, 0, 0}, flat).size());
@@ -363,7 +363,7 @@ TEST_CASE("in 2D distances and normals lie in the plane, and the boundary partic
     }
     CHECK(rectangle->bulk().volume == Approx(0.08));
     CHECK(disc->bulk().volume == Approx(std::numbers::pi * 0.16));
-    // Of a metre of depth of a disc about its axis: m r^2/2.
+    // Inertia of a disc of a metre of depth about its axis: m r^2/2.
     CHECK(disc->bulk().inertia()(2, 2) == Approx(std::numbers::pi * 0.16 * 0.16 / 2));
 
     const Real d = Real(0.02);

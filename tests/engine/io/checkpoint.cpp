@@ -47,7 +47,7 @@ TEST_CASE("a checkpoint reads back as it was written", "[io][checkpoint]") {
     CHECK(back->simulation == std::string(1000, '\7'));
 }
 
-TEST_CASE("the newest two checkpoints are kept, nothing half written, and all that people put beside them", "[io][checkpoint]") {
+TEST_CASE("the last two checkpoints are kept, no partial files, and all files of users next to them", "[io][checkpoint]") {
     const test::ScratchFolder folder;
     fs::create_directory(folder / "checkpoints");
     const std::vector<std::string> foreign{"000010.whorl.bak", "0000099.whorl", "99.whorl", "keep.part", "keep.whorl"};
@@ -85,7 +85,7 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
     SECTION("a folder") {
         fs::remove(newest);
         fs::create_directory(newest);
-        message = state = "cannot be read";  // and perhaps sound: nobody shall delete it
+        message = state = "cannot be read";  // and perhaps sound: it must not be deleted
     }
 
     std::vector<std::string> damaged;

@@ -18,7 +18,7 @@ TEST_CASE("each kernel integrates to one in 3D and 2D, and its derivative is the
                 integral += 4 * std::numbers::pi * r * r * kernel.value(Real(r)) * R / shells;
             }
             CHECK(integral == Approx(1).epsilon(2e-5));
-            // The same over rings in the plane.
+            // Integral over rings in 2D.
             const auto plane = with_kernel(KernelForm(kind, 2), R, [&](const auto& flat) {
                 double sum = 0;
                 for (int k = 0; k < shells; ++k) {

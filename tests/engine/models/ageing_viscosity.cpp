@@ -115,11 +115,11 @@ TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their 
     }
     CHECK(touched > 100);
 
-    // What ages goes on ageing, by the new expression and from the place of the change.
+    // Ageing fluid keeps ageing, by the new expression and from the place of the change.
     while (simulation.time() < 0.15) REQUIRE_FALSE(simulation.step(0.15).diverged);
     const auto source = simulation.world().fluid.column<field::source>();
     const auto start = simulation.world().fluid.column<field::birthplace>();
-    const double last = 0.15 - simulation.totals().last_step;  // the age in the newest step
+    const double last = 0.15 - simulation.totals().last_step;  // the age in the last step
     for (std::size_t i = 0; i < source.size(); ++i) {
         if (source[i] == 0) CHECK(mu()[i] == Approx(60 + 500 * start[i].y() + 1000 * last).epsilon(1e-4));
         if (source[i] == 1) CHECK(mu()[i] == 3);
@@ -177,9 +177,9 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
         return read_scene_text(pour, "test.toml", request);
     };
     const auto run = [&](const Scene& scene) { return Simulation(scene, make_plan(scene)); };
-    // Too thin for the looks at the scene. Particles stand at x = 0.0125.
+    // Too thin for the samples of the scene's checks. Particles are at x = 0.0125.
     const std::string hole = "abs(x-0.0125) < 0.001 ? ";
-    for (const auto& [key, value, told] : std::vector<std::array<std::string, 3>>{
+    for (const auto& [key, value, expected] : std::vector<std::array<std::string, 3>>{
              {"fluid.viscosity", "\"" + hole + "0-1 : 30\"", "fluid.viscosity is -1 Pa s at (0.0125"},
              {"fluid.viscosity", "\"" + hole + "sqrt(0-1) : 30\"", "nan Pa s at (0.0125"},
              {"fluid.viscosity", "\"" + hole + (sizeof(Real) == 4 ? "1e39" : "1e300*1e300") + " : 30\"", "; allowed: up to "},
@@ -187,7 +187,7 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
              {"block[0].spin", "[\"" + hole + "sqrt(0-1) : 0\", 0, 0]", "block[0].spin is not finite at (0.0125"},
              {"block[0].ink", "[\"" + hole + "sqrt(0-1) : 0\"]", "block[0].ink is no number at (0.0125"}}) {
         INFO(key << " = " << value);
-        CHECK_THROWS_WITH(run(with(key, value)), Catch::StartsWith("test") && Catch::Contains(told));
+        CHECK_THROWS_WITH(run(with(key, value)), Catch::StartsWith("test") && Catch::Contains(expected));
     }
 
     const auto end_of = [](Simulation& simulation) {

@@ -42,7 +42,7 @@ struct Fluid {
     }
 };
 
-/// What a row is to hold, from all pairs.
+/// Expected content of a row, from all pairs.
 struct Expected {
     double h = 0, density = 1;
     std::map<Index, Vec3d> pairs;  ///< r of each j that counts
@@ -111,7 +111,7 @@ Found require_rows_of_all_pairs(const Fluid& fluid) {
                     if (padding) continue;
                     const Index j = block.touched[p.other[lane]];
                     auto& row = in[slice.row[lane]];
-                    REQUIRE(row.count(j) == 0);  // nobody twice
+                    REQUIRE(row.count(j) == 0);  // no neighbour twice
                     row[j] = {Vec3d(p.r.x[lane], p.r.y[lane], p.r.z[lane]), p.w[lane]};
                 }
             });
@@ -200,7 +200,7 @@ TEST_CASE("rows of no particle and of one are empty", "[models][coupled]") {
     CHECK(require_rows_of_all_pairs(fluid).pairs == 0);
 }
 
-TEST_CASE("rows go on across periodic borders, along one axis and along all", "[models][coupled]") {
+TEST_CASE("rows continue across periodic borders, along one axis and along all", "[models][coupled]") {
     for (const int axes : {1, 2, 4, 7}) {
         Fluid fluid;
         fluid.domain.min = Vec3::Zero(), fluid.domain.max = d * Vec3(9, 9, 9);

@@ -133,8 +133,8 @@ TEST_CASE("fluid that turns with a solid keeps its density at first order, and i
 }
 
 TEST_CASE("a gate keeps a wall out of the density until the fluid is near, and lets all of it in at contact", "[pressure][boundary]") {
-    // Without a gate the wall is felt from half a spacing above contact on (its image stands nearly twice as far); with 0.1 a layer that
-    // stands 0.35 d higher than in contact feels nothing at all.
+    // Without a gate the wall is felt from half a spacing above contact on (its image is nearly twice as far); with 0.1 a layer
+    // 0.35 d above contact feels nothing at all.
     Floor high(0.35), touching(0);
     high.measure(0);
     const std::vector<Real> felt = high.rho;

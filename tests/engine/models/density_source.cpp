@@ -90,8 +90,8 @@ double largest_share_taken(Fluid& f) {
 
 TEST_CASE("a density-source solve gains no energy, on and off lattices, free, between walls and enclosed", "[pressure][density_source]") {
     // Pressures of both signs and no density error: the solve is linear in the velocity. Its force is the transpose of its divergence D, so
-    // it takes away T = M^-1 D^T L^-1 D, and energy cannot grow as long as D M^-1 D^T <= 2 L, that is, the eigenvalues of T are at most 2.
-    // 1e-3: what 60 rounds of the power method and the solver's tolerance leave open.
+    // it removes T = M^-1 D^T L^-1 D, and energy cannot grow as long as D M^-1 D^T <= 2 L, that is, the eigenvalues of T are at most 2.
+    // 1e-3: the error of 60 rounds of the power method and of the solver's tolerance.
     PoissonPressureOptions options = exact_options();
     options.clamp = false;
     options.density_correction = 0;
@@ -115,10 +115,9 @@ TEST_CASE("a density-source solve gains no energy, on and off lattices, free, be
         }
 }
 
-TEST_CASE(
-    "with what the layer at a flat wall lacks along it, its own pairs pull as hard along the wall as a lattice that goes on behind it",
-    "[pressure][density_source]") {
-    // By hand for R = 2 d: neighbours at 1, sqrt(2) and sqrt(3) spacings; those at 2 have neither W nor W'.
+TEST_CASE("with the layer's missing force along a flat wall, its pairs pull along it as a full lattice does",
+          "[pressure][density_source]") {
+    // By hand for R = 2 d: neighbours at 1, sqrt(2) and sqrt(3) spacings; those at 2 have W = W' = 0.
     const CubicKernel kernel(Real(2 * d));
     const auto W = [&](double r) { return d * d * d * static_cast<double>(kernel.value(static_cast<Real>(r * d))); };
     const auto pull = [&](double r) { return -static_cast<double>(kernel.derivative(static_cast<Real>(r * d))) / r; };  // of a step d along
@@ -166,7 +165,7 @@ TEST_CASE("density source: a lone particle at a moving wall has the pressure b/a
             f.place(Vec3::Zero(), Vec3(Real(d), Real(d), Real(d)));
             f.column<field::velocity>()[0] = Vec3(Real(0.3), 0, 0);
             f.solved();
-            // As solids.cpp has it: the sum over the layer, with the normal part continued behind the surface (2 at half a spacing above
+            // See solids.cpp: the sum over the layer, with the normal part continued behind the surface (2 at half a spacing above
             // it).
             const CubicKernel W(Real(2 * d));
             const SolidParticles& layer = f.world.solid_particles;

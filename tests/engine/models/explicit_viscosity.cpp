@@ -55,7 +55,7 @@ TEST_CASE("explicit viscosity keeps momentum to 1e-6, also with uneven density a
 }
 
 TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, next to the wall either", "[viscosity][boundary]") {
-    // u = y e_x above a wall at y = 0: Lap u = 0. The lattice goes on in the wall, the shear too: zero to round-off.
+    // u = y e_x above a wall at y = 0: Lap u = 0. Lattice and shear continue in the wall: zero to round-off.
     const Real d = Real(0.1);
     for (int dimensions : {3, 2}) {
         INFO(dimensions << " dimensions");
@@ -76,7 +76,7 @@ TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, n
                 largest = std::max<double>(largest, a[i].norm());
                 densest = std::max<double>(densest, std::abs(rho[i] / 1000 - 1));
             }
-        // Of mu u'/(rho d), the force of one layer on the next. In the plane the fluid's lattice sum is 1.0009 rho_0, and its neighbours
+        // Relative to mu u'/(rho d), the force of one layer on the next. In 2D the fluid's lattice sum is 1.0009 rho_0, and its neighbours
         // weigh that much less than those of the wall.
         CHECK(largest < (dimensions == 3 ? 1e-4 : 1e-3) / (1000 * d));
         CHECK(densest < 1e-3);  // the lattice sum itself is 1.0004 rho_0, in the plane 1.0009

@@ -62,7 +62,7 @@ TEST_CASE("shifting is the same in a moving frame, and zero without relative mot
         largest = std::max<double>(largest, a[i].norm()), difference = std::max<double>(difference, (a[i] - b[i]).norm());
     CHECK(largest > 1e-3 * d);
     CHECK(largest < 0.0501 * d);
-    CHECK(difference < 1e-4 * d);  // round-off of 3 m/s in single precision beside differences of .1 m/s
+    CHECK(difference < 1e-4 * d);  // round-off of 3 m/s in single precision against differences of .1 m/s
     for (Vec3& u : still.column<field::velocity>()) u = Vec3(3, -2, 1);
     still.step(5e-3);
     for (const Vec3& move : still.column<field::shift>()) REQUIRE(move.norm() == 0);

@@ -144,7 +144,7 @@ TEST_CASE("in every model a gated wall acts fully on fluid in contact and not at
             constexpr double far = 1.2, near = 0.5, round_off = 2e-6;
             CHECK(apart(stepped(model, threshold, wall, far), stepped(model, 0, Wall::none, far)) < round_off);
             CHECK(apart(stepped(model, threshold, wall, near), stepped(model, 0, wall, near)) < round_off);
-            // What the gate keeps away: without it this wall is felt. (Shifting stops where the fluid is as thin as above a gap.)
+            // Without the gate this wall is felt. (Shifting stops where the fluid is as sparse as above a gap.)
             if (std::string_view(model.name) != "fickian")
                 CHECK(apart(stepped(model, 0, wall, far), stepped(model, 0, Wall::none, far)) > 5 * round_off);
         }

@@ -57,7 +57,7 @@ struct Cloud : TestWorld {
         stages[0].run(world);
     }
     Vec3 vector() { return {Real(random()) - Real(0.5), Real(random()) - Real(0.5), Real(random()) - Real(0.5)}; }
-    /// What a step multiplies its curls and its first Laplacian by (docs/physics.md 4).
+    /// Factor by which a step multiplies its curls and its first Laplacian (docs/physics.md 4).
     double factor() const { return 1 / lattice_gradient(world.step.kernel, world.step.support, world.step.spacing); }
 
     /// sum_j f(i, j, r_ij, grad W_ij, W_ij) of every particle over all others, in double.
@@ -282,7 +282,7 @@ TEST_CASE("on a lattice all curls of a rigid rotation are twice its rate, and th
     }
 }
 
-TEST_CASE("a scene without a micropolar model has neither spin nor anything else of it", "[micropolar]") {
+TEST_CASE("a scene without a micropolar model has no spin and no other field of it", "[micropolar]") {
     std::string plain = eddies;
     plain.erase(plain.find("micropolar = \"seed\""), plain.find("[[block]]") - plain.find("micropolar = \"seed\""));
     Simulation with = simulation_of(eddies), without = simulation_of(plain);

@@ -32,7 +32,7 @@ void add_box_walls(TestWorld& w, double x, double y, double z) {
     if (y > 0) w.add_wall(1, -1, y * d);
 }
 
-/// What a preconditioner must get through: free surfaces, solids, no surface at all, no bulk, nothing but single particles.
+/// Cases that a preconditioner must handle: free surfaces, solids, no surface at all, no bulk, nothing but single particles.
 const std::vector<Filling> shapes{
     {"block in free space", [](TestWorld& w) { w.place(at_cells(0, 0, 0), at_cells(14, 14, 14)); }},
     {"half-filled box", [](TestWorld& w) { add_box_walls(w, 14, 0, 14), w.place(at_cells(0, 0, 0), at_cells(14, 10, 14)); }},
@@ -212,9 +212,9 @@ TEST_CASE(
     "in a column of 40 layers multigrid needs at most half of the diagonal's iterations for the published rows, and fewer for the "
     "constraint",
     "[pressure][multigrid]") {
-    // 1e-3 of any source in the published rows: 9 of 20 (float); what ties them to walls spares the diagonal iterations. In the constraint
-    // 0.02 of what falling does to the densities: 14 of 17. Its gradient does not see what alternates from neighbour to neighbour, and nor
-    // does a coarse level: the gain comes with depth (docs/reports/pressure.md).
+    // 1e-3 of any source in the published rows: 9 of 20 (float); their coupling to walls saves the diagonal iterations. In the constraint
+    // 0.02 of the density change by falling: 14 of 17. Its gradient does not see values that alternate from neighbour to neighbour, and
+    // neither does a coarse level: the gain comes with depth (docs/reports/pressure.md).
     const Filling column{"column", [](TestWorld& w) { add_box_walls(w, 9, 0, 9), w.place(at_cells(0, 0, 0), at_cells(9, 40, 9)); }};
     Fluid fluid(column);
     Poisson poisson(fluid);

@@ -71,7 +71,7 @@ TEST_CASE("a half-space's pull and potential in closed form are those of its par
 }
 
 TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a uniform density would", "[surface_tension]") {
-    // sigma = half of the energy between the half-spaces, over the area. Particles on lattice planes stand farther from the cut than a
+    // sigma = half of the energy between the half-spaces, over the area. Particles on lattice planes are farther from the cut than a
     // continuum; where all pairs pull disorder makes up for it (drops of `coupled` have 1.09 to 1.2 of 2 sigma/R), so the calibration is
     // that of the uniform density.
     const double d = 0.01;
@@ -135,7 +135,7 @@ TEST_CASE(
     "twice as much within 20 %",
     "[surface_tension]") {
     // sigma = sum of F (x^2 - y^2)/r over pairs and area, y down into the fluid; a wall that pulls particle i by f takes off the sum of f
-    // y. A lattice is no continuum: parted without shares it has 0.89 (above), and two layers that are skin stand for an integral.
+    // y. A lattice is no continuum: parted without shares it has 0.89 (above), and two surface layers approximate an integral.
     const double d = 1;
     const Cohesion cohesion(sigma, d);
     const int deep = 8;
@@ -169,9 +169,7 @@ TEST_CASE(
     CHECK(Skin::strength() * Skin::flat_tension() * Skin::packed == Approx(1));
 }
 
-TEST_CASE(
-    "where all pairs pull, a flat surface is pulled straight down, and a wall of the same pull as the fluid leaves fluid beside it alone",
-    "[surface_tension]") {
+TEST_CASE("if all pairs pull, a flat surface is pulled down, and a wall of equal pull exerts no net force", "[surface_tension]") {
     const double d = 0.01;
     for (const double wetting : {0.0, 1.0}) {
         TestWorld w(d, 2, Domain{Vec3(0, Real(-d), 0), Vec3(Real(8 * d), Real(9 * d), Real(8 * d)), {true, false, true}});

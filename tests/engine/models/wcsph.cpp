@@ -48,7 +48,7 @@ TestWorld ball(const WeaklyCompressible& options, const std::function<Vec3(const
     return w;
 }
 
-/// What the dampers add (the other forces do not look at the velocities): sums over the particles.
+/// Contribution of the dampers (the other forces do not depend on velocities), sums over the particles.
 struct Effect {
     Vec3d force = Vec3d::Zero(), torque = Vec3d::Zero();
     double power = 0, size = 0;  ///< W; sum |m a| [N]
@@ -93,7 +93,7 @@ TEST_CASE("sound damping and artificial viscosity take energy and leave momentum
     }
 }
 
-TEST_CASE("a ball that flies and turns as one feels neither sound damping nor artificial viscosity", "[wcsph]") {
+TEST_CASE("a rigidly moving ball feels no sound damping and no artificial viscosity", "[wcsph]") {
     const Vec3 flight(1, 2, 3), turn(4, -5, 6);
     for (const bool sound : {true, false}) {
         const Effect rigid = effect_of(damper(sound), [&](const Vec3& x) { return Vec3(flight + turn.cross(x)); });
@@ -102,7 +102,7 @@ TEST_CASE("a ball that flies and turns as one feels neither sound damping nor ar
     }
 }
 
-TEST_CASE("water beside a vertical wall is carried by the whole pressure gradient, as it is far from the wall", "[wcsph]") {
+TEST_CASE("water at a vertical wall feels the same pressure gradient as far from the wall", "[wcsph]") {
     const double H = 12 * d;
     WeaklyCompressible options;
     options.sound_speed = 10;
@@ -116,18 +116,18 @@ TEST_CASE("water beside a vertical wall is carried by the whole pressure gradien
     w.place(Vec3::Zero(), Vec3(Real(12 * d), Real(H), Real(6 * d)));
     w.step(0);
     const auto x = w.column<field::position>(), a = w.column<field::acceleration>();
-    double beside = 0, far = 0, sideways = 0;
-    int count_beside = 0, count_far = 0;
+    double at_wall = 0, far = 0, sideways = 0;
+    int count_at_wall = 0, count_far = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (std::abs(x[i].y() - H / 2) > 2 * d) continue;
-        if (x[i].x() < d) beside += a[i].y() + g, sideways += a[i].x(), ++count_beside;
+        if (x[i].x() < d) at_wall += a[i].y() + g, sideways += a[i].x(), ++count_at_wall;
         if (std::abs(x[i].x() - 6 * d) < d) far += a[i].y() + g, ++count_far;
     }
-    // A lattice feels a linear pressure 1.02 times; the layer of the wall stands for two of the lattice, but for what the second would add
+    // A lattice feels a linear pressure 1.02 times; the layer of the wall replaces two of the lattice, except for the second one's force
     // along it.
     CHECK(far / count_far == Approx(g * lattice_gradient(KernelKind::cubic, Real(2 * d), Real(d))).epsilon(2e-3));
-    CHECK(beside / count_beside == Approx(far / count_far).epsilon(0.05));
-    CHECK(std::abs(sideways / count_beside) < 0.05 * g);
+    CHECK(at_wall / count_at_wall == Approx(far / count_far).epsilon(0.05));
+    CHECK(std::abs(sideways / count_at_wall) < 0.05 * g);
 }
 
 TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, and 0 if that is negative", "[wcsph]") {

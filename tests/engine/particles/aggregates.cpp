@@ -4,7 +4,7 @@
 
 using namespace whorl;
 
-TEST_CASE("aggregates whose members do not hang together by their neighbours become one a piece", "[particles]") {
+TEST_CASE("aggregates whose members are not connected by neighbours are split into connected pieces", "[particles]") {
     const std::vector<std::vector<Index>> near{{1}, {}, {3}, {2, 4}, {}, {6}, {}};
     std::vector<std::int32_t> group{1, 1, 1, 1, 2, 0, 0};
     const auto neighbours = [&](Index i, const auto& visit) {

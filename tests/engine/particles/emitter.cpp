@@ -122,7 +122,7 @@ TEST_CASE("a parabolic profile flows twice as fast in the middle and never makes
     CHECK(nearest_pair(store) > 0.6 * d);
     Index free_particles = 0;
     for (std::int16_t role : store.column<field::role>()) free_particles += role == 0;
-    // Few streamlines stand for the profile: their mean factor is 1 within some per cent.
+    // Few streamlines sample the profile: their mean factor is 1 within some per cent.
     CHECK(free_particles == Approx(emitter.expected_particles()).epsilon(0.06));
 }
 

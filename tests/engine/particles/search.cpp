@@ -32,7 +32,7 @@ std::vector<std::set<Index>> rows_of(const Pairs& pairs) {
     std::vector<std::set<Index>> rows(pairs.size());
     for (Index i = 0; i < pairs.size(); ++i) {
         pairs.of(i, [&](Index j, const Vec3&, Real) { rows[i].insert(j); });
-        REQUIRE(static_cast<Index>(rows[i].size()) == pairs.count(i));  // nobody twice
+        REQUIRE(static_cast<Index>(rows[i].size()) == pairs.count(i));  // no neighbour twice
     }
     return rows;
 }
@@ -158,7 +158,7 @@ TEST_CASE("positions that are not finite get no neighbours and change no others"
     }
 }
 
-TEST_CASE("a few stray particles far away cost neither memory nor neighbours", "[particles]") {
+TEST_CASE("a few stray particles far away cost no memory and no neighbours", "[particles]") {
     auto x = cloud(3000, 1, 9);
     const Real far = std::numeric_limits<Real>::max() / 4;
     const std::size_t n = x.size();

@@ -29,7 +29,7 @@ radius = 5e-3
 speed = 0.25
 )";
 
-/// What theory takes from the scene at 1 s, after turns of half a second and a fall of 8 cm; with `from` replaced by `to` first.
+/// Input of the theory from the scene at 1 s, after turns of half a second and a fall of 8 cm; with `from` replaced by `to` first.
 std::optional<CoilParameters> parameters_of(const std::string& from = "", const std::string& to = "", const std::string& more = "") {
     std::string text = pouring_scene;
     if (!from.empty()) text.replace(text.find(from), from.size(), to);
@@ -49,7 +49,7 @@ TEST_CASE("the input of the coil theory follows the scene, and is empty without 
     CHECK(plain->gravity == 9.81);
     CHECK(plain->fall == 0.08);
     CHECK(parameters_of("speed = 0.25", "speed = 0.25\nviscosity = 300")->viscosity == Approx(0.3));
-    CHECK(parameters_of("speed = 0.25", "speed = \"0.1 + 0.1*min(1, 4*t)\"")->speed == Approx(0.2));  // steady for the newest turn
+    CHECK(parameters_of("speed = 0.25", "speed = \"0.1 + 0.1*min(1, 4*t)\"")->speed == Approx(0.2));  // steady for the last turn
     CHECK(parameters_of("viscosity = 1000", "viscosity = 1000\nsurface_tension = 0.05")->surface_tension == Approx(5e-5));
     CHECK(parameters_of("", "", "[[emitter]]\nposition = [0.05, 0.15, 0]\nradius = 0.004\nspeed = 0.1\n")->nozzle_radius ==
           5e-3);  // the one on the axis

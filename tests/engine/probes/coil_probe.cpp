@@ -103,7 +103,7 @@ TEST_CASE("the coil probe measures frequency and radius within 2 %, with jitter 
     CHECK(row[8] == Approx(row[5] / 2));
 }
 
-// The mean over the newest four turns: at t the ground that the thread landed on about two turns ago, so the fall is longer by two turns'
+// The mean over the last four turns refers to the ground that the thread landed on about two turns ago, so the fall is longer by two turns'
 // growth of the pile, 4 a. The pile's growth within a sight's range of speeds and the layers cost a spacing each.
 TEST_CASE("the coil probe's fall is from the thread's top to its last turns' ground, within two spacings", "[io][probe]") {
     CoilingThread thread;
@@ -118,8 +118,8 @@ TEST_CASE("the coil probe's fall is from the thread's top to its last turns' gro
     CHECK(row[9] == Approx(top - thread.ground(t) + 2 * thread.a * 2.2).margin(2 * thread.d));
 }
 
-// Where the thread is 1.5 particles in radius, or every particle off its place by half a spacing, a slice's mean is good to d/sqrt(7), a
-// turn's to a tenth of that: 4 % stands for the probe's own ranges, which hold a particle or two each.
+// If the thread is 1.5 particles in radius, or every particle is displaced by half a spacing, a slice's mean is good to d/sqrt(7), a
+// turn's to a tenth of that: 4 4 % covers the probe's ranges of a particle or two each.
 TEST_CASE("few particles, noise, reversal or an axis off centre change frequency and radius by at most 4 %", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);

@@ -60,7 +60,7 @@ TEST_CASE("probes are exact for quadratic fields on uneven particles, at a face 
             // Single precision, of which a face takes two digits.
             CHECK((interpolated_velocity(world, at) - u(at)).norm() < 2e-5);
         }
-        // Of many points at once, as of each: the same bits, outside and where the domain repeats, too.
+        // Many points in one call equal single calls bit for bit, also outside and in periodic domains.
         const std::vector<Vec3d> points{{0.52, 0.47, depth * 0.5}, {0.02, 0.98, 0}, {1.04, 0.5, 0.1}, {0.5, 0.5, 9}};
         for (const bool repeats : {false, true}) {
             if (repeats) {
@@ -76,10 +76,10 @@ TEST_CASE("probes are exact for quadratic fields on uneven particles, at a face 
 
 TEST_CASE("outside the fluid probes give the mean of near particles, and nothing farther away", "[probe]") {
     World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(1, x.x(), 0); });
-    const Vec3d beside = interpolated_velocity(world, Vec3d(1.2, 0.5, 0.5));
-    CHECK(beside.x() == Approx(1).epsilon(1e-6));
-    CHECK(beside.y() > 0.8);
-    CHECK(beside.y() < 1);
+    const Vec3d outside = interpolated_velocity(world, Vec3d(1.2, 0.5, 0.5));
+    CHECK(outside.x() == Approx(1).epsilon(1e-6));
+    CHECK(outside.y() > 0.8);
+    CHECK(outside.y() < 1);
     CHECK(interpolate(world, {Vec3d(1.5, 0.5, 0.5)}).front().shares.empty());
     world.fluid.resize(1);
     const Vec3d alone = interpolated_velocity(world, world.fluid.column<field::position>()[0].cast<double>() + Vec3d(0.05, 0, 0));

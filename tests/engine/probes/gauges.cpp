@@ -78,7 +78,7 @@ ProbeKeys flux_keys(const Vec3d& at, const Vec3d& direction) {
     return keys;
 }
 
-/// Moves every particle by its velocity and tells the probe.
+/// Moves every particle by its velocity and calls the probe.
 void step(World& world, Probe& probe, double dt, double end) {
     world.step.dt = static_cast<Real>(dt);
     const auto x = world.fluid.column<field::position>();
@@ -132,7 +132,7 @@ TEST_CASE("the level follows tilted surfaces and waves to half a spacing", "[pro
     for (const int dimensions : {2, 3}) check(tilted, dimensions), check(wave, dimensions);
 }
 
-TEST_CASE("the level counts neither drops above the water nor drops over a dry floor, and passes a solid", "[probe]") {
+TEST_CASE("the level ignores drops above the water and over a dry floor, and passes a solid", "[probe]") {
     for (const int dimensions : {2, 3}) {
         const double z = dimensions == 2 ? 0 : 0.5;
         const auto wet = [](const Vec3d& at) { return at.y() < 1; };
@@ -163,7 +163,7 @@ TEST_CASE("a flux probe counts every path across its opening, signed, from disc 
         for (Vec3& u : world.fluid.column<field::velocity>()) u = (2 * along).cast<Real>();
         ProbeKeys disc = flux_keys(at, along), rectangle = flux_keys(at, -along);
         disc.radius = 0.5, rectangle.width = 0.8, rectangle.thickness = 0.4;
-        // What lies in the cylinder or the box that a distance of 0.3 m sweeps, counted by hand.
+        // Particles in the cylinder or the box swept over 0.3 m, counted by hand.
         double in_disc = 0, in_rectangle = 0;
         for (const Vec3& x : world.fluid.column<field::position>()) {
             const Vec3d r = x.cast<double>() - at;
@@ -186,7 +186,7 @@ TEST_CASE("a flux probe counts every path across its opening, signed, from disc 
         CHECK(row[1] == Approx(row[3] / 0.15).epsilon(1e-6));
         CHECK(back[3] == Approx(-in_rectangle * volume).epsilon(1e-6));
 
-        // A saved probe goes on as the same.
+        // A loaded probe continues unchanged.
         std::stringstream state;
         one->save(state);
         const auto resumed = make_probe(disc, world);
@@ -220,7 +220,7 @@ TEST_CASE("a flux probe counts across periodic faces, ignores nozzles, and inclu
     const auto counting = make_probe(keys, world);
     world.step.dt = Real(0.1);
     world.fluid.column<field::position>()[0].x() = world.fluid.column<field::position>()[1].x() = Real(0.05);
-    world.fluid.gather(std::vector<Index>{1, 0});  // the third is gone, the others change places
+    world.fluid.gather(std::vector<Index>{1, 0});  // the third is removed, the others change places
     counting->after_step(world, 0.1);
     CHECK(counting->rows(world, 0.1).at(0).at(3) == Approx(2 * d * d * d).epsilon(1e-6));
 }
@@ -238,7 +238,7 @@ TEST_CASE("the extent is that of the connected fluid, whatever flies ahead of it
         };
         const std::vector<double> block = measured();
         CHECK(block[1] == Approx(1.0));
-        // The outermost particle stands half a spacing from both faces.
+        // The outermost particle is half a spacing from both faces.
         CHECK(block[2] == Approx(d / 2 + (dimensions == 2 ? 0.95 : std::hypot(0.95, 0.4))));
         CHECK(block[3] == Approx(0.7));
         for (const Vec3d& spray : {Vec3d(1.5, 0.05, 0), Vec3d(3, 0.05, 0), Vec3d(3.1, 0.05, 0), Vec3d(0.5, 2, 0)}) places.push_back(spray);
@@ -258,7 +258,7 @@ TEST_CASE("the extent is that of the connected fluid, whatever flies ahead of it
     CHECK(make_probe(keys, ring)->rows(ring, 0).at(0)[1] == Approx(0.3));  // both parts are one, across the face
 }
 
-// Known impulses on the boundary particles of a wall, a lattice of its own: what is measured is their sum over the disc over its area. A
+// Known impulses on the boundary particles of a wall, a separate lattice. Measured: their sum over the disc, over its area. A
 // pressure that varies is off by a few per cent of its change over the disc, as particles lie unevenly about the middle.
 TEST_CASE("a gauge reads the mean pressure on its disc, over all steps, and the peak of one", "[probe]") {
     for (const int dimensions : {2, 3}) {

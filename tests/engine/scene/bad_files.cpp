@@ -262,7 +262,7 @@ TEST_CASE("a TOML syntax error is reported at its location with a fix", "[scene]
         {"end = 1 # \xe9", "2:10 save the file as UTF-8"},
         {"end = ~", "2:7 "},
     };
-    for (const auto& [by, told] : wrong) {
+    for (const auto& [by, expected] : wrong) {
         std::string text = good;
         text.replace(text.find("end = 1"), 7, by);
         try {
@@ -271,7 +271,7 @@ TEST_CASE("a TOML syntax error is reported at its location with a fix", "[scene]
         } catch (const InputError& e) {
             const Problem& p = e.problems().front();
             CAPTURE(by, p.what);
-            CHECK(std::to_string(p.place.line) + ":" + std::to_string(p.place.column) + " " + p.hint == told);
+            CHECK(std::to_string(p.place.line) + ":" + std::to_string(p.place.column) + " " + p.hint == expected);
         }
     }
 }

@@ -96,7 +96,7 @@ TEST_CASE("missing keys get the defaults of the structs", "[scene]") {
         CHECK(read_scene_text(nameless, file).name == name);
 }
 
-TEST_CASE("the longest step that is left out goes by how fast the film is, not by its pictures or its end", "[scene]") {
+TEST_CASE("the default of the longest step depends on the film's speed, not on its images or end", "[scene]") {
     const auto longest = [](const std::vector<std::string>& changes) { return test::scene_with(changes).time.max_step; };
     CHECK(longest({}) == TimeKeys{}.max_step);
     CHECK(longest({"time.fps=2"}) == TimeKeys{}.max_step);
@@ -204,7 +204,7 @@ TEST_CASE("a change can add the next entry of a list", "[scene]") {
 
 namespace {
 
-/// Every key of the table stands in the schema with its type.
+/// Every key of the table is in the schema with its type.
 void check_covered(const KeyTable& table, const nlohmann::json& schema) {
     CHECK(schema.at("additionalProperties") == false);
     CHECK(schema.at("properties").size() == table.keys.size() + table.parts.size() + (schema.contains("$schema") ? 1 : 0));

@@ -19,21 +19,22 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
           "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles "
           "across it");
     CHECK(messages_with({"emitter[0].speed=0.1-t"}).find("emitter[0].speed is -0.0") != std::string::npos);
-    // Of place, too: at the start where blocks are.
+    // Also functions of place: at the start, inside blocks.
     const std::string block = "block[0]={shape=\"box\", min=[0.02,0.02,0], max=[0.05,0.1,0.05]}",
                       stream = "min=[0,0,0], max=[0.1,0.1,0.1]}";
-    for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
+    for (const auto& [set, expected] : std::vector<std::pair<std::string, std::string>>{
              {"fluid.force=[0, 0, \"1/(2-t)^0.5\"]", "fluid.force is not finite at t = 2 s"},
              {"fluid.force=[\"sqrt(-x)\", 0, 0]", "fluid.force is not finite at t = 0 s at (0.0371, 0.0632, 0.0265)"},
              {"fluid.force=[\"sqrt(x)/sqrt(x*x+z*z)\", 0, 0]", "no error"},
              {"solid[0].position=[0, \"0.01*(1-t)^0.5\", 0]", "solid[0].position is not finite at t = 1.016 s"},
              {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"}})
-        CHECK_THAT(messages_with({"time.end=4", block, set}), Catch::Contains(told == "no error" ? told : "--set " + set + ": " + told));
-    // What a block and an opening give their particles, only where these may stand.
+        CHECK_THAT(messages_with({"time.end=4", block, set}),
+                   Catch::Contains(expected == "no error" ? expected : "--set " + set + ": " + expected));
+    // Values that blocks and openings give their particles, only where particles can be.
     const auto box = [](const std::string& keys) { return "block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05], " + keys + "}"; };
     const std::string outside_ball = "sqrt((x-0.028)^2+(y-0.042)^2+(z-0.026)^2-1.4e-4)",
                       too_large = sizeof(Real) == 4 ? "1e39" : "1e300*1e300";
-    for (const auto& [set, told] : std::vector<std::pair<std::string, std::string>>{
+    for (const auto& [set, expected] : std::vector<std::pair<std::string, std::string>>{
              {box("velocity=[\"y/sqrt(x^2+z^2)\",0,0]"), "no error"},
              {box("velocity=[\"sqrt(x-0.02)\",0,0]"), "block[0].velocity is not finite at ("},
              {box("spin=[\"sqrt(x-0.02)\",0,0]"), "block[0].spin is not finite at ("},
@@ -49,10 +50,10 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
              {"emitter[0].viscosity=abs(x-0.002) < 0.001 ? 0-1 : 1000",
               "emitter[0].viscosity is -1 Pa s at emitter[0]; allowed: at least 0"}})
         CHECK_THAT(messages_with({"models.pressure=ppe", "models.micropolar=bender", "emitter[0].viscosity=1000",
-                                  "solid[1]={shape=\"sphere\", radius=" + std::string(told == "no error" ? "0.012" : "0.001") +
+                                  "solid[1]={shape=\"sphere\", radius=" + std::string(expected == "no error" ? "0.012" : "0.001") +
                                       ", position=[0.028,0.042,0.026]}",
                                   set.rfind("block", 0) == 0 ? set : box("velocity=[0,0,0]"), set}),
-                   Catch::Contains(told));
+                   Catch::Contains(expected));
     CHECK(messages_with({"emitter[0].viscosity=1000", box("velocity=[0,0,0]"), "fluid.viscosity=1e5*" + outside_ball,
                          "solid[1]={shape=\"sphere\", radius=0.012, position=[0.028,0.042,0.026]}"}) == "no error");
     CHECK(messages_with({"emitter[0].start=3", "emitter[0].viscosity=1100-1000*age"}) == "no error");
@@ -189,7 +190,7 @@ TEST_CASE("keys that the chosen models or forms do not use are refused with thei
     // Nothing damps the published rows in a full box without weight.
     CHECK(message(full + "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")
               .find("gains energy in fluid that fills its space and rests on nothing") != std::string::npos);
-    // What is read passes, and so do defaults: a resolved scene writes them.
+    // Used keys pass, and so do defaults: a resolved scene writes them.
     CHECK(message(half + "[pressure]\ndamping = 1\ncorrection = 0.2\n").empty());
     CHECK(message(half + published + "damping = 1\ncorrection = 0.2\n").empty());
     CHECK(message(half + "[models]\nshifting = \"fickian\"\n").empty());

@@ -41,7 +41,7 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
     CHECK(warned({"fluid.density=1.3"}, "fluid.density = 1.3: liquids have 100 to 25000 kg/m^3 (water 1000, air 1.2)"));
     CHECK(warned({"fluid.density=1"}, gas));
     CHECK(!warned({"fluid.density=1", "domain.gravity=[0,0,0]"}, gas));   // has no units
-    CHECK(!warned({"fluid.density=1", "domain.gravity=[0,-1,0]"}, gas));  // nor has this
+    CHECK(!warned({"fluid.density=1", "domain.gravity=[0,-1,0]"}, gas));  // also without units
     CHECK(warned({"fluid.surface_tension=72"}, "fluid.surface_tension = 72: liquids have up to 4 N/m (water 0.072)"));
     CHECK(warned({"stream[0]={min=[0,0,0], max=[0.01,0.01,0.01], time=1, velocity=[0,'250*sin(9*t)',0]}", "models.pressure=ppe"},
                  "stream[0].velocity: the fluid moves at 250 m/s, 900 km/h; speeds are in m/s, rotations in rad/s"));

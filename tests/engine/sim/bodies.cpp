@@ -71,7 +71,7 @@ TEST_CASE(
     "fluid and bodies that collide in free space keep momentum within 1e-5 and angular momentum within 1e-6, with every model that moves "
     "them",
     "[sim][bodies]") {
-    // Viscosity along the pairs, since the other Laplacian has a torque of its own. Relative to the fluid's momentum, and to that times the
+    // Viscosity along the pairs, since the other Laplacian exerts a torque. Relative to the fluid's momentum, and to that times the
     // size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a position to 3e-8 of the domain at every step,
     // the bounds are what these runs keep, with room.
     for (const std::string models : {"[models]\npressure = \"ppe\"\n",
@@ -125,7 +125,7 @@ std::string lying(const std::string& min, const std::string& max, const std::str
     return "[[solid]]\nshape = \"box\"\nmin = [" + min + "]\nmax = [" + max + "]\ndensity = " + density + "\n";
 }
 
-/// What moves while everything should stay where it is.
+/// Motion in a scene that should stay at rest.
 struct Unrest {
     double density_error = 0;     ///< largest mean
     double moved = 0, speed = 0;  ///< of a body, farthest and at the end [m, m/s]

@@ -1,4 +1,4 @@
-/// Keys that take other values while a run goes on.
+/// Keys whose values change during a run.
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <sstream>
@@ -49,12 +49,12 @@ Scene scene_of(const std::vector<std::pair<std::string, std::string>>& changes =
 
 TEST_CASE("setting the current values changes no bit", "[sim][change]") {
     const Scene scene = scene_of();
-    Simulation told(scene, make_plan(scene)), untold(scene, make_plan(scene));
+    Simulation changed(scene, make_plan(scene)), untouched(scene, make_plan(scene));
     for (const double until : {0.04, 0.08, 0.12}) {
-        run_until(told, until), run_until(untold, until);
-        told.change(scene, make_plan(scene));
+        run_until(changed, until), run_until(untouched, until);
+        changed.change(scene, make_plan(scene));
     }
-    CHECK(state_of(told) == state_of(untold));
+    CHECK(state_of(changed) == state_of(untouched));
 }
 
 TEST_CASE("a change acts from the frame time on: viscosity, emitter, gravity, solids", "[sim][change]") {
@@ -66,30 +66,30 @@ TEST_CASE("a change acts from the frame time on: viscosity, emitter, gravity, so
                                   {"solid[0].rotation", "[0, -1, 0]"}});
     Simulation simulation(before, make_plan(before));
     run_until(simulation, 0.1);
-    const Pose stood = simulation.world().solids.all[0].pose;
+    const Pose earlier = simulation.world().solids.all[0].pose;
     const double pushed = simulation.emitters()[0].expected_particles();
     REQUIRE(changes_of_models(simulation.plan(), make_plan(after)).empty());
     simulation.change(after, make_plan(after));
 
-    const Pose stands = simulation.world().solids.all[0].pose;
-    CHECK((stands.translation - stood.translation).norm() < 1e-7f);  // rounding of float
-    CHECK((stands.rotation - stood.rotation).norm() < 1e-6f);
+    const Pose now = simulation.world().solids.all[0].pose;
+    CHECK((now.translation - earlier.translation).norm() < 1e-7f);  // rounding of float
+    CHECK((now.rotation - earlier.rotation).norm() < 1e-6f);
     for (const Real mu : simulation.world().fluid.column<field::viscosity>()) CHECK(mu == 5);
 
     run_until(simulation, 0.2);
     const Pose moved = simulation.world().solids.all[0].pose;
-    const Vec3 by = moved.translation - stood.translation;
+    const Vec3 by = moved.translation - earlier.translation;
     CHECK(by.x() == Approx(0).margin(1e-6));
     CHECK(by.z() == Approx(0.2 * 0.1).epsilon(1e-4));
     CHECK(moved.angular_velocity.y() == Approx(-1).epsilon(1e-3));
     CHECK(simulation.world().step.gravity.y() == Approx(-5));
-    // What has been pushed out before stays; then half as much a second, to the rounding of time steps in single precision.
+    // The amount emitted before stays; then half as much per second, to the rounding of time steps in single precision.
     CHECK(simulation.emitters()[0].expected_particles() - pushed == Approx(pushed / 2).epsilon(1e-6));
 }
 
 namespace {
 
-/// The state at `end` of a run that goes on from what was saved after its change at `changed` [s].
+/// The state at `end` of a run that continues from the state saved after its change at `changed` [s].
 std::string resumed_to(double end, const std::string& saved, const Scene& before, const Scene& after, double changed) {
     Simulation resumed(before, make_plan(before));
     std::istringstream in(saved);
@@ -127,7 +127,7 @@ TEST_CASE("a change between frame times restarts lagged values, and a resumed ru
     half_way(whole), half_way(again);
     const std::string saved = state_of(whole);
     CHECK(state_of(again) == saved);
-    CHECK(whole.world().solids.all[0].pose.translation.x() == Approx(0.0101).epsilon(1e-5));  // it went on from where it stood then
+    CHECK(whole.world().solids.all[0].pose.translation.x() == Approx(0.0101).epsilon(1e-5));  // it continued from its position at that time
     run_until(whole, 0.2);
 
     CHECK(resumed_to(0.2, saved, before, after, 0.101) == state_of(whole));

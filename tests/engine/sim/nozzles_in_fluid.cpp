@@ -61,11 +61,11 @@ void pours(const Tank& tank, double rest) {
         INFO("t = " << t);
         const double pushed = tank.speed * std::max(0.0, t - tank.start);
         REQUIRE(largest_speed(run.world()) < 3 * tank.speed + rest);
-        // As many as the opening's area times the way, each within the layer that passes just now.
+        // The opening's area times the path, within the layer that is passing.
         REQUIRE(std::abs(run.totals().emitted_particles - pushed * area / volume) <= area * tank.spacing / volume);
         REQUIRE(std::abs(outside() - first - pushed * area / volume) <= area * tank.spacing / volume);
-        // What the nozzle has pushed and what it pushes at once, itself and about its radius ahead, with its speed and against the weight
-        // of the fluid over it.
+        // The fluid that the nozzle moved and the fluid that it accelerates: inside and about its radius ahead, at its speed and against
+        // the weight of the fluid over it.
         const double moved = pushed + 3 * tank.spacing + 0.06, brought = 1000 * area * moved * (tank.speed * tank.speed + 9.81 * 0.24);
         REQUIRE(kinetic_energy(run) < brought + first * mass * rest * rest / 2);
     }
@@ -119,7 +119,7 @@ TEST_CASE("the fluid around a nozzle at rest is as calm as without a nozzle", "[
             return all;
         };
         const double without = fastest("[1, 0, 0]");
-        // What falls by a 15th of a spacing has .2 m/s. Where the pipe's particles replaced those of the block, it was 1 to 2 m/s.
+        // A fall by a 15th of a spacing gives .2 m/s. When the pipe's particles replaced those of the block, it was 1 to 2 m/s.
         for (const std::string direction : {"[-1, 0, 0]", "[0, 1, 0]", "[-1, 1, 0]"}) {
             INFO(pressure << ' ' << direction);
             CHECK(fastest(direction) < without + 0.2);
@@ -229,16 +229,16 @@ TEST_CASE("a full room stops its emitter, which is reported once, and stays calm
         table<int, std::string>({{2, ""}, {3, ""}, {2, "[models]\npressure = \"wcsph\"\n"}, {3, "[models]\npressure = \"wcsph\"\n"}}));
     INFO(dimensions << ' ' << more);
     Simulation run = simulation_of(closed_box(dimensions, more));
-    int told = 0;
+    int reported = 0;
     double fastest = 0, shortest = 1;
     for (int frame = 1; frame <= 15; ++frame)
         while (run.time() < 0.02 * frame - 1e-12) {
             const StepReport& report = run.step(0.02 * frame);
             REQUIRE_FALSE(report.diverged);
-            told += !report.full.empty();
+            reported += !report.full.empty();
             if (frame > 10) fastest = std::max(fastest, largest_speed(run.world())), shortest = std::min(shortest, run.totals().last_step);
         }
-    CHECK(told == 1);
+    CHECK(reported == 1);
     CHECK(fastest < 3 * 0.5);
     CHECK(shortest > (more.empty() ? 1e-3 : 1e-5));
 }
@@ -249,15 +249,15 @@ TEST_CASE("a lid that squeezes a full room by 1 % is reported once, and steps st
         "[models]\npressure = \"ppe\"\n[[block]]\nshape = \"box\"\nmin = [-0.04, -0.04]\nmax = [0.04, 0.04]\n"
         "[[solid]]\nshape = \"box\"\nmin = [-0.04, -0.04]\nmax = [0.04, 0.08]\ninside = true\n"
         "[[solid]]\nshape = \"box\"\nmin = [-0.04, 0.0405]\nmax = [0.04, 0.055]\nposition = [0, \"-0.1*min(t,0.01)\"]\n");
-    std::string told;
+    std::string reported;
     while (run.time() < 0.1 - 1e-12) {
         const StepReport& report = run.step(0.1);
         REQUIRE_FALSE(report.diverged);
-        if (told.empty()) told = report.full;
+        if (reported.empty()) reported = report.full;
         REQUIRE(run.totals().steps < 200);  // 20 at max_step; a pressure that keeps its level takes steps of 20 microseconds
     }
-    CHECK(told.starts_with("fluid without room at "));
-    CHECK(told.ends_with("m^2 are too much after this step"));
+    CHECK(reported.starts_with("fluid without room at "));
+    CHECK(reported.ends_with("m^2 are too much after this step"));
 }
 
 }  // namespace nozzles_test

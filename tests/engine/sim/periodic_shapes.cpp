@@ -15,8 +15,8 @@ namespace periodic_shapes_test {
 
 namespace {
 
-/// All that has a shape, moved by (a, b): a full square, or a block of its own; a disc that stands, a bar that moves and turns, a box that
-/// moves, a stream, a drain and a region that is measured. Lengths are exact in binary numbers.
+/// All shapes, moved by (a, b): a full square or a separate block, a fixed disc, a bar that moves and turns, a box that
+/// moves, a stream, a drain and a measured region. Lengths are exact in binary numbers.
 std::string moved_scene(double a, double b, const std::string& block, const std::string& more = "") {
     const auto box = [&](double x0, double y0, double x1, double y1) {
         return fmt::format("min = [{}, {}]\nmax = [{}, {}]\n", x0 + a, y0 + b, x1 + a, y1 + b);

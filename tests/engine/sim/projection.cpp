@@ -100,7 +100,7 @@ Vec3d momentum(const Simulation& simulation) {
     return sum / static_cast<double>(simulation.world().fluid.size());
 }
 
-/// Of the motion relative to the mean, over all particles.
+/// Kinetic energy of the motion relative to the mean, over all particles.
 double energy(const Simulation& simulation) {
     const Vec3d mean = momentum(simulation);
     double sum = 0;
@@ -162,7 +162,7 @@ TEST_CASE("a box full of fluid takes the projection by itself, and a stream carr
 
 namespace {
 
-/// A basin into which a nozzle in its side wall pours, and out of which runs what stands above its rim.
+/// A basin into which a nozzle in its side wall pours, and which overflows at its rim.
 const std::string basin = R"toml([time]
 end = 4
 max_step = 5e-3
@@ -210,7 +210,7 @@ min = [1, -0.1]
 max = [1.1, 0.6]
 )toml";
 
-/// Of the particles that are not in a nozzle, and none in a drain.
+/// Number of particles outside nozzles and drains.
 double free_particles(const Simulation& simulation) {
     double count = 0;
     for (const auto role : simulation.world().fluid.column<field::role>()) count += role == 0;
@@ -288,7 +288,7 @@ TEST_CASE("a free jet under the projection carries its nozzle's rate at the spee
     // .05 m^2/s for 2 s is 250 particles; a particle that passes late or early is 1.
     CHECK(static_cast<double>(simulation.totals().drained_particles) - drained == Approx(250).margin(4));
     CHECK(simulation.totals().emitted_particles == Approx(375).margin(1));
-    // What damps a surface drags at the first particles of a jet that stretches: 3.7 % slower than they would fall alone.
+    // The damping of surfaces slows the first particles of a stretching jet: 3.7 % slower than in free fall.
     CHECK(fastest == Approx(std::sqrt(0.25 + 2 * 9.81 * (0.5 - lowest))).epsilon(0.05));
 }
 

@@ -47,7 +47,7 @@ position = [0.08, 0.02, 0.05]
 radius = 0.02
 )toml";
 
-/// The same in the plane, stirred by a bar.
+/// Syrup in 2D, stirred by a bar.
 const std::string plane_syrup = R"toml([time]
 end = 0.1
 max_step = 5e-3

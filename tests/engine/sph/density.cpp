@@ -26,8 +26,8 @@ struct Lattice {
 
 TEST_CASE("on a lattice every kernel sums to one within one per cent, and the density is the rest density", "[sph]") {
     for (KernelKind kind : {KernelKind::cubic, KernelKind::wendland_c2, KernelKind::wendland_c4}) {
-        // What a kernel's sum misses is its own property: it shrinks with support/spacing. W C4 needs 3 spacings for what the cubic does
-        // with 2.
+        // The error of a kernel's sum is a property of the kernel: it shrinks with support/spacing. Wendland C4 needs 3 spacings for the
+        // error of the cubic with 2.
         const Real support = kind == KernelKind::cubic ? Real(2) : Real(3);
         const Real d = Real(1e-3);
         const Lattice lattice(8, d, support * d);
@@ -45,7 +45,7 @@ TEST_CASE("on a lattice every kernel sums to one within one per cent, and the de
 }
 
 TEST_CASE("solids count in the density with their volume", "[sph]") {
-    // The lower half of a periodic lattice is solid: a fluid particle cannot tell.
+    // The lower half of a periodic lattice is solid, which does not change a fluid particle's density.
     const Lattice lattice(8, Real(0.1), Real(0.2));
     std::vector<Vec3> fluid, solid;
     for (const Vec3& x : lattice.x) (x[1] < Real(0.4) ? solid : fluid).push_back(x);

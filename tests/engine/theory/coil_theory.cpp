@@ -56,7 +56,7 @@ TEST_CASE("steady coils between and beyond the table's rows are those of an inde
     }
 }
 
-// Without gravity and inertia a slender thread's coil is a figure of its own: Omega H/U = 4, R = H/4; the thread's thickness counts by its
+// Without gravity and inertia a slender thread's coil has a universal shape: Omega H/U = 4, R = H/4; the thread's thickness counts by its
 // share in the fall.
 TEST_CASE("without gravity and inertia the coil of a thin thread tends to a quarter of its fall", "[io][coil_theory]") {
     double before = 0.15;
@@ -97,7 +97,7 @@ TEST_CASE("surface tension slows a thread that it draws together: it hangs thick
     CHECK(with.frequency != Approx(without.frequency).epsilon(1e-4));
 }
 
-TEST_CASE("a coil followed as its fall, speed and viscosity change is the one found anew, and takes few solves", "[io][coil_theory]") {
+TEST_CASE("a coil followed while fall, speed and viscosity change equals a new solution, with few solves", "[io][coil_theory]") {
     CoilSolver solver;
     CoilParameters p = nozzle_of_5_mm(0.25, 0.12, 1);
     REQUIRE(solver.at(p));

@@ -15,7 +15,7 @@ namespace gltf_test {
 
 namespace {
 
-/// A plate that turns about y and sinks, a block that stands, a nozzle with its emitter.
+/// A plate that turns about y and sinks, a fixed block, a nozzle with its emitter.
 Frame frame_at(int number) {
     static const auto mesh = [] {
         TriangleMesh tetrahedron;
@@ -84,7 +84,7 @@ TEST_CASE("a glTF scene has solids that move, emitters, a camera that looks and 
     const Eigen::Quaternionf e(emitter["rotation"][3], emitter["rotation"][0], emitter["rotation"][1], emitter["rotation"][2]);
     CHECK((e * Vec3f(0, 0, -1) - Vec3f(0, -1, 0)).norm() < 1e-6f);  // the flow goes along -z
 
-    // All three solids have one shape, each in a material of its own.
+    // All three solids have one shape, each with its own material.
     REQUIRE(glb.json["meshes"].size() == 3);
     const auto& primitive = glb.json["meshes"][0]["primitives"][0];
     const std::size_t position = primitive["attributes"]["POSITION"].get<std::size_t>();

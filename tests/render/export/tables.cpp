@@ -28,7 +28,7 @@ Frame some_frame(std::size_t count = 600) {
         frame.scalar["density"].push_back(1000 + a);
         frame.scalar["age"].push_back(0.25f * a);
         frame.scalar["grain"].push_back(a);
-        frame.whole["id"].push_back((1 << 30) + static_cast<std::int32_t>(i));  // more than a float can tell apart
+        frame.whole["id"].push_back((1 << 30) + static_cast<std::int32_t>(i));  // more than a float can distinguish
         frame.whole["source"].push_back(1);
         frame.whole["role"].push_back(-1);
     }

@@ -99,6 +99,6 @@ TEST_CASE("the grid of a plane flow is one node deep and covered, however fine",
     for (const float cell : {1.0f, 0.5f}) {
         const FlowGrid grid = flow_grid(frame, frame.velocity, {}, 8'000'000, cell);
         CHECK(grid.n[2] == 1);
-        CHECK(grid.at(Vec3f(0.5f, 0.5f, 0)).cover > 0.7f);  // the node stands half a spacing off the plane, which takes a quarter
+        CHECK(grid.at(Vec3f(0.5f, 0.5f, 0)).cover > 0.7f);  // the node is half a spacing off the plane, which costs a quarter
     }
 }

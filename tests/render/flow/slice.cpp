@@ -19,7 +19,7 @@ namespace {
 
 constexpr float d = 0.05f;
 
-/// A square or a cube of 1 m with uneven particles, each with a grain of its own and a velocity of places.
+/// A square or a cube of 1 m with uneven particles, each with its own grain and a velocity that depends on place.
 template <class F>
 Frame uneven(int dimensions, F&& velocity) {
     Frame frame;
@@ -43,7 +43,7 @@ Frame uneven(int dimensions, F&& velocity) {
 
 Vec3f turning(const Vec3f& x) { return Vec3f(0.5f - x.y(), x.x() - 0.5f, 0); }
 
-/// Of pixels at least `margin` from the edge, the largest difference to a function of the place.
+/// Largest difference to a function of the place, over pixels at least `margin` from the edge.
 template <class F>
 float largest_error(const std::vector<float>& value, const PixelPlane& plane, int margin, F&& expected) {
     float most = 0;

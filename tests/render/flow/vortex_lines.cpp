@@ -93,7 +93,7 @@ TEST_CASE("a tube is thin where the field is weak, and no line starts there", "[
     CHECK(vortex_lines(none.frame, none.grid, one_line(0.04f)).position.empty());
 }
 
-TEST_CASE("a ribbon turns as the lines beside it wind", "[render][flow]") {
+TEST_CASE("a ribbon turns as the neighbouring lines wind", "[render][flow]") {
     // Lines that wind once in a metre about the axis.
     const float wind = 2 * std::numbers::pi_v<float>;
     const auto winding = [&](const Vec3f& x) { return Vec3f(-wind * (x.y() - 0.025f), wind * (x.x() - 0.025f), 1); };

@@ -1,4 +1,4 @@
-/// Pictures for compositors: what stands where, how it moves, and what shows through.
+/// Images for compositors: depth, motion and transparency of things.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -59,7 +59,7 @@ TEST_CASE("depth is the distance along the view axis, normals are the world's, a
     frame.solids.push_back(wall);
     const PictureLayers layers = renderer.draw_layers(frame, test::sphere(Vec3f(0.08f, 0.1f, 0), 0.02f, 0.002f), {}, ahead, {ahead, 0.04f});
     const Seen middle = at(layers, width / 2, height / 2);
-    // The ball's front stands 0.56 m ahead; a pixel off its middle is 2e-5 m deeper, and its mesh lies 1e-4 m inside it.
+    // The ball's front is 0.56 m ahead; a pixel off its middle is 2e-5 m deeper, and its mesh lies 1e-4 m inside it.
     CHECK(middle.depth == Approx(0.56).margin(2e-4));
     CHECK((middle.normal - Vec3f::UnitZ()).norm() < 0.06f);
     CHECK(middle.id == 2);
@@ -88,7 +88,7 @@ TEST_CASE("motion is in pixels right and up until the next frame, of solids, flu
     CHECK((at(moved, of_drop, height / 2).motion - of_fluid * Eigen::Vector2f(0, -0.5f)).norm() < 0.02f);
     CHECK(at(moved, 3, 3).motion.norm() < 0.02f);
 
-    // A quarter turn about the view axis takes what stands 10.5 pixels to the right of the middle, and half of one below, above it.
+    // A quarter turn about the view axis moves a point 10.5 pixels right of the centre, and half of one below, above it.
     frame.solids[0].velocity = Vec3f::Zero();
     frame.solids[0].spin = Vec3f(0, 0, 1.5707963f / interval);
     const PictureLayers turned = renderer.draw_layers(frame, Surface{}, {}, ahead, {ahead, interval});
@@ -115,7 +115,7 @@ TEST_CASE("a transparent image has alpha 1 in a solid and 0 beyond, and only the
     const Seen middle = at(layers, width / 2, height / 2), corner = at(layers, 2, 2);
     CHECK(middle.alpha == 1);
     CHECK((corner.alpha == 0 && corner.depth == nothing_there && corner.id == 0));
-    // The lamp stands behind: the shadow falls towards the viewer, and takes more than a third of the light on the ground.
+    // The lamp is behind: the shadow falls towards the viewer, and takes more than a third of the light on the ground.
     float darkest = 1;
     for (int y = height / 2; y < height; ++y) {
         const std::size_t i = grid_index(width / 2, y, width);
@@ -133,7 +133,7 @@ TEST_CASE("a transparent image has alpha 1 in a solid and 0 beyond, and only the
     CHECK(picture.alpha[0] < 4);
     CHECK(*std::max_element(picture.alpha.begin(), picture.alpha.end() - 40 * width) == 255);
 
-    // What honey lets through falls on the ground in its colour.
+    // Light through honey falls on the ground in its colour.
     frame.solids.clear();
     const Surface drop = test::sphere(Vec3f(0, 0.022f, 0), 0.02f, 0.001f);
     const PictureLayers honey = renderer.draw_layers(frame, drop, transparent(), from_above, {from_above, 0.04f});
@@ -154,7 +154,7 @@ TEST_CASE("a transparent image over its plate equals the opaque one, and honey o
             for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(opaque.pixel(x, y)[c] - over.pixel(x, y)[c]));
     CHECK(most <= 2);
 
-    // What lets light through: light + (1 - alpha) backdrop is the opaque picture's light, where the studio's backdrop is what stands
+    // Translucent things: light + (1 - alpha) backdrop is the opaque image's light, with the studio's backdrop
     // behind.
     Frame empty = ball();
     empty.solids.clear();

@@ -41,14 +41,14 @@ TEST_CASE("an EGL device works, and every tried device reports its outcome", "[r
     CHECK(works);
 }
 
-TEST_CASE("honey in the middle is golden, and the backdrop beside it is grey", "[render]") {
+TEST_CASE("honey in the middle is golden, and the backdrop next to it is grey", "[render]") {
     Renderer renderer(96, 64);
     const Image picture = renderer.draw(empty_frame(), test::sphere(Vec3f(0, 0.1f, 0), 0.05f, 0.004f), one_sample(), from_the_front);
     const auto* middle = picture.pixel(48, 32);
     CHECK(middle[0] > middle[1] + 20);
     CHECK(middle[1] > middle[2] + 40);
-    const auto* beside = picture.pixel(4, 8);
-    CHECK(std::abs(int(beside[0]) - int(beside[2])) < 16);
+    const auto* backdrop = picture.pixel(4, 8);
+    CHECK(std::abs(int(backdrop[0]) - int(backdrop[2])) < 16);
 }
 
 TEST_CASE("a frame without fluid is a picture of the studio, and two renderers live side by side", "[render]") {
@@ -117,7 +117,7 @@ TEST_CASE("a box darkens the plate at its foot and casts a soft shadow, without 
     frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.02f, 0.02f, -0.02f), Vec3f(0.02f, 0.06f, 0.02f))));
     const Image both = renderer.draw(frame, Surface{}, one_sample(), from_above);
 
-    // The light stands behind on the left: straight in front and on the right of the box there is shadow, far on the left nothing changes.
+    // The light is behind on the left: straight in front and on the right of the box there is shadow, far on the left nothing changes.
     int darkest_x = 0, darkest_y = 0;
     float most = 0;
     for (int y = 0; y < alone.height; ++y)
@@ -328,13 +328,13 @@ TEST_CASE("a nozzle is not seen through the honey below it", "[render]") {
                          Vec3f(-0.02f, 0, -0.02f), Vec3f(0.02f, 0.2f, 0.02f), 0.004f);
     const View from_above{Vec3f(0, 0.25f, 0.6f), Vec3f(0, 0.1f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
-    // Far away a small solid stands in both pictures: all is drawn in the same way.
+    // Both images have a small solid far away, so that all is drawn in the same way.
     frame.solids.push_back(solid(test::box_mesh(Vec3f(0.09f, 0, -0.1f), Vec3f(0.1f, 0.01f, -0.09f))));
     const Image without = renderer.draw(frame, thread, one_sample(), from_above);
     frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.03f, 0.12f, -0.03f), Vec3f(0.03f, 0.2f, 0.03f))));
     frame.solids.back().material = "dark";
     const Image with = renderer.draw(frame, thread, one_sample(), from_above);
-    // The lowest row of the nozzle, beside the thread (column 214; the thread: 219 to 261), and a row for its soft edge.
+    // The lowest row of the nozzle, next to the thread (column 214; the thread: 219 to 261), and a row for its soft edge.
     int below = 0;
     for (int y = 75; y < 200; ++y)
         if (brightness(with, 214, y) < brightness(without, 214, y) - 40) below = y + 2;

@@ -32,7 +32,7 @@ std::string packed() {
                           80, 96, 112, '\x7f', '\x84', 0,      '\x85', '\x40', '\x88', '\x81', 1,  '\x83'};
     return head + "-Y 2 +X 9\n" + row + row;
 }
-/// The same as single pixels, in a row too short to be packed.
+/// The image as single pixels, in a row too short to be packed.
 std::string plain() { return head + "-Y 1 +X 2\n" + std::string{'\x80', 0, 0, '\x81', '\x80', '\x7f', '\x40', '\x83'}; }
 
 }  // namespace

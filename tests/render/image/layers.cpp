@@ -21,7 +21,7 @@ float some_half(RandomNumbers& random) {
     return std::ldexp(1 + static_cast<float>(static_cast<int>(1024 * random())) / 1024, static_cast<int>(16 * random()) - 8);
 }
 
-/// Of odd sizes, so that rows are not aligned.
+/// Layers of odd sizes, so that rows are not aligned.
 PictureLayers noise() {
     RandomNumbers random(7);
     PictureLayers layers{37, 23};
@@ -89,7 +89,7 @@ TEST_CASE("layers for screens have straight alpha with the shadow as black", "[i
     CHECK(whole.alpha[0] == 255);
     CHECK(half.alpha[0] == 128);
     CHECK(half.rgb == whole.rgb);
-    // Nothing stands there: what is left of the light, as a screen's value of 0.735 for half of it; gathered light cannot be shown.
+    // Empty there: the remaining light, as a screen's value of 0.735 for half of it; gathered light cannot be shown.
     const Image shadow = pixel({0, 0, 0, 0}, {0.5f, 0.5f, 0.5f}), gathered = pixel({0, 0, 0, 0}, {1.5f, 1.5f, 1.5f});
     CHECK(shadow.alpha[0] == 255 - 188);
     CHECK(shadow.rgb == std::vector<std::uint8_t>{0, 0, 0});

@@ -43,7 +43,7 @@ TEST_CASE("ticks are round numbers within the range, all written alike", "[rende
 
 namespace {
 
-/// What the words change of a grey picture.
+/// Pixels that the text changes in a grey image.
 std::vector<std::array<int, 2>> changed_pixels(const LookOptions& look, double time, int width, int height, float aspect) {
     Image image = plain_image(width, height, 160);
     const std::array<float, 2> range{0, 2};

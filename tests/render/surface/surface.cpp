@@ -153,7 +153,7 @@ TEST_CASE("a cloud of particles at random is still closed and manifold", "[surfa
     REQUIRE(topology(mesh).manifold);
 }
 
-TEST_CASE("stray and non-finite particles neither break nor slow a surface", "[surface]") {
+TEST_CASE("stray and non-finite particles do not break or slow a surface", "[surface]") {
     Frame frame = sphere_frame(2, 1);
     const int pieces = topology(mesh_of(frame)).components;
     frame.position.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
@@ -324,7 +324,7 @@ TEST_CASE("water fills its glass: a surface follows the walls of a box and a cyl
         // The mesh of the cylinder has flat facets, which lie within it.
         on_wall += std::abs(out) < (round ? 0.05f : 1e-3f) ? 1 : 0;
     }
-    CHECK(beyond < (round ? 0.02f : 1e-3f));  // a facet's plane goes on a little beyond the next facet
+    CHECK(beyond < (round ? 0.02f : 1e-3f));  // a facet's plane extends a little beyond the next facet
     CHECK(on_floor > 3.5 * floor_area);       // voxels are half a spacing wide
     CHECK(on_wall > 3 * (round ? 50 * 8 : 64 * 8));
 

@@ -50,13 +50,13 @@ TEST_CASE("a VDB file contains a level set, a velocity and a cloud's density wit
     };
     REQUIRE(at(level_set, centre) == Approx(-1.5));  // the band: three voxels of half a spacing
     REQUIRE(at(level_set, outside) == Approx(1.5));
-    // Where the band is, the distances are those of the surface's own volume, to the bit.
+    // In the band the distances equal those of the surface's volume bit for bit.
     const Volume& distance = surface.distance;
     for (auto value = level_set->cbeginValueOn(); value; ++value) {
         const openvdb::Coord c = value.getCoord();
         REQUIRE(*value == distance.value[distance.index(c.x(), c.y(), c.z())]);
     }
-    // Nodes stand where the grid has them; halves of these numbers are exact, 0.1 is not.
+    // Nodes are at the grid's positions; halves of these numbers are exact, 0.1 is not.
     CHECK((flow->indexToWorld(openvdb::Coord(2, 1, 3)) - openvdb::Vec3d(2, 2.25, 6)).length() < 1e-6);
     const openvdb::Vec3s u = flow->tree().getValue(openvdb::Coord(9, 2, 3));
     CHECK(u.x() == 9);

@@ -14,7 +14,7 @@ TEST_CASE("particle values reach the surface as the mean of near particles", "[r
     CHECK(found[0] == Approx(3));                          // half-way between the two
     CHECK(found[1] == Approx((2 + 4 * 0.5625) / 1.5625));  // (1 - 1/4)^2 for the one that is half the reach away
     CHECK(found[2] == Approx(9));
-    CHECK(found[3] == 0);  // nobody there
+    CHECK(found[3] == 0);  // no particle there
 }
 
 TEST_CASE("a surface has the fluid's age at its vertices if and only if the frame has it", "[render][surface]") {
@@ -67,9 +67,9 @@ TEST_CASE("linear fields reach the surface exactly within the values of the part
         CHECK(found.scalar.at("age")[k] == Approx(x.x() - 0.35f).margin(1e-5));
         CHECK(found.vector.at("ink")[k].x() == Approx(2 * x.y()).margin(2e-5));
     }
-    CHECK(velocity[3] == Vec3f::Zero());  // nobody there
+    CHECK(velocity[3] == Vec3f::Zero());  // no particle there
 
-    // One sheet of particles says nothing about the direction across it: there the field goes on as it is.
+    // One sheet of particles does not determine the gradient across it: the field is constant in that direction.
     Frame sheet = frame;
     sheet.vector.clear(), sheet.scalar.clear(), sheet.velocity.clear();
     for (Vec3f& x : sheet.position) x.z() = 0, sheet.velocity.push_back(field(x));

@@ -139,7 +139,7 @@ TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", 
     int ready[2];
     REQUIRE(pipe(ready) == 0);
     const pid_t maker = fork();
-    if (maker == 0) {  // a run of its own, encoder and all in one process group as under a shell that is killed
+    if (maker == 0) {  // a separate run with its encoder in one process group, as under a shell that is killed
         VideoEncoder encoder(folder / "film.mp4", 160, 90, {});
         const Image image = test::studio_picture(160, 90);
         for (int i = 0; i < frames; ++i) encoder.add(image);
@@ -149,7 +149,7 @@ TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", 
     }
     char byte;
     REQUIRE(read(ready[0], &byte, 1) == 1);
-    // What is on disk now is all that is left where everything is killed at once: look at a copy of it.
+    // The file on disk now is what remains when all processes are killed together: check a copy of it.
     std::filesystem::copy_file(partial_video(folder / "film.mp4"), folder / "seized.mp4");
     kill(maker, SIGKILL);
     waitpid(maker, nullptr, 0);
@@ -159,7 +159,7 @@ TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", 
     const auto seized = decoded(folder / "seized.mp4", folder).size();
     REQUIRE(seized >= frames - 20);
     REQUIRE(seized <= frames);
-    // Where only the run was killed, ffmpeg reads the end of its input and completes the file.
+    // If only the run was killed, ffmpeg reads the end of its input and completes the file.
     const auto packets = [&] {
         ChildProcess count({"ffprobe", "-v", "quiet", "-count_packets", "-select_streams", "v", "-show_entries", "stream=nb_read_packets",
                             "-of", "csv=p=0", partial_video(folder / "film.mp4").string()});
@@ -206,7 +206,7 @@ TEST_CASE("an encoder that fails reports why and raises no signal", "[video]") {
     } catch (const EnvironmentError& error) { message = error.what(); }
     REQUIRE(message.find("No such file") != std::string::npos);
     REQUIRE(check_encoder() == encoder_version());
-    // One that has no words, one that is killed, one that does not even tell its version.
+    // One without a message, one that is killed, one that does not report its version.
     const std::string path = std::getenv("PATH");
     setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
     const auto words_of = [&](const std::string& script) {

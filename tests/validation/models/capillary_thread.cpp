@@ -28,7 +28,7 @@ struct Thread : CoupledWorld {
         world.step.gravity.setZero();
         time_step = surface_tension_step(rho, d, sigma, ohnesorge * std::sqrt(rho * sigma * radius));
     }
-    /// Of the area A(y) = A0 (1 + a cos ky), a.
+    /// Amplitude a of the area A(y) = A0 (1 + a cos ky).
     double swing() {
         double c = 0, s = 0;
         for (const Vec3& x : position()) c += std::cos(2 * pi * double(x.y()) / length), s += std::sin(2 * pi * double(x.y()) / length);

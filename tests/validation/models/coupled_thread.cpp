@@ -152,11 +152,11 @@ TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thi
     CHECK(converged == steps);
 }
 
-TEST_CASE("a thread pulled until it is a single file of particles hangs together and carries 3 mu A rate",
+TEST_CASE("a thread pulled until it is a single file of particles stays connected and carries 3 mu A rate",
           "[validation][coupled][regression]") {
     // 20 particles a spacing of length at the start, one at a draw of 20: then a spacing apart along the axis. Stretching widens every gap
     // in proportion; without shifting along the axis the first gap of two spacings opens between draws of 9 and 12 and the thread tears at
-    // 13 to 16. Measured: tension 0.99 to 1.04 of 3 mu A rate down to 1.2 particles a spacing, 0.91 to 1.10 at one, where particles stand
+    // 13 to 16. Measured: tension 0.99 to 1.04 of 3 mu A rate down to 1.2 particles a spacing, 0.91 to 1.10 at one, where particles are
     // to the left and right of the axis by turns.
     for (const unsigned seed : {1u, 2u, 3u}) {
         HeldThread w(24, Real(2.5), seed);

@@ -27,7 +27,7 @@ Solid solid_of(std::shared_ptr<const Shape> shape, double slip_length) {
     return solid;
 }
 
-/// A lattice whose cells fill the box, each particle moved by up to 0.05 d so that no row stands straight.
+/// A lattice whose cells fill the box, each particle moved by up to 0.05 d so that no row is straight.
 std::vector<Vec3> loose_box(const Vec3d& min, const Vec3d& max, double d) {
     std::vector<Vec3> x;
     const Vec3d size = (max - min) / d;

@@ -155,7 +155,7 @@ TEST_CASE("a free blob keeps momentum and total angular momentum to 1e-4 with th
     // most 0.6 % of the whole, however long the run.
     options.implicit_exchange = true;
     for (const int steps : {300, 900}) CHECK(blob_drift(equal, options, false, steps).angular_momentum < 0.007);
-    // What costs some: XSPH of the velocity, a force between particles that is not along their distance; curl u - 2 w as written, next to a
+    // These lose some: XSPH of the velocity, a force between particles that is not along their distance; curl u - 2 w as written, next to a
     // free surface.
     options.implicit_exchange = false;
     options.smoothing_velocity = 0.002;
@@ -252,7 +252,7 @@ const std::string ball =
 
 TEST_CASE("forms without the coupling's torque speed a free body up at the plan's rate within 10 %", "[validation][micropolar][plane]") {
     // (D + 2)(kappa - a)/R^2 with the form along u_i - u_j and (D + 2) kappa/R^2 along r_ij (docs/physics.md 8), of .5e-3 m^2/s each: small
-    // beside the viscosity, which keeps the rotation rigid.
+    // against the viscosity, which keeps the rotation rigid.
     for (const auto& [shape, dimensions] : {std::pair{ball, 3}, std::pair{disc, 2}})
         for (const auto& [form, model] : {std::pair{"brookshaw", "seed"}, std::pair{"monaghan", "eringen"}}) {
             CAPTURE(dimensions, form);

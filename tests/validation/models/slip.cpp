@@ -111,7 +111,7 @@ void poiseuille(std::initializer_list<double> slip_lengths) {
             c.g = 8, c.b0 = c.b1 = b * c.H / across;
             const double error = worst_error(form, c, across);
             CAPTURE(name(form), b, error);
-            // monaghan, with R = 4 d, takes the density into account that the kernel finds: beside a wall of one layer, up to 8 % too
+            // monaghan, with R = 4 d, uses the kernel's density: next to a wall of one layer, up to 8 % too
             // little.
             CHECK(error < (form == Form::monaghan ? 0.05 : 0.02));
         }

@@ -47,7 +47,7 @@ struct Drop : test::TestWorld {
         world.step.gravity.setZero();
     }
     static constexpr double share = 0.15;  ///< of `unit`, a step
-    /// Steps for so many units; each takes the part `lost` of the velocity away.
+    /// Steps for `units`; each removes the fraction `lost` of the velocity.
     void run(double units, double lost) {
         for (int k = 0; k < std::lround(units / share); ++k) {
             step(share * unit);
@@ -167,7 +167,7 @@ TEST_CASE("a drop of a radius of 11 spacings has 2 sigma/R and Rayleigh's period
 }
 
 TEST_CASE("a cube of fluid becomes a ball", "[validation][surface_tension]") {
-    // Axes within 3 %, and no particle farther out than the ball's radius: a cube's corners stand 40 % farther.
+    // Axes within 3 %, and no particle farther out than the ball's radius: a cube's corners are 40 % farther.
     for (const char* pressure : {"ppe", "coupled"}) {
         const double half = 4 * d;
         const Scene scene = read_scene_text(fmt::format(R"toml([time]

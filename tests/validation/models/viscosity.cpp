@@ -313,7 +313,7 @@ namespace {
 struct PublishedFlow {
     bool assembled;
     int dimensions, layers;
-    double support, moved;  ///< kernel radius over d; how far particles stand off their lattice, over d
+    double support, moved;  ///< kernel radius over d; displacement of particles from their lattice, over d
     Real penalty = viscous_penalty;
 };
 

@@ -110,7 +110,7 @@ TEST_CASE("weakly compressible water comes to rest in a box from any start, with
 
 TEST_CASE("a column of 30 layers presses on a plane with its weight within 2 %, in both pressure models", "[validation][sim][long]") {
     // Periodic sideways; the particles of the plane are what sample_solids makes of it. Mean over 0.2 s after 1.0 s of settling.
-    const std::string smoothed = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";  // wcsph has dampers of its own
+    const std::string smoothed = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";  // wcsph has its own dampers
     for (const std::string pressure : {"ppe", "wcsph"}) {
         INFO(pressure);
         Simulation simulation = simulation_of(scene_of(
@@ -345,7 +345,7 @@ void comes_to_rest(const std::string& name, const std::string& solids, const std
     CHECK(rest.fastest < 0.05);
     CHECK(rest.late < 0.02 / 3);
     CHECK(rest.lost == 0);
-    // What fills its space without smoothing is the projection's: it knows no kernel sums, and its lattice does not melt.
+    // Cases that fill their space without smoothing use the projection: it has no kernel sums, and its lattice does not melt.
     if (!rest.keeps_densities) return;
     CHECK(rest.late < rest.early / 2);
     CHECK(rest.density < 1e-3);
@@ -360,7 +360,7 @@ TEST_CASE("water comes to rest in an open box, and with viscosity in a full clos
 }
 
 TEST_CASE("a block of water at side walls stays at rest, and its corners have rho g depth within 5 %", "[validation][sim]") {
-    // Walls show images, so the lattice beside them is held as inside: up to 7e-5 of its potential energy moves while its excess of 0.09 %
+    // Walls show images, so the lattice next to them is held as inside: up to 7e-5 of its potential energy moves while its excess of 0.09 %
     // is corrected, 8e-7 after 0.1 s (9e-4 without images, when the force along walls was 0.84 of a gradient's). Later the lattice melts.
     // 2D: 1.04 in corners. 3D, 12 particles across: 1.02 in edges and corners (1.14 in corners without images), 6e-8 to 5e-7 move.
     const bool plane = GENERATE(true, false);
@@ -508,8 +508,8 @@ TEST_CASE("water comes to rest between floor and ceiling, in a slot and in inver
 }
 
 TEST_CASE("water in an open box comes to rest with half the spacing, and with steps of 1 ms", "[validation][sim][long]") {
-    // As above; half the spacing settles faster, its lattice falls by half as much. Of 8000 particles the fastest reaches 4 %, the densest
-    // 3 % for a moment.
+    // Bounds see above; half the spacing settles faster, its lattice falls by half as much. Among 8000 particles the fastest reaches 4 %,
+    // the densest 3 % for a moment.
     for (const double spacing : {d / 2, d}) {
         INFO("spacing " << spacing);
         const Rest rest =
@@ -529,7 +529,7 @@ TEST_CASE(
     "[validation][sim][regression]") {
     // The depth below the level that the settled water has (0.5 % lower than the lattice), over 0.6 s. Single layers scatter by 2 %: what
     // the particles of a settled packing press with is not the same in all directions, and the pressure is the mean over them. In the slot
-    // two of three particles stand beside a wall: 2.0 to 2.2 % (1 % was aimed at).
+    // two of three particles are next to a wall: 2.0 to 2.2 % (1 % was aimed at).
     for (const bool between_walls : {false, true}) {
         constexpr double layers = 20, H = 0.2, spacing = H / layers, width = 6 * spacing;
         const double reach = between_walls ? 0.05 : 0;
@@ -562,7 +562,7 @@ TEST_CASE(
     "the pressure in water at rest is right at every step, within 5 % in the mean over a quarter of a second, at the default step and at "
     "half of it",
     "[validation][sim]") {
-    // What gravity presses together in a step is far less than the density error that a step may leave: a solve that stops there lets the
+    // The compression by gravity in a step is far less than the density error that a step may leave: a solve that stops there lets the
     // column fall for some steps and catches it in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density error
     // alone). Mean over the lowest four layers.
     for (const double cfl : {0.4, 0.2}) {
@@ -705,7 +705,7 @@ TEST_CASE("honey of 50 Pa s does not climb a bucket that spins, and its energy i
     // With walls that move along straight lines in a step, it falls until 1 s and then rises.
     Simulation simulation = simulation_of(spun_bucket(8e-3, 50));
     simulation.count_energy();
-    run_until(simulation, 0.1);  // the lattice beside the round wall has been moved apart
+    run_until(simulation, 0.1);  // the lattice next to the round wall has been separated
     const double moved = simulation.totals().work.moves;
     double last = std::numeric_limits<double>::infinity();
     for (int k = 1; k <= 6; ++k) {

@@ -97,9 +97,9 @@ TEST_CASE(
     "density to eight times it",
     "[validation][bodies][regression]") {
     // C = 1/2 in an endless fluid. In a concentric shell of radius b it is (b^3 + 2 a^3)/(b^3 - a^3)/2, 0.53 for a pool of this volume. A
-    // body of radius 4 d; the water first settles around one of its own density, then the body's density changes. What the settled water
-    // still does to a body of its density is taken off. A single start says little: light spheres set off by 1 to 10 % too slowly (6.5 % in
-    // the mean of five), depending on how the particles around them happen to stand.
+    // body of radius 4 d; the water first settles around a body of equal density, then the body's density changes. What the settled water
+    // still does to a body of its density is subtracted. A single start shows little: light spheres set off by 1 to 10 % too slowly (6.5 %
+    // in the mean of five), depending on the positions of the particles around them.
     const auto ball = [](double density) {
         return pool({0.3, 0.3, 0.3}, "[models]\npressure = \"ppe\"\n",
                     fmt::format("shape = \"sphere\"\nposition = [0.15, 0.15, 0.15]\nradius = 0.05\ndensity = {}\n", density));
@@ -146,7 +146,7 @@ TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water t
         INFO("density " << density << " deepest " << deepest);
         CHECK(deepest < 0.01 * d);
         CHECK(simulation.totals().lost_particles == 0);
-        // Nor may it stand in the floor.
+        // It may not be inside the floor either.
         CHECK(body_of(simulation).centre.y() > 0.04 - 0.1 * d);
     }
 }
@@ -154,7 +154,7 @@ TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water t
 TEST_CASE(
     "a cube thirty and a hundred times as dense as water that lands on the floor of a pool gains no energy, and its steps do not collapse",
     "[validation][bodies][long]") {
-    // The film of water under it mends its density under a body that weighs as much as 180 and 600 layers. When that went by the step's
+    // The film of water corrects its density under a body that weighs as much as 180 and 600 layers. When that depended on the step's
     // length, cubes were thrown up faster and faster. All energy that there is: the cube's own and its fall from the pool's surface to the
     // floor, and the water's.
     struct Throw {
@@ -202,7 +202,7 @@ const Bed sluice{"plate against a frame, water on one side", frame + plane_box("
 const std::string walls = plane_box("-0.1, 0", "-0.06, 0.1", 0) + plane_box("0.06, 0", "0.1, 0.1", 0);
 const Bed wedge{"body between two walls, water locked in under it", walls + plane_box("-0.06, 0.05", "0.06, 0.09", 2000)};
 
-/// Of the water: the mean density error below .1 %, the energy of motion below 1e-4 of the potential, once the lattice has melted.
+/// Checks the water: the mean density error below .1 %, the energy of motion below 1e-4 of the potential, once the lattice has melted.
 void lies_still(const Bed& bed, double spacing, double from, double until) {
     INFO(bed.name << " " << spacing);
     Simulation simulation = simulation_of(fmt::format(R"toml([time]
@@ -241,7 +241,7 @@ max = [0.2, 0.4]
 }  // namespace
 
 TEST_CASE("a heavy plate squeezes honey out at the rate of lubrication theory within 20 %", "[validation][bodies]") {
-    // 1/h^2 grows by 2 W dt/(mu L^3) under a plate of weight W and length L. The honey beside it, which the theory leaves out, carries a
+    // 1/h^2 grows by 2 W dt/(mu L^3) under a plate of weight W and length L. The honey next to it, which the theory neglects, carries a
     // seventh of the weight. A splitting of pressure and viscosity that does not expect the plate's load sinks by 1 + 12 nu dt/h^2 faster:
     // 40 % at 20 Pa s, 3 times at 100.
     constexpr double L = 0.08, W = 8000 * 0.01 * L * 9.81, start = 0.01;

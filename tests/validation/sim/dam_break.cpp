@@ -14,7 +14,7 @@ using namespace whorl::test;
 
 namespace {
 
-/// Relative density error of the particles where they stand, found anew.
+/// Relative density error of the particles at their positions, with a new search.
 struct Compression {
     double mean = 0, largest = 0;
     Compression(double in_the_mean, double of_any) : mean(in_the_mean), largest(of_any) {}
@@ -126,7 +126,7 @@ TEST_CASE("at any time.cfl, the weight of water limits the step to that of a sta
 }
 
 TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validation][pressure]") {
-    // Resonant: the tank, 0.4 m long with water 0.14 m deep, is tilted to and fro with its first period. It stands still for a second
+    // Resonant: the tank, 0.4 m long with water 0.14 m deep, is tilted to and fro with its first period. It is at rest for a second
     // before, in which the lattice melts, and for two after, when the level is measured again (-0.24 %). Crests reach 3 cm, the lid is far.
     Simulation simulation = simulation_of(R"toml([time]
 end = 9

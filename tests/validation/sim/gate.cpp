@@ -1,4 +1,4 @@
-/// What the gate at solids does to a fall onto a floor.
+/// Effect of the gate at solids on a fall onto a floor.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 struct Fall {
     double felt_from = 0;  ///< height of the lowest particle where the floor first takes speed from it [spacings]
     double lowest = 1e9;   ///< the least height of any particle [spacings]
-    double stands = 0;     ///< of the lowest layer over the last tenth of the run [spacings]
+    double rests = 0;      ///< of the lowest layer over the last tenth of the run [spacings]
     double speed = 0;      ///< the largest at the end [m/s]
 };
 
@@ -43,9 +43,9 @@ Fall fall(const std::string& pressure, double gate) {
         if (found.felt_from == 0 && sum / count > 0.98 * free) found.felt_from = lowest / d;
         found.lowest = std::min(found.lowest, lowest / d);
         found.speed = speed;
-        if (simulation.time() > 0.9 * end) found.stands += height / count / d, ++averaged;
+        if (simulation.time() > 0.9 * end) found.rests += height / count / d, ++averaged;
     }
-    found.stands /= averaged;
+    found.rests /= averaged;
     return found;
 }
 
@@ -55,11 +55,11 @@ TEST_CASE("a gated floor acts only in contact, and carries a sheet of water with
     for (const std::string pressure : {"wcsph", "ppe"}) {
         const Fall always = fall(pressure, 0), gated = fall(pressure, 0.1);
         INFO(pressure << ": felt from " << always.felt_from << " and " << gated.felt_from << " d, lowest " << always.lowest << " and "
-                      << gated.lowest << " d, stands at " << always.stands << " and " << gated.stands << " d, speed " << always.speed
+                      << gated.lowest << " d, rests at " << always.rests << " and " << gated.rests << " d, speed " << always.speed
                       << " and " << gated.speed << " m/s");
-        CHECK(gated.felt_from <= std::max(always.felt_from, 0.6));  // particles in contact stand at 0.5
+        CHECK(gated.felt_from <= std::max(always.felt_from, 0.6));  // particles in contact are at 0.5
         CHECK(gated.lowest > 0);
-        CHECK(gated.stands == Approx(always.stands).margin(0.1));
+        CHECK(gated.rests == Approx(always.rests).margin(0.1));
         CHECK(gated.speed < 0.05 * std::sqrt(2 * 9.81 * 0.08));
     }
 }

@@ -18,8 +18,8 @@ constexpr double d = 0.0125;
 }  // namespace
 
 TEST_CASE(
-    "a block of water dropped into a container loses no particle and none stands outside of its walls, with every pressure model that has "
-    "solids",
+    "a block of water dropped into a container stays inside its walls, in every pressure model "
+    "with solids",
     "[validation][boundary]") {
     for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"}) {
         INFO(models);

@@ -1,4 +1,4 @@
-/// Where a pressure solve can hang, divide by nothing or tear the fluid apart. (A full closed box and a slot: at_rest.cpp.)
+/// Cases in which a pressure solve can hang, divide by zero or tear the fluid apart. (A full closed box and a slot: at_rest.cpp.)
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>

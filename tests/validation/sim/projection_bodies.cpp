@@ -43,8 +43,8 @@ density = {}
                        density);
 }
 
-/// Of the acceleration from rest (m_f - m) g/(m + C m_f), C = (b^2 + a^2)/(b^2 - a^2) = 1.25 in a vessel of radius b about a disc of radius
-/// a.
+/// Relative error of the acceleration from rest (m_f - m) g/(m + C m_f), C = (b^2 + a^2)/(b^2 - a^2) = 1.25 in a vessel of radius b about a
+/// disc of radius a.
 double part_of_acceleration(double density, double time) {
     Simulation simulation = simulation_of(vessel(density));
     run_until(simulation, time);

@@ -53,7 +53,7 @@ Rest drop_at_rest(bool space, const char* spacing) {
     return {sum / inside * R / ((space ? 2 : 1) * sigma), std::sqrt(square * rho * R / sigma)};
 }
 
-/// Of the second mode over theory: its period, and how much of the amplitude a period leaves.
+/// The second mode: its period over theory, and the fraction of the amplitude that remains after a period.
 struct Swing {
     double period = 0, kept = 0;
 };

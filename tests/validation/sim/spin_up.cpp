@@ -160,14 +160,14 @@ TEST_CASE("a torque of place and time resumes bit-identically, and stops acting 
         run_until(whole, 0.1), run_until(resumed, 0.1);
         CHECK((state_of(resumed) == state_of(whole)));
 
-        Simulation told = simulation_of(uniform("eringen", pressure, "auto", "0.05"));
-        run_until(told, 0.1);
-        const Real before = told.world().fluid.column<field::spin>()[3].z();
+        Simulation changed = simulation_of(uniform("eringen", pressure, "auto", "0.05"));
+        run_until(changed, 0.1);
+        const Real before = changed.world().fluid.column<field::spin>()[3].z();
         const Scene still = read_scene_text(uniform("eringen", pressure, "auto", "0"), "test.toml");
-        told.change(still, make_plan(still));
-        run_until(told, 0.2);
+        changed.change(still, make_plan(still));
+        run_until(changed, 0.2);
         // exp(-2 kappa t/theta), kappa = 0.002; first order with steps of 2 ms: .04 %.
-        CHECK(told.world().fluid.column<field::spin>()[3].z() == Approx(before * std::exp(-0.04)).epsilon(0.001));
+        CHECK(changed.world().fluid.column<field::spin>()[3].z() == Approx(before * std::exp(-0.04)).epsilon(0.001));
     }
 }
 

@@ -46,7 +46,7 @@ viscosity = {}
 const std::string sticking = "[[solid]]\nshape = \"plane\"\n";
 
 void spreads(const std::string& models) {
-    // It starts with the profile of the similarity solution and takes twice the time that a point source would have taken so far: a
+    // It starts with the profile of the similarity solution and takes twice the time that a point source would have taken: a
     // viscosity that is wrong by a half shows. The radius is that of a similarity profile with the same mean square distance from the axis:
     // where the front is, half a spacing of doubt is 2 %.
     INFO(models);

@@ -60,8 +60,8 @@ TEST_CASE(
     "vortices at Reynolds 1000 keep their energy within a tenth over a turn with the difference gradient and shifting, and with the "
     "symmetric one lose more than half",
     "[validation][pressure][shifting][regression]") {
-    // What the symmetric gradient loses, disordered particles turn into noise, which viscosity eats: .45 are left of the exact .88
-    // after .4 s. With shifting .82 are; what is lost at once, a twentieth, the jittered start costs.
+    // Disordered particles turn the energy that the symmetric gradient loses into noise, which viscosity dissipates: .45 are left of the
+    // exact .88 after .4 s. With shifting .82 are; the jittered start costs a twentieth at the beginning.
     const double k = 2 * std::numbers::pi / length, end = 0.4, exact = std::exp(-4 * nu * k * k * end);
     const double even = energy_left("gradient = \"difference\"\n", end), symmetric = energy_left("", end);
     CAPTURE(exact, even, symmetric);

@@ -67,7 +67,7 @@ TEST_CASE("Taylor-Green vortices of 64 a side keep them scattered at Re 100 and 
 
 namespace {
 
-/// Energy over theory at .25 s after so many equal steps, 32 a side, jittered.
+/// Energy over theory at .25 s after `steps` equal steps, 32 a side, jittered.
 double energy_after_steps(int reynolds, int steps) {
     std::vector<std::string> changes = taylor_green(32, reynolds, "jittered");
     changes.insert(changes.end(), {fmt::format("time.max_step={}", 0.25 / steps), "time.cfl=2", "time.fps=4", "time.end=0.25"});

@@ -61,7 +61,7 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     REQUIRE(browser.wait_for("document.getElementById('picture').width == 160"));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=range]')"));
 
-    // The picture changes while it plays, and stands when it pauses.
+    // The image changes while it plays, and is still when it pauses.
     const std::string first = browser.evaluate(look_at_picture);
     browser.click("#play");
     CHECK(browser.wait_for(std::string(look_at_picture) + " != '" + first + "'"));
@@ -79,7 +79,7 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") < 150; }));
     browser.press("u");  // with the slider still in hand
     CHECK(live.wait_for([](const json& s) { return s.at("values").at("fluid.viscosity") == 200; }));
-    // A field that is wrong says so beside itself, and takes the value back.
+    // A wrong field shows its error and restores the value.
     browser.evaluate(
         "(() => { const e = document.querySelector('[data-path=\"fluid.viscosity\"] input[type=text]'); e.value = '-4'; "
         "e.dispatchEvent(new Event('change')); })()");
@@ -160,7 +160,7 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
                            "!(e.textContent.trim() || e.labels?.length || e.getAttribute('aria-label'))).length") == 0);
     browser.press(".");
     CHECK(live.wait_for([](const json& s) { return s.at("frame") == 2; }));
-    // Text stands out from its ground by 4.5 to 1 at least (WCAG AA), in the light and in the dark scheme.
+    // Text has a contrast of at least 4.5 to 1 to its ground (WCAG AA), in the light and in the dark scheme.
     const char* const contrast =
         "(() => { const light = c => { const v = c.match(/[0-9.]+/g).slice(0, 3).map(x => x / 255).map(x => x <= 0.03928 ? x / 12.92 : ((x "
         "+ 0.055) / 1.055) ** 2.4); "
@@ -176,12 +176,12 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("the page draws the coil's frequency and radius with theory's beside them", "[live][page]") {
+TEST_CASE("the page plots the coil's frequency and radius with theory's", "[live][page]") {
     if (missing()) return;
     LiveProgram live(test::coiling_honey, {"--unpaced"});
     Browser browser(1280, 900);
     browser.open(address(live));
-    // What the legend of the plot of this title says.
+    // Legend of the plot of this title.
     const auto legend = [](const std::string& title) {
         return "[...document.querySelectorAll('#plots figure')].filter(f => f.querySelector('figcaption').textContent.includes('" + title +
                "')).map(f => f.querySelector('.legend').textContent).join()";
