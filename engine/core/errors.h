@@ -1,13 +1,13 @@
 #pragma once
-/// Three kinds of failure (docs/architecture.md): the user's mistake, the world's, ours. A diverging run is none of them: it is a
-/// result (StepReport::diverged).
+/// Three kinds of failure (docs/architecture.md): invalid input, a failing environment, an internal bug. A diverging run is not a
+/// failure but a result (StepReport::diverged).
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace whorl {
 
-/// Where a mistake stands in a file; line and column count from 1, 0: not known (a command line option, say).
+/// Location of a mistake in a file; line and column count from 1, 0: not known (a command line option, for example).
 struct Place {
     std::string file;
     int line = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where an entry of a picture or of a volume stands in its array, of which the first index runs fastest.
+/// Array index of an entry of an image or a volume; the first coordinate runs fastest.
 #include <cstddef>
 
 namespace whorl {

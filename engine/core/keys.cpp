@@ -67,7 +67,7 @@ bool fits(KeyType type, const Value& v) {
     }
 }
 
-/// What keeps a text from being the number that it begins with: "0.3 m/s", "0,3", "2t".
+/// Hint for a text that begins with a number but is not one: "0.3 m/s", "0,3", "2t".
 /// @param reads whether the key takes a text
 std::string why_no_number(const Value& v, const std::string& unit, const std::function<bool(const std::string&)>& reads) {
     const std::string* text = v.as<std::string>();
@@ -155,11 +155,11 @@ std::string Key::allowed_beside(double x) const {
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
-    // The largest number of the C++ type says nothing to people: it is told only where x itself, a number, is beyond it.
+    // The largest number of the C++ type means nothing to users: it is shown only if x, a number, is beyond it.
     const double largest = single ? shortest_decimal(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
     const double low = std::max(least, -largest), high = std::min(most, largest);
-    const bool told = std::isfinite(x) || single, bounded_below = std::abs(low) < 2e9 || (told && x < low),
-               bounded_above = std::abs(high) < 2e9 || (told && x > high);
+    const bool shown = std::isfinite(x) || single, bounded_below = std::abs(low) < 2e9 || (shown && x < low),
+               bounded_above = std::abs(high) < 2e9 || (shown && x > high);
     if (bounded_below) text = (least_open ? "more than " : "at least ") + plain(low);
     if (bounded_above) text += (text.empty() ? "at most " : ", at most ") + plain(high);
     return text;

@@ -37,7 +37,7 @@ inline std::string variable_names(const std::string& letters) {
     return all;
 }
 
-/// A value as it stands in a file, with its place. No kind at all: something that no key takes (a date).
+/// A value in a file, with its location. Without a kind: a value that no key accepts (a date).
 struct Value {
     using List = std::vector<Value>;
     using Table = std::vector<std::pair<std::string, Value>>;  ///< in the file's order
@@ -61,13 +61,13 @@ struct Value {
     /// The entry of a table, nullptr where there is none.
     const Value* find(const std::string& key) const;
     Value* find(const std::string& key) { return const_cast<Value*>(std::as_const(*this).find(key)); }
-    /// As TOML writes it: the shortest text that reads back as the same value.
+    /// The value as TOML: the shortest text that reads back as the same value.
     std::string toml() const;
 };
 
 enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts, any };
 
-/// How a key's three entries stand in a flow of two dimensions, that of the plane z = 0.
+/// Meaning of a key's three entries in a 2D flow, that of the plane z = 0.
 enum class InPlane {
     free,    ///< as ever: they are no vector of the flow's space
     vector,  ///< the third is 0 and may be left out
@@ -75,18 +75,18 @@ enum class InPlane {
     cut      ///< of a shape, which the plane cuts: the third may be left out
 };
 
-/// What is wrong with a value that has the right type (a bad expression, say).
+/// Fault of a value that has the right type (a bad expression, for example).
 struct KeyFault : std::invalid_argument {
     KeyFault(Place where, const std::string& what) : std::invalid_argument(what), place(std::move(where)) {}
     Place place;
 };
 
-/// How a member of type T stands in a file. Specialise it for further types; enums need only a choices(E) next to them:
-/// `inline std::vector<std::pair<Slip, const char*>> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "free"}}; }`
+/// Conversion between a member of type T and its value in a file. Specialise it for further types; enums need only a choices(E) next to
+/// them: `inline std::vector<std::pair<Slip, const char*>> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "free"}}; }`
 template <class T, class = void>
 struct KeyCodec;
 
-/// What a key does with its member, by the member's type alone.
+/// Access of a key to its member, which depends on the member's type alone.
 struct MemberAccess {
     Value (*write)(const void* member);
     void (*read)(void* member, const Value&);                   ///< the type was checked before; may throw KeyFault
@@ -108,8 +108,9 @@ struct Key {
     std::string variables;    ///< that an expression may use, of "txyz"
     bool is_required = false;
     bool decides = true;      ///< the simulation's result depends on it
-    bool may_change = false;  ///< while a run goes on
-    std::string selector;     ///< key that says whether this one counts: "shape" beside it, "models.pressure" from the root; "": always
+    bool may_change = false;  ///< during a run
+    std::string
+        selector;  ///< key that decides whether this one counts: "shape" in the same table, "models.pressure" from the root; "": always
     std::vector<std::string> selected_by;  ///< the selector's values for which it counts
     Value standard;                        ///< the default
 
@@ -119,7 +120,7 @@ struct Key {
 
     /// In a flow of two dimensions its third entry may be left out.
     bool may_lack_depth() const { return in_plane == InPlane::vector || in_plane == InPlane::cut; }
-    /// What a flow of two dimensions gives it: a third entry is put in where it may be left out and is.
+    /// Value in a 2D flow: a missing third entry is added if the key may omit it.
     Value with_depth(const Value& v) const;
 
     Key& required() { return is_required = true, *this; }
@@ -138,7 +139,7 @@ struct Key {
     void read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const;
     /// "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" where every value of the type is allowed.
     std::string allowed() const;
-    /// The same with the limits of the type itself where x is beyond them.
+    /// allowed() with the limits of the C++ type if x is beyond them.
     std::string allowed_beside(double x) const;
     /// "a number", "3 numbers", "one of the texts", ...
     std::string type_name() const;
@@ -172,7 +173,7 @@ public:
     std::vector<Part> parts;
     std::function<std::shared_ptr<void>()> make;  ///< a struct with every default
 
-    /// Every key of it may change while a run goes on; parts have tables of their own.
+    /// Lets every key of this table change during a run; parts have their own tables.
     void all_live() {
         for (Key& k : keys) k.live();
     }

@@ -32,7 +32,7 @@ void wait_passively(char** argv) {
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     if (length <= 0) return;
     program[length] = 0;
-    execv(program, argv);  // returns only where it failed: then the program simply goes on
+    execv(program, argv);  // returns only on failure: then the program continues
 }
 
 }  // namespace whorl

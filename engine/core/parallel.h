@@ -46,7 +46,7 @@ void parallel_for(Index n, F&& f) {
     });
 }
 
-/// The same for few iterations that each take long: threads fetch them one by one.
+/// parallel_for for few long iterations: threads fetch them one by one.
 template <class F>
 void parallel_tasks(Index n, F&& f) {
     const auto run = [&f](Index i) __attribute__((noinline)) { f(i); };

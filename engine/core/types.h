@@ -13,7 +13,7 @@ using Real = double;
 using Real = float;
 #endif
 
-/// Of a particle, and of whatever else is counted: what arrays are indexed by.
+/// Index of a particle or array element.
 using Index = std::int32_t;
 using Vec3 = Eigen::Matrix<Real, 3, 1>;
 using Mat3 = Eigen::Matrix<Real, 3, 3>;

@@ -110,7 +110,7 @@ void BodyContacts::look_from(const Solids& solids, const SolidParticles& layer, 
     Point p;
     p.place = deepest(solids.all[a], other, image, start);
     const auto apart = static_cast<double>(other.distance(p.place.cast<Real>()));
-    // What rounding alone makes of a distance is none: the places of a rigid face would else contradict each other.
+    // Distances within rounding error count as 0: otherwise the points of a rigid face would contradict each other.
     const double rounding = 1e-5 * step_.spacing + 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * p.place.norm();
     p.gap = std::min(0.0, apart + rounding) + std::max(0.0, apart - step_.clearance - rounding);
     if (p.gap > coming + 0.1 * step_.spacing) return;
@@ -296,7 +296,7 @@ void BodyContacts::hold() {
     const auto held = std::make_shared<Held>();
     held->rows = rows * lightness_;
     Eigen::SparseMatrix<double> S = held->rows * rows.transpose();
-    // What several contacts hold would else divide by nothing.
+    // Regularisation: otherwise redundant contacts make the matrix singular.
     for (Eigen::Index r = 0; r < S.rows(); ++r) S.coeffRef(r, r) *= 1 + 1e-10;
     held->between.compute(S);
     held_ = held;

@@ -11,7 +11,7 @@
 
 namespace whorl {
 
-/// What contact needs to know of a time step.
+/// Parameters of a time step for contact.
 struct ContactStep {
     double dt = 0;       ///< s
     double spacing = 0;  ///< m, between the particles of the layers
@@ -37,7 +37,7 @@ public:
     /// Finds the places of contact of a step that begins with the bodies' velocities as they are.
     void find(const Solids& solids, const SolidParticles& layer, const ContactStep& step);
     bool empty() const { return points_.empty(); }
-    /// What contact makes of velocities that the bodies would have without it.
+    /// Velocities after contact. @param free velocities that the bodies would have without contact
     BodyVector velocities(const BodyVector& free);
     /// From now on change() holds the contacts that pressed in the last velocities(), and sticks where they stuck.
     void hold();
@@ -81,7 +81,7 @@ private:
     };
 
     void look_from(const Solids& solids, const SolidParticles& layer, std::size_t a, std::size_t b, Index s, const Vec3d& image);
-    /// Of the points from `first` on, which are of one pair of solids, keeps those of each face that bound it, and the deepest: a face is
+    /// Reduces the points from `first` on, of one pair of solids, to those that bound each face, and the deepest: a face is
     /// flat, so the others hold where these do.
     void thin(std::size_t first);
     Vec3d deepest(const Solid& a, const Solid& b, const Vec3d& image, const Vec3d& start) const;

@@ -117,7 +117,7 @@ private:
         m.triangle.push_back({4 * c + 1, 4 * b + 1, 4 * a + 1});
         m.triangle.push_back({4 * a + 3, 4 * b + 3, 4 * c + 3});
     }
-    /// What lies between the rim from `a` to `b` and the line between the two. Large triangles are drawn faster than a fan of thin ones.
+    /// Fills the area between the rim from `a` to `b` and the chord. Large triangles are drawn faster than a fan of thin ones.
     static void fill_ends(std::uint32_t a, std::uint32_t b, TriangleMesh& m) {
         if (b - a < 2) return;
         const std::uint32_t middle = (a + b) / 2;

@@ -32,7 +32,7 @@ std::string lower(std::string_view text) {
 /// A text file line by line, word by word.
 class Words {
 public:
-    /// @param joins a line that ends in "\" goes on in the next one
+    /// @param joins a line that ends in "\" continues in the next one
     Words(const std::string& file, std::string_view text, bool joins = false) : file_(file), rest_(text), joins_(joins) {}
 
     /// Goes to the next line; false at the end.
@@ -160,7 +160,7 @@ Polygons read_obj(const std::string& file, std::string_view text) {
         for (std::string_view corner = words.word(); !corner.empty() && corner[0] != '#'; corner = words.word()) {
             const long long count = static_cast<long long>(mesh.position.size());
             long long index = words.whole<long long>(corner.substr(0, corner.find('/')));
-            if (index < 0) index += count + 1;  // counted from the newest vertex
+            if (index < 0) index += count + 1;  // counted from the last vertex
             if (index < 1 || index > count) words.fail(fmt::format("face refers to vertex {}, there are {} so far", corner, count));
             mesh.corner.push_back(static_cast<Corner>(index - 1));
         }

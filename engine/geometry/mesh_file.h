@@ -8,8 +8,8 @@
 namespace whorl {
 
 /// Positions, times scale, then moved by `position` [m] (in double precision), and triangles; polygons may be concave.
-/// @throws InputError with file:line where the file is missing, of an unknown kind, cut short, refers to vertices that it does not have, or
-/// lies so far from the origin that single precision rounds its coordinates to more than 1/1000 of its size
+/// @throws InputError with file:line if the file is missing, of an unknown kind, truncated, refers to missing vertices, or
+/// is too far from the origin: single precision rounds its coordinates to more than 1/1000 of its size
 TriangleMesh read_mesh(const std::filesystem::path& file, double scale = 1, const Vec3d& position = Vec3d::Zero());
 
 /// Makes equal positions one vertex and drops triangles with two equal corners, normals and scalars.

@@ -49,8 +49,8 @@ void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, con
     }
 }
 
-/// For each triangle one triangle of its part: what hangs together by edges. Of faces with the same corners that leave an edge open, the
-/// first stays. @param doubled counts the others @throws InputError where the mesh has holes, or neighbours look different ways
+/// For each triangle the representative triangle of its part (connected by edges). Of faces with the same corners that leave an edge open,
+/// the first is kept. @param doubled counts the others @throws InputError if the mesh has holes or inconsistent orientation
 std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::string& name, std::size_t& doubled) {
     struct Edge {
         int turns = 0, uses = 0;  ///< passes one way less passes back; all passes
@@ -155,7 +155,7 @@ std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& nam
     };
     std::vector<std::uint32_t> whole(mesh.triangle.size());
     std::iota(whole.begin(), whole.end(), 0u);
-    if (volume_of(whole) < 0) turn(whole);  // parts that share edges are told apart by their insides
+    if (volume_of(whole) < 0) turn(whole);  // parts that share edges are distinguished by their insides
     std::size_t doubled = 0;
     std::map<std::uint32_t, std::vector<std::uint32_t>> triangles;
     const std::vector<std::uint32_t> part = find_closed_parts(mesh, name, doubled);

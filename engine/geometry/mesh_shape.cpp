@@ -83,7 +83,7 @@ private:
             for (std::size_t k = 0; k < 3; ++k)
                 edge_normal_[t][k] = edges[std::minmax(mesh_.triangle[t][(k + 1) % 3], mesh_.triangle[t][(k + 2) % 3])];
     }
-    /// Just outside a face the winding number is 0, unless the mesh crosses itself: looked for in its middle and beside those of its edges.
+    /// Just outside a face the winding number is 0 unless the mesh crosses itself: tested at its centre and next to its edges.
     void find_crossings() {
         const double step = 1e-9 * box().diagonal().norm();
         std::vector<char> crosses(mesh_.triangle.size());
@@ -96,7 +96,7 @@ private:
         });
         crossings_ = std::count(crosses.begin(), crosses.end(), 1);
     }
-    /// Of the surface about x: its crossings with the ray from x along z. Both faces beside an edge decide alike on which side of it x is.
+    /// Winding number of the surface about x: its crossings with the ray from x along z. Both faces at an edge agree on the side of x.
     int winding(const Vec3d& x) const {
         int sum = 0;
         std::uint32_t stack[64];
@@ -236,7 +236,7 @@ TriangleMesh Mesh::mesh(Real, Real) const {
 /// Closed parts that may overlap, touch or lie inside each other: together they are solid, and one inside another is a hollow in it.
 class Parts final : public Shape {
 public:
-    Parts(const std::vector<TriangleMesh>& meshes, std::vector<std::string> told) {
+    Parts(const std::vector<TriangleMesh>& meshes, std::vector<std::string> notes) {
         std::vector<Part> parts;
         std::ptrdiff_t crossings = 0;
         for (const TriangleMesh& mesh : meshes) {
@@ -244,9 +244,9 @@ public:
             crossings += parts.back().mesh->crossings(), overlap_ |= parts.back().mesh->crosses_much();
         }
         if (crossings > 0)
-            told.push_back(
+            notes.push_back(
                 fmt::format("faces that lie within it, as it crosses itself: {}; inside is where the winding number is not 0", crossings));
-        remarks = std::move(told);
+        remarks = std::move(notes);
         std::vector<std::size_t> from_left(parts.size());
         std::iota(from_left.begin(), from_left.end(), 0u);
         std::vector<std::size_t> by_volume = from_left;
@@ -267,7 +267,7 @@ public:
                     parts[k].depth = std::max(parts[k].depth, parts[other].depth + 1);
                 else overlap_ = overlap_ || (box(k).intersection(box(other)).sizes().array() > 0).all();
             }
-        // Those that are by themselves are one mesh: there the nearest face tells the side.
+        // Separate parts form one mesh, in which the nearest face determines the side.
         TriangleMesh alone;
         for (std::size_t k = 0; k < parts.size(); ++k) {
             if (near[k].empty()) append(alone, meshes[k]);
@@ -290,7 +290,7 @@ public:
         const Eigen::AlignedBox3d box = whole_box();
         min = box.min().cast<Real>(), max = box.max().cast<Real>();
     }
-    /// Where parts overlap by evenly spread places (Roberts's sequence): the sum over their surfaces counts twice what both hold.
+    /// Overlapping parts are integrated by evenly spread points (Roberts's sequence): the sum over surfaces would count the overlap twice.
     Bulk bulk() const override {
         if (!overlap_) return Shape::bulk();
         const Eigen::AlignedBox3d box = whole_box();
@@ -351,7 +351,7 @@ private:
         return inside;
     }
 
-    /// Signed distance, of what the parts so far hold: what is solid adds to it, a hollow takes away.
+    /// Signed distance to the union of the parts: solid parts add to it, hollows subtract.
     double distance(const Vec3d& x, std::size_t& whose) const {
         double best = infinity;
         for (std::size_t k = 0; k < parts_.size(); ++k) {

@@ -10,37 +10,38 @@ namespace whorl {
 
 std::shared_ptr<const Shape> make_plane(const Vec3d& point, const Vec3d& normal);
 
-/// Two directions in a plane: axes of the domain where the plane holds them.
+/// Lattice in a plane. Its two directions are axes of the domain if the plane contains them.
 struct PlaneLattice {
     Vec3d direction[2];
-    int axes[2] = {-1, -1};  ///< of the domain, -1: none
+    int axes[2] = {-1, -1};  ///< the domain's axis of each direction, -1: not an axis
 
     explicit PlaneLattice(const Vec3d& n);
     bool has_no_depth(std::size_t k, const LayerRegion& region) const { return axes[k] == 2 && region.domain.dimensions() == 2; }
     bool repeats(std::size_t k, const LayerRegion& region) const {
         return axes[k] >= 0 && region.domain.periodic[static_cast<std::size_t>(axes[k])];
     }
-    /// The domain seen along the direction.
+    /// Extent of the domain along direction k [m], from `low` to `high`.
     void ends(std::size_t k, const LayerRegion& region, double& low, double& high) const;
-    /// Where the lattice has no ends along the direction, which are to be found otherwise: all of its places [m].
+    /// All lattice coordinates along direction k [m] if it is periodic or has no depth (2D); empty if ends() bounds it.
     std::optional<std::vector<double>> line_without_ends(std::size_t k, const LayerRegion& region) const;
-    /// Each place of the first line with each of the second [m], where the region wants it. @param foot where both are 0
+    /// Lattice points (each coordinate of the first line with each of the second [m]) within the region. @param foot the point with
+    /// coordinates (0, 0) @param n the plane's normal
     std::vector<LayerPoint> points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
                                    const LayerRegion& region) const;
 };
 
-/// The part of a plane, in its own axes, where its layer is wanted while it moves. Its lattice begins where that of the plane at rest
-/// does, however far the part reaches.
+/// Rectangle of a moving plane, in its own axes, that needs boundary particles at any time. Its lattice has the same origin as that of
+/// the plane at rest, whatever the rectangle's size.
 class PlanePatch {
 public:
-    /// @param at_rest periodic axes that the plane holds are filled
+    /// @param at_rest region of the plane at rest; periodic axes in the plane are filled
     PlanePatch(const Vec3d& point, const Vec3d& normal, const LayerRegion& at_rest);
-    /// The layer is wanted at x, seen along the normal.
+    /// Extends the rectangle to x, projected along the normal.
     void add(const Vec3d& x);
-    /// It is wanted where the line from p to q is within a spacing of the plane.
+    /// Extends the rectangle to the part of the line from p to q that is within a spacing of the plane.
     void add_crossing(const Vec3d& p, const Vec3d& q);
-    double points() const;
-    /// @throws InputError beyond 50 million points
+    double points() const;  ///< number of lattice points in the rectangle
+    /// Boundary particles at signed distance `offset` [m] from the plane. @throws InputError beyond 50 million points
     std::vector<LayerPoint> layer(double offset) const;
     const PlaneLattice& lattice() const { return lattice_; }
 
@@ -50,8 +51,8 @@ private:
     Vec3d point_, normal_;
     LayerRegion at_rest_;
     PlaneLattice lattice_;
-    double begin_[2] = {0, 0};   ///< m
-    double first_[2], last_[2];  ///< steps of the lattice from there
+    double begin_[2] = {0, 0};   ///< origin of the lattice [m]
+    double first_[2], last_[2];  ///< range in lattice steps from begin_
 };
 
 }  // namespace whorl

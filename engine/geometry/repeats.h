@@ -32,7 +32,7 @@ public:
             for (int a = 0; a < 3 && may; ++a) {
                 if (!(other >> a & 1)) continue;
                 at[a] -= std::copysign(period_[a], near[a] - centre_[a]);
-                const Real apart = std::abs(at[a] - centre_[a]) - half_[a];  // at least so far from that image
+                const Real apart = std::abs(at[a] - centre_[a]) - half_[a];  // lower bound of the distance to that image
                 may = period_[a] > 0 && (apart <= 0 || apart < best);
             }
             if (!may) continue;

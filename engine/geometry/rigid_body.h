@@ -40,11 +40,11 @@ struct Pose {
     Vec3 velocity = Vec3::Zero();          ///< m/s, of the origin
     Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, in the world's axes
     Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
-    /// The same in the middle of a step of dt [s], of the point that is at x when it begins; dt < 0: when it ends.
+    /// Velocity in the middle of a step of dt [s] of the point that is at x when the step begins; dt < 0: when it ends.
     Vec3 velocity_over(Real dt, const Vec3& x) const { return velocity_at(x + dt / 2 * velocity_at(x)); }
 };
 
-/// Where solids touch each other.
+/// Point at which solids touch.
 struct Contact {
     double friction = 0.3;  ///< Coulomb's coefficient; of a pair: the geometric mean
     double bounce = 0;      ///< share of the approaching speed that comes back; of a pair: the larger

@@ -24,12 +24,12 @@ struct ShapeKeys {
     bool cut = false;
 };
 
-/// Where a layer of particles along a shape's surface is wanted, in the shape's own axes.
+/// Region in which a shape's surface needs boundary particles, in the shape's own axes.
 struct LayerRegion {
     Real spacing = 0;      ///< m
     Domain domain;         ///< periodic axes that a box, cylinder or plane spans are filled without a seam and without ends
     Real margin = 0;       ///< m beyond the domain
-    bool clipped = false;  ///< what is further out is not wanted
+    bool clipped = false;  ///< points farther out are left out
     /// Within the margin along the axes that are not periodic.
     bool contains(const Vec3d& x) const;
     /// Whether [low, high] covers a whole period of the axis, wherever it begins.
@@ -42,7 +42,7 @@ struct LayerPoint {
     Vec3d face = Vec3d::Zero();  ///< on an edge, where two or three faces meet at right angles: outward normal of one of them
 };
 
-/// What a shape is full of, at a density of 1; of a cut by the plane, what a metre of depth holds.
+/// Mass properties of a shape at a density of 1; of a 2D section, those of a metre of depth.
 struct Bulk {
     double volume = 0;             ///< m^3
     Vec3d centre = Vec3d::Zero();  ///< of gravity, m
@@ -51,7 +51,7 @@ struct Bulk {
     Mat3d inertia() const { return moment.trace() * Mat3d::Identity() - moment; }
 };
 
-/// Of a closed mesh, by the divergence theorem: a sum over the tetrahedra between its triangles and a point.
+/// Mass properties of a closed mesh by the divergence theorem: a sum over the tetrahedra between its triangles and a point.
 Bulk bulk_of(const TriangleMesh& mesh);
 
 class Shape {
@@ -85,14 +85,14 @@ std::shared_ptr<const Shape> make_sphere(const Vec3d& centre, double radius);
 
 std::shared_ptr<const Shape> make_cylinder(const Vec3d& from, const Vec3d& to, double radius);
 
-/// Whether the plane cuts the shape, and in a rectangle or a disc; else why not, in words that go on after the shape's name.
+/// Empty if the plane z = 0 cuts the shape in a rectangle or a disc; else the reason, a text that follows the shape's name.
 std::string why_no_cut(const ShapeKeys& keys);
 /// A rectangle or a disc. Distances and normals lie in the plane, whatever z. @param keys why_no_cut() is empty
 std::shared_ptr<const Shape> make_cut(const ShapeKeys& keys);
 
 /// The mesh in `file`, times scale, then moved by `position`. @throws InputError
 std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position);
-/// The same for a mesh in memory; `name` stands in the error message. @throws InputError where it is empty or not closed
+/// Shape of a mesh in memory. @param name for error messages @throws InputError if the mesh is empty or not closed
 std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& name);
 
 }  // namespace whorl

@@ -1,5 +1,5 @@
 #pragma once
-/// Solids: shapes that stand, move and turn by expressions, and the particles that sample their surfaces.
+/// Solids: shapes that are fixed, or move and turn by expressions, and the particles that sample their surfaces.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
@@ -13,13 +13,13 @@
 
 namespace whorl {
 
-/// How far a solid with a spin that depends on time had turned after whole intervals of the quadrature; follows from the expression alone.
+/// Rotation of a solid with a time-dependent spin after whole intervals of the quadrature; follows from the expression alone.
 struct Turned {
     long intervals = 0;
     Mat3d rotation = Mat3d::Identity();
 };
 
-/// The point that a solid turns about: the middle of the shape's bounds, where the shape first stands; of a plane, its point nearest to the
+/// The point that a solid turns about: the centre of the shape's bounds at its first position; of a plane, its point nearest to the
 /// origin.
 Vec3d turning_point(const Shape& shape);
 
@@ -28,7 +28,7 @@ Domain in_own_axes(const Domain& domain, const Pose& pose);
 
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position;  ///< m, of t: how far it has moved from where the shape stands
+    VectorExpression position;  ///< m, of t: displacement from the shape's first position
     VectorExpression spin;      ///< rad/s about the own axes through turning_point(), of t
     bool inside = false;        ///< the fluid is inside the shape
     double slip_length = 0;     ///< m: u - u_wall = slip_length du/dn on the surface; 0: the fluid sticks, infinite: it slides freely
@@ -44,7 +44,7 @@ struct Solid {
     Ledger ledger;        ///< impulses of the fluid in this step; kept where keeps_ledger()
     double work = 0;      ///< of a driven solid on the fluid by these [J]
 
-    /// Moves and turns as these say from time t [s] on, from where it stands then.
+    /// Replaces position and spin from time t [s] on, continuing from the pose at that time.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
     bool keeps_ledger() const { return probed || body; }
@@ -52,7 +52,7 @@ struct Solid {
     Vec3d centre() const;
     /// Adds the fluid's impulse to the ledger, and its work; a free body takes it up.
     void receive(Push kind, const Wrench& impulse);
-    /// Of turning_point() [m/s].
+    /// Velocity of turning_point() [m/s].
     Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }
     bool sticks() const { return slip_length == 0; }
     /// The fluid slips, but not freely.
@@ -97,7 +97,7 @@ private:
 /// SolidParticles::flat at a distance from what is not flat [m].
 inline Real flat_beside(Real distance, Real support) { return std::clamp(distance / support - 1, Real(0), Real(1)); }
 
-/// One layer of particles on the solids' surfaces, about a spacing apart; they stand half a spacing inside the solid.
+/// Boundary particles: one layer on the solids' surfaces, about a spacing apart, half a spacing inside the solid.
 struct SolidParticles {
     std::vector<Index> solid;         ///< whose
     Column<Vec3> own_position;        ///< in the solid's axes, m
@@ -107,7 +107,7 @@ struct SolidParticles {
     Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
     Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall; 0: an edge
     Column<Vec3> own_face, face;      ///< on convex edges: LayerPoint::face; elsewhere 0
-    /// Of a flat wall, which shows images of the fluid: 1 farther than 2 R from where the surface bends, ends or opens and from solids that
+    /// Weight of a flat wall's images of the fluid: 1 farther than 2 R from where the surface bends, ends or opens and from solids that
     /// move, 0 nearer than R. The surface may end at others at right angles that face the fluid, too; -1: where they meet. Empty: none is
     /// flat.
     Column<Real> flat;

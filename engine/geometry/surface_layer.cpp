@@ -132,7 +132,7 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
     for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() * static_cast<double>(k)]);
     std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return darts[i].rank < darts[j].rank; });
 
-    // A dart stays where none stands nearer than 0.8 d on the same side of the body.
+    // A dart is kept if no other is nearer than 0.8 d on the same side of the body.
     const double apart = 0.8 * d;
     std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells;
     const auto key = [&](const Vec3d& x, int i, int j, int k) {

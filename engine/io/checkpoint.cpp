@@ -38,7 +38,7 @@ void each_member(Archive& a, C& c) {
 
 std::string name_of(int frame) { return fmt::format("{:06}.whorl", frame); }
 
-/// Of a name that the program gives; -1 of any other, as people give to copies.
+/// Frame number of a file name that the program gives; -1 for other names, such as those of users' copies.
 int frame_of(const std::string& name) {
     int frame = -1;
     std::from_chars(name.data(), name.data() + name.size(), frame);

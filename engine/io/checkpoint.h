@@ -15,10 +15,10 @@ struct Checkpoint {
     std::string build;  ///< build_id() of the program that wrote it
     std::string scene;  ///< scene.resolved.toml, whose deciding settings must be the same for the run to be resumed
     std::map<std::string, std::uint64_t> inputs;       ///< checksum of each file that the scene names (absolute path), as the run read it
-    int frame = 0;                                     ///< the state stands at this frame's time; its row and its picture exist
+    int frame = 0;                                     ///< the state is at this frame's time; its row and its image exist
     int frames = 0;                                    ///< the frame that the run is to end with
-    double wall = 0, cpu = 0;                          ///< s so far, over all parts of the run
-    StageTimes stages;                                 ///< the same by stage
+    double wall = 0, cpu = 0;                          ///< s, summed over all parts of the run
+    StageTimes stages;                                 ///< by stage
     int resumed = 0;                                   ///< how often
     std::map<std::string, std::uint64_t> table_bytes;  ///< length of each table (path in the run folder) when the state was taken
     std::map<std::string, std::string> probes;         ///< Probe::save() by name
@@ -28,7 +28,7 @@ struct Checkpoint {
 /// Version, precision, compiler and instruction set: only the same build is sure to resume with the same bits.
 std::string build_id();
 
-/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the newest two; files of other names stay. @throws
+/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the last two; files with other names are kept. @throws
 /// EnvironmentError (disk full)
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 

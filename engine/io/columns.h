@@ -38,7 +38,7 @@ inline const std::vector<std::string>& quantity_names() {
     return names;
 }
 
-/// Those of `names` that this store has.
+/// The columns among `names` that this store has.
 inline std::vector<NumberColumn> columns_named(const ParticleStore& store, const std::vector<std::string>& names) {
     std::vector<NumberColumn> found;
     for (const std::string& name : names)
@@ -46,7 +46,7 @@ inline std::vector<NumberColumn> columns_named(const ParticleStore& store, const
     return found;
 }
 
-/// What an export writes: all that lives on from step to step, and every quantity that has a name in files. Not single matrices.
+/// Fields that an export writes: those kept from step to step, and every quantity with a name in files. No matrices.
 inline std::vector<std::string> live_fields(const ParticleStore& store) {
     std::vector<std::string> names = quantity_names();
     for (const ParticleStore::Entry* entry : store.entries()) {

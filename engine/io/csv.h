@@ -19,7 +19,7 @@ struct CsvTable {
     std::string file;  ///< for messages
 };
 
-/// Cells may stand in quotes, as csv_cell() writes them, between blanks; lines that begin with # are comments.
+/// Cells may be quoted, as csv_cell() writes them, and surrounded by blanks; lines that begin with # are comments.
 /// @throws InputError where there is no such file
 CsvTable read_csv(const std::filesystem::path& file);
 

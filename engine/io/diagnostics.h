@@ -23,7 +23,7 @@ struct Measures : Energies {
 /// about d^2/R^2 too little. In cells of half a spacing. 0 without particles and where they are strewn too widely.
 /// @param x [m] @param spacing d [m]
 double filled_volume(Span<const Vec3> x, const Domain& domain, const Solids& solids, Real spacing);
-/// The same of all particles outside nozzles with the coupled solve, else 0.
+/// filled_volume() of all particles outside nozzles with the coupled solve, else 0.
 double coupled_volume(const World& world);
 
 /// @param gravity m/s^2 at the row's time @param micro_inertia theta, m^2 (1 where the scene's unit is dimensionless)

@@ -10,19 +10,19 @@
 
 namespace whorl {
 
-/// A solid as it stands at the frame's time.
+/// A solid at the frame's time.
 struct FrameSolid {
     std::shared_ptr<const TriangleMesh> mesh;  ///< in the solid's own coordinates
     Mat3f rotation = Mat3f::Identity();        ///< x_world = rotation x + translation
     Vec3f translation = Vec3f::Zero();         ///< m
-    Vec3f velocity = Vec3f::Zero();            ///< m/s, of its own origin
+    Vec3f velocity = Vec3f::Zero();            ///< m/s, of its origin
     Vec3f spin = Vec3f::Zero();                ///< rad/s, in the world's axes
     std::string material;                      ///< name of a material of the look; "" the look's default for solids
     bool container = false;                    ///< the fluid is inside: drawn as glass or left out, never hiding the fluid
     bool ground = false;                       ///< an unbounded plane
 };
 
-/// An opening that fluid comes from; it stands still.
+/// An opening that fluid comes from; it does not move.
 struct FrameEmitter {
     Vec3f position = Vec3f::Zero();     ///< m, its middle
     Vec3f direction = -Vec3f::UnitY();  ///< unit, the way the fluid goes
@@ -45,7 +45,7 @@ struct Frame {
     std::vector<FrameEmitter> emitters;
     Vec3f domain_min = Vec3f::Zero(), domain_max = Vec3f::Zero();  ///< m
     std::array<bool, 3> periodic{false, false, false};
-    int dimensions = 3;  ///< 2: all particles stand in the plane z = 0
+    int dimensions = 3;  ///< 2: all particles are in the plane z = 0
 };
 
 /// All that a picture is made from, to the bit; whole or not at all. @throws EnvironmentError (disk full)

@@ -62,7 +62,7 @@ struct Unpacker {
     void operator()(long& value) { number(value); }
     void operator()(float& value) { number(value); }
     void operator()(double& value) { number(value); }
-    void operator()(bool& value) { value = next(sizeof value)[0] != 0; }  // a byte that is neither 0 nor 1 is no bool
+    void operator()(bool& value) { value = next(sizeof value)[0] != 0; }  // only the bytes 0 and 1 are valid
     void operator()(std::uint64_t& value) { number(value); }
     void operator()(std::string& text) {
         std::uint64_t size = 0;
@@ -93,7 +93,7 @@ struct Unpacker {
 std::uint64_t checksum(std::string_view bytes);
 /// The bytes behind their kind, size and checksum. @param kind eight letters, the last a version
 std::string sealed(std::string_view kind, std::string bytes);
-/// What was sealed. @throws EnvironmentError that says how it is damaged
+/// The bytes given to sealed(). @throws EnvironmentError with the kind of damage
 std::string_view unsealed(std::string_view kind, std::string_view file);
 
 }  // namespace whorl

@@ -14,7 +14,7 @@
 namespace whorl {
 namespace {
 
-/// In the solid's own axes. Of one that stands still, all images that reach into the domain.
+/// Mesh in the solid's own axes. A fixed solid includes all periodic copies that reach into the domain.
 TriangleMesh drawn_mesh(const Solid& solid, const Domain& domain, Real spacing, Real extent) {
     const TriangleMesh one = solid.shape->mesh(spacing, extent);
     if (solid.moves() || !solid.repeats.any()) return one;
@@ -49,7 +49,7 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     }
     for (const Emitter& emitter : simulation.emitters()) {
         FrameSolid nozzle;
-        // A pipe, not a ring: long beside its bore.
+        // A pipe, not a ring: long compared with its bore.
         const EmitterShape& opening = emitter.shape();
         const Real bore = opening.slot ? opening.thickness : 2 * opening.radius;
         nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));

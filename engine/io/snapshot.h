@@ -25,11 +25,11 @@ Column<Vec3> vorticity(Span<const Vec3> x, Span<const Vec3> u, Real support, con
 /// Takes frames of one run; keeps the solids' meshes, which every frame shares.
 class Snapshots {
 public:
-    /// @param fields columns besides position and velocity to copy, by their names in files, and derived ones (derived_fields.h); those
-    /// that the run does not have are left out
+    /// @param fields columns to copy in addition to position and velocity, by their names in files, and derived ones (derived_fields.h);
+    /// those that the run does not have are left out
     Snapshots(const Simulation& simulation, std::vector<std::string> fields);
 
-    /// All particles, those inside a nozzle too, so that the surface runs up into it; solids and nozzles where they stand now.
+    /// All particles, also those inside a nozzle, so that the surface reaches into it; solids and nozzles at their current poses.
     Frame take(const Simulation& simulation, int number) const;
 
 private:
@@ -41,7 +41,7 @@ private:
 /// The particles' part of a frame.
 Frame particles_of(const World& world, const std::vector<std::string>& fields);
 
-/// A tube around an emitter's opening: the wall stands half a spacing outside the fluid, the tube reaches `length` [m] back from the
+/// A tube around an emitter's opening: the wall is half a spacing outside the fluid, the tube reaches `length` [m] back from the
 /// opening.
 TriangleMesh nozzle_mesh(const EmitterShape& opening, Real spacing, Real length);
 

@@ -122,7 +122,7 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
         for (const auto& [r, e] : below_[v]) {
             const SymmetricBlocks::Entry& entry = A.row(r)[e];
             const int other = r == v ? entry.column : r;
-            // Below the diagonal stands the later node's row. The stored block has the row r.
+            // Below the diagonal the row is that of the later node. The stored block has the row r.
             if (other == r) add(local(order_[other]), local(k), entry.value);
             else add(local(order_[other]), local(k), entry.value.transpose());
         }

@@ -1,5 +1,5 @@
 #pragma once
-/// Sparse symmetric positive definite systems of 6x6 blocks whose nodes stand in space: the coarse level of two-level preconditioners.
+/// Sparse symmetric positive definite systems of 6x6 blocks whose nodes have positions: the coarse level of two-level preconditioners.
 #include <Eigen/Core>
 #include <vector>
 
@@ -19,7 +19,7 @@ public:
     int nodes() const { return static_cast<int>(rows_.size()); }
     /// Adds m to block (row, column), or its transpose to (column, row) where that one lies below the diagonal.
     void add(int row, int column, const Block& m);
-    /// Of one row, columns up to the row's own, in no order.
+    /// Entries of a row, columns up to the diagonal, unordered.
     const std::vector<Entry>& row(int r) const { return rows_[r]; }
     std::vector<Entry>& row(int r) { return rows_[r]; }
 

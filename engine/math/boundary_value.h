@@ -39,9 +39,9 @@ public:
     /// @param limits tolerance: of the last step, relative to 1 + |y|
     /// @return residuals: defects over the interval's length, relative to 1 + |y'|, and those of the conditions, in the mean square
     static SolveReport solve(const Problem& problem, Curve<n>& curve, SolveLimits limits);
-    /// A mesh of so many intervals with about the same error of `curve` in each.
+    /// A mesh of `intervals` intervals with about the same error of `curve` in each.
     static std::vector<double> even_mesh(const Problem& problem, const Curve<n>& curve, int intervals);
-    /// The same curve on another mesh.
+    /// Interpolates the curve on another mesh.
     static Curve<n> on_mesh(const Problem& problem, const Curve<n>& curve, const std::vector<double>& mesh);
 
 private:
@@ -88,7 +88,7 @@ double Collocation<Problem>::residual(const Problem& problem, const Curve<n>& cu
     return std::sqrt(sum);
 }
 
-/// Gauss with partial pivoting on the first so many columns. @return false where the block is singular
+/// Gaussian elimination with partial pivoting on the leading columns. @return false if the block is singular
 template <class Problem>
 template <class Block>
 bool Collocation<Problem>::eliminate(Block& block, int columns) {
@@ -114,7 +114,7 @@ template <class Problem>
 std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_step(const Problem& problem, const Curve<n>& curve) {
     const std::size_t intervals = curve.s.size() - 1;
     std::vector<Matrix> upper(intervals);
-    std::vector<Eigen::Matrix<double, n, n + 1>> beside(intervals);
+    std::vector<Eigen::Matrix<double, n, n + 1>> right(intervals);
     Eigen::Matrix<double, first, n> at_start;
     Eigen::Matrix<double, first, n + 1> condition;
     condition.col(n) = -with_jacobian<first>([&](const auto& v) { return problem.at_start(v); }, curve.y[0], at_start);
@@ -134,7 +134,7 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
         block.template bottomRightCorner<n, 1>() = curve.y[i] - curve.y[i + 1] + h / 6 * (left + 4 * middle + right);
         if (!eliminate(block, n)) return {};
         upper[i] = block.template topLeftCorner<n, n>();
-        beside[i] = block.template topRightCorner<n, n + 1>();
+        right[i] = block.template topRightCorner<n, n + 1>();
         condition = block.template bottomRightCorner<first, n + 1>();
         left = right, j_left = j_right;
     }
@@ -148,7 +148,7 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
     std::vector<Values> step(intervals + 1);
     step[intervals] = end.template leftCols<n>().template triangularView<Eigen::Upper>().solve(end.col(n));
     for (std::size_t i = intervals; i-- > 0;)
-        step[i] = upper[i].template triangularView<Eigen::Upper>().solve(beside[i].col(n) - beside[i].template leftCols<n>() * step[i + 1]);
+        step[i] = upper[i].template triangularView<Eigen::Upper>().solve(right[i].col(n) - right[i].template leftCols<n>() * step[i + 1]);
     return step;
 }
 
@@ -219,7 +219,7 @@ Curve<Collocation<Problem>::n> Collocation<Problem>::on_mesh(const Problem& prob
 }
 
 // The cubic's slope against f at the two points between where they need not agree (sqrt(3/7) of half an interval from its middle) is of
-// fourth order: an interval's length goes by that error's fourth root; none is longer than twice the mean.
+// fourth order: an interval's length follows the fourth root of that error, and is at most twice the mean.
 template <class Problem>
 std::vector<double> Collocation<Problem>::even_mesh(const Problem& problem, const Curve<n>& curve, int intervals) {
     const Cubics cubics(problem, curve);

@@ -31,7 +31,7 @@ public:
     bool depends_on_time() const;
     /// Which of t, x, y, z it uses: "", "t", "xz", ...
     std::string variables() const;
-    /// As the user wrote it; a plain number where it was one.
+    /// Text of the user; a plain number if it was one.
     const std::string& text() const { return text_; }
 
 private:

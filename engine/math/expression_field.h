@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Evaluates on all threads: every block of places has a copy of the expression with a parser of its own.
+/// Evaluates on all threads: every block of places has a copy of the expression with its own parser.
 class ExpressionField {
 public:
     explicit ExpressionField(VectorExpression expression) : expression_(std::move(expression)) {}

@@ -8,7 +8,7 @@ namespace whorl {
 
 enum class KernelKind { cubic, wendland_c2, wendland_c4 };
 
-/// A kernel of that kind in so many dimensions, 2 or 3. All that depends on the dimension of the flow asks the kernel for it.
+/// Kind of kernel and dimension of the flow, 2 or 3. Code that depends on the dimension reads it here.
 struct KernelForm {
     KernelKind kind = KernelKind::cubic;
     int dimensions = 3;
@@ -22,7 +22,7 @@ T power_of(T length, int dimensions) {
     return dimensions == 2 ? length * length : length * length * length;
 }
 
-/// What the three kernels share. norm makes the integral over all space, or over the whole plane, 1.
+/// Common part of the three kernels. norm makes the integral over space (2D: over the plane) 1.
 struct KernelBase {
     int dimensions;
     Real R, inverse, norm;

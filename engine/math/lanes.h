@@ -1,5 +1,5 @@
 #pragma once
-/// As many numbers as a vector register of the machine holds, one a lane, and their way from and to points in memory.
+/// Vector of numbers that fills a register of the machine, one per lane, with gather and scatter of points in memory.
 #ifdef __AVX512VL__
 #include <immintrin.h>
 #endif
@@ -123,7 +123,7 @@ template <int stride, class Place>
 
 using Eight = Real __attribute__((vector_size(8 * sizeof(Real))));
 
-/// Two pieces that stand side by side at 2 place[0]; with sixteen lanes those at 2 place[4], too.
+/// Two adjacent pieces at 2 place[0]; with sixteen lanes also those at 2 place[4].
 template <class Place>
 [[gnu::always_inline]] inline Lanes two_pieces(const Vec4* from, const Place* place) {
     const auto eight = [&](Index k) { return *reinterpret_cast<const Eight*>(from + 2 * static_cast<std::size_t>(place[k])); };

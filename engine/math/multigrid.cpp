@@ -125,12 +125,12 @@ void Multigrid::factor(const SparseRows& A) {
     for (Index i = 0; i < A.size(); ++i)
         if (!(dense(i, i) > static_cast<double>(smallest))) dense(i, i) = 1;
     coarsest_.compute(dense);
-    // What is left of a row's diagonal after all before it: nothing but the entries' round-off, which many sums have made larger, where A
+    // Pivot of a row after elimination: only accumulated round-off if A
     // is singular. A correction by the inverse of that would be noise.
     constexpr double round_off = 1e-3;
     const auto left = [&] { return (coarsest_.matrixLLT().diagonal().array().square() / dense.diagonal().array()).minCoeff(); };
     if (coarsest_.info() == Eigen::Success && left() > round_off) return;
-    // As in a closed box: constants are then worth 10^4 times what a neighbour's difference is, not infinitely much.
+    // Singular, as in a closed box: constants are then weighted 10^4 times a neighbour's difference instead of infinitely.
     constexpr double lift = 1e-4;
     dense.diagonal() *= 1 + lift;
     coarsest_.compute(dense);

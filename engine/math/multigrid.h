@@ -1,5 +1,5 @@
 #pragma once
-/// A V-cycle on an explicit symmetric matrix whose unknowns stand in cells of a lattice (Takahashi et al. 2016, Algorithm 3; aggregates and
+/// A V-cycle on an explicit symmetric matrix whose unknowns are in cells of a lattice (Takahashi et al. 2016, Algorithm 3; aggregates and
 /// Galerkin operators as Vanek, Mandel and Brezina 1996).
 #include <Eigen/Cholesky>
 #include <memory>

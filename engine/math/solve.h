@@ -1,5 +1,5 @@
 #pragma once
-/// What every linear solver takes and returns.
+/// Parameters and results of linear solvers.
 #include <string>
 
 namespace whorl {

@@ -18,7 +18,7 @@ struct SparseRows {
     void multiply(Span<const Real> x, Span<Real> y) const;
 };
 
-/// Sums up rows: f(i, add) calls add(column, value) any number of times. Columns stand in a row in the order in which they are first met,
+/// Sums up rows: f(i, add) calls add(column, value) any number of times. A row's columns are in the order in which they first occur,
 /// so the bits do not depend on the number of threads.
 template <class F>
 SparseRows gather_rows(Index rows, Index columns, F&& f) {
@@ -31,7 +31,7 @@ SparseRows gather_rows(Index rows, Index columns, F&& f) {
     const Index blocks = (rows + block - 1) / block;
     std::vector<Part> parts(blocks);
     parallel_tasks(blocks, [&](Index b) {
-        // Where a column stands in the present row; what is left of earlier rows is seen by what it points to.
+        // Position of a column in the current row; an entry of an earlier row is detected by its target.
         thread_local std::vector<std::size_t> place;
         if (place.size() < static_cast<std::size_t>(columns)) place.resize(columns, 0);
         Part& part = parts[b];

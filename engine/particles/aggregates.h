@@ -7,7 +7,7 @@
 
 namespace whorl {
 
-/// What aggregate_by() does besides looking at neighbours.
+/// The parts of aggregate_by() that do not use neighbours.
 struct Grouping {
     Span<const Vec3> x;
     const Domain& domain;
@@ -18,7 +18,7 @@ struct Grouping {
 
     void form_runs(Span<const std::int16_t> role, Real cell, int size);
     void find_centres();
-    int drop_empty();  ///< the groups that are left are numbered anew @returns how many
+    int drop_empty();  ///< renumbers the remaining groups @returns their number
     Real distance2(Index i, std::int32_t g) const { return domain.minimum_image(x[i] - centre[g - 1]).squaredNorm(); }
 };
 
@@ -54,8 +54,8 @@ int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const st
     return g.drop_empty();
 }
 
-/// A group whose members do not hang together by their neighbours (two turns of a coil side by side, a thread beside its heap) becomes one
-/// a piece: no motion of the group as a whole moves the one against the other.
+/// Splits a group whose members are not connected by neighbours (two turns of a coil side by side, a thread next to its heap) into
+/// connected pieces: a rigid motion of the whole group cannot move its pieces relative to each other.
 /// @param group as aggregate_by() leaves it @returns the number of groups then
 template <class Neighbours>
 int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {

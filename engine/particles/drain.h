@@ -18,7 +18,7 @@ struct time_in_drain {
 
 struct Drain {
     std::shared_ptr<const Shape> shape;
-    Real after = 0;  ///< s: fluid that has been inside for this long is gone
+    Real after = 0;  ///< s: fluid that has been inside for this long is removed
 };
 
 /// Takes away what the drains let go at the end of a step of length dt [s]; the order of the rest stays. The store must have

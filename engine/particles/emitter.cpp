@@ -72,7 +72,7 @@ struct Emitter::State {
     double start, stop;
     Real spacing, depth;
     std::int16_t role;
-    Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back so far
+    Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back that far
     Solid end;
     Domain domain;
     double faster = 1;         ///< area of the opening over what solids leave of it
@@ -151,7 +151,7 @@ struct Emitter::State {
     }
 
     /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the
-    /// cross-section, single files along the flow, each with a phase of its own.
+    /// cross-section, single files along the flow, each with its own phase.
     void make_streamlines(std::uint64_t seed) {
         const long count = column_count();
         length = volume() * static_cast<double>(count) / opening_area(shape);
@@ -183,7 +183,7 @@ struct Emitter::State {
         return parallel_sum(fluid.size(), [&](Index i) { return role_of[i] >= 0 && body.distance(x[i]) < near ? 1 : 0; }) > 0;
     }
 
-    /// Particles whose turn it is while the column goes on by `push`. A particle at height z of copy c enters when the column has been
+    /// Particles that enter while the column advances by `push`. A particle at height z of copy c enters when the column has been
     /// pushed past it by more than the buffer's depth: along the flow at  s = factor * pushed - (c length + z), measured from the opening.
     std::vector<Vec3> entering(double pushed_before, double push, std::vector<long>& next) const {
         std::vector<Vec3> all;
@@ -258,7 +258,7 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (role[i] != s.role) continue;
         const Vec3 q = s.local(x[i]);
-        // What comes in now starts behind the column's end, and reaches it in this step.
+        // Entering particles start behind the column's end, and reach it in this step.
         const bool moves = s.in_column(q) || (i >= static_cast<std::size_t>(before) && i < first_placed);
         u[i] = static_cast<Real>(moves ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
     }

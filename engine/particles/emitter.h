@@ -78,16 +78,16 @@ public:
     bool takes(const Vec3& x) const;
     /// From x to the pipe [m], negative inside.
     Real distance(const Vec3& x) const;
-    /// Where the particles are that fill the pipe before anything has been pushed.
+    /// Positions of the particles that fill the pipe at the start.
     std::vector<Vec3> filling() const;
 
-    /// Volume that has passed the opening so far over the volume of a particle, as the speed's integral says (not as counted).
+    /// Volume that has passed the opening (the integral of the speed, not a count) over the volume of a particle.
     double expected_particles() const;
     /// Largest speed at time t [m/s], for the time step.
     double speed(double t) const;
     const EmitterShape& shape() const;
 
-    /// From now on another speed and other times. What has been pushed stays pushed: the column goes on without a gap.
+    /// Changes speed and times from now on. The emitted volume is kept: the column continues without a gap.
     void change(Expression speed, double start, double stop);
 
     void save(std::ostream&) const;

@@ -41,7 +41,7 @@ struct role {
     using type = std::int16_t;
     static constexpr std::string_view name = "role", unit = "", meaning = "free, stuck to a solid, or inside a nozzle";
 };
-/// Counts from 0 over the run's whole fluid, those that are gone too. Only where an export asks for it.
+/// Unique number from 0 over all particles of the run, including removed ones. Only if an export requests it.
 struct id {
     using type = std::int32_t;
     static constexpr std::string_view name = "id", unit = "", meaning = "the particle's number, the same all its life";

@@ -45,7 +45,7 @@ public:
         alignas(64) Index other[most];
         alignas(64) Real r[3][most];  ///< components of x_i - x_j, m
         alignas(64) Real distance[most];
-        /// A multiple of `most_lanes`, so that a loop up to it has no remainder. Entries from `count` on stand at the end of the support,
+        /// A multiple of `most_lanes`, so that a loop up to it has no remainder. Entries from `count` on are at the end of the support,
         /// where every kernel and its slope are 0, and name a neighbour that exists.
         Index padded() const { return (count + most_lanes - 1) & -most_lanes; }
         /// out[a][l] = v[other[l]][a] for l < padded().
@@ -83,7 +83,7 @@ public:
     }
 };
 
-/// Neighbours among the fluid, and the solid neighbours of the fluid: two types, so that a stage's signature tells them apart.
+/// Neighbours among the fluid, and the solid neighbours of the fluid: two types, so that a stage's signature distinguishes them.
 struct FluidPairs : Pairs {};
 struct SolidPairs : Pairs {};
 

@@ -104,7 +104,7 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
            const Distance& obstacle) {
     const auto n = static_cast<Index>(x.size());
     const Real range = Real(1.6) * spacing, shell = Real(0.25) * spacing;
-    Domain images = domain;  // mirror images may stand outside the box: only the periods count
+    Domain images = domain;  // mirror images may be outside the box: only the periods count
     NeighbourSearch search;
     Pairs pairs;
     std::vector<Vec3> all, moved(x.size());
@@ -143,7 +143,7 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
 
 namespace {
 
-/// Where the shape lies, whether or not the domain reaches there.
+/// Sample points of the shape, also outside the domain.
 std::vector<Vec3> unwrapped(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers,
                             Real beyond) {
     const Extent e = extent_of(shape, domain);

@@ -20,7 +20,7 @@ constexpr double edge_along = 0.5, edge_across = 1;
 
 bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
 
-/// What the distance test needs.
+/// Data of the distance test.
 struct Test {
     Real x[3];
     Real period[3], inverse_period[3];
@@ -102,7 +102,7 @@ int NeighbourSearch::Axis::bin(double cell) const {
     return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(bins - 1)));
 }
 
-/// How far the search goes: a little beyond the support, so that rounding in the cells cannot lose a pair that the test would take.
+/// Radius of the search: a little beyond the support, so that rounding in the cells cannot lose a pair that the test would accept.
 struct NeighbourSearch::Reach {
     double radius;
     Test test;
@@ -119,7 +119,7 @@ struct NeighbourSearch::Rows {
 };
 
 /// Rows of blocks of particles are made side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the
-/// cache. make() may read rows of its own and later batches in `pairs` where no new row is longer than the old one. @param make of the
+/// cache. make() may read its rows and later batches in `pairs` if no new row is longer than the old one. @param make for the
 /// particles [begin, end): appends their rows, and sets pairs.first[i + 1] to where row i ends among the block's
 template <class F>
 void NeighbourSearch::join_blocks(Index n, Pairs& pairs, std::vector<Column<Index>>& memory, const F& make) {
@@ -336,7 +336,7 @@ void NeighbourSearch::fill_rows(Span<const Vec3> own, Index first, Real support,
 
 namespace {
 
-/// Of who moved farthest [m], the short way round where the domain is periodic.
+/// Largest displacement of any particle [m], to the nearest periodic image.
 double farthest_move(Span<const Vec3> from, Span<const Vec3> to, const Domain& domain) {
     const Vec3 period = domain.period();
     return std::sqrt(parallel_max(static_cast<Index>(to.size()), 0, [&](Index i) {
@@ -388,7 +388,7 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
 
     const Test test = test_for(support, domain);
     const auto n = static_cast<Index>(x_own.size());
-    std::vector<std::size_t> begins;  // where each block's rows begin in `other`: join_blocks() writes `first` anew
+    std::vector<std::size_t> begins;  // begin of each block's rows in `other`: join_blocks() overwrites `first`
     for (Index begin = 0; begin < n; begin += block) begins.push_back(pairs.first[begin]);
     begins.push_back(pairs.first[n]);
     const auto run = [&]<bool periodic>() {

@@ -10,9 +10,9 @@ namespace whorl {
 /// Finds all pairs closer than the support radius. Keeps its memory from step to step: one object a use.
 ///
 /// Positions are binned in cells somewhat smaller than the support. An axis too long for one bin a cell takes the cell's coordinate modulo
-/// the number of bins, so that a stray particle kilometres away costs nothing (two far cells may share a bin: the distance test tells them
-/// apart). A particle whose position is not finite gets no neighbours. Two particles at the same place are neighbours at distance 0. The
-/// test on |x_i - x_j|^2, in Real, is formed in the same way from both sides: j stands in row i if and only if i stands in row j.
+/// the number of bins, so that a stray particle kilometres away costs nothing (two far cells may share a bin: the distance test separates
+/// them). A particle whose position is not finite gets no neighbours. Two particles at the same place are neighbours at distance 0. The
+/// test on |x_i - x_j|^2, in Real, is formed in the same way from both sides: j is in row i if and only if i is in row j.
 class NeighbourSearch {
 public:
     /// Pairs among x, each in both rows. `pairs` refers to x afterwards.
@@ -28,8 +28,8 @@ public:
 
     /// find() that goes farther than the models need, so that narrow() can make the rows of a next step of it.
     void find_wide(Span<const Vec3> x_own, Span<const Vec3> x_other, Real reach, const Domain& domain, Pairs& pairs);
-    /// Where `pairs` hold what find_wide() found for positions so near these that no pair within the support can be missing: drops the
-    /// pairs beyond the support. The rows are those of find(), in another order. @returns false, and leaves them alone, elsewhere
+    /// Removes the pairs beyond the support if `pairs` are those of find_wide() for positions so near these that no pair within the
+    /// support can be missing. The rows are those of find(), in another order. @returns false, and changes nothing, otherwise
     static bool narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
     std::size_t capacity_bytes() const;

@@ -26,7 +26,7 @@ std::vector<LayerPoint> layer_of(const Solid& solid, std::size_t k, const LayerR
     }
 }
 
-/// Whether the solid turns about this axis of its own at most.
+/// Whether the solid does not turn, or only about this one of its axes.
 bool keeps_axis(const Solid& solid, int axis) {
     for (int b = 0; b < 3; ++b) {
         const Expression& spin = solid.spin.component[static_cast<std::size_t>(b)];
@@ -37,8 +37,8 @@ bool keeps_axis(const Solid& solid, int axis) {
 
 using Corners = std::array<Vec3d, 8>;
 
-/// Of the domain and `around` [m] about it, in the axes of the plane. Along periodic axes the domain goes with the plane: what leaves it
-/// there comes in again.
+/// Bounds of the domain and `around` [m] about it, in the axes of the plane. Along periodic axes the domain moves with the plane: what
+/// leaves it there comes in again.
 Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double around, double t) {
     Corners corners;
     const Vec3d moved = plane.position(t) - plane.position(0);
@@ -53,15 +53,15 @@ Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double aro
     return corners;
 }
 
-/// Share of a flat wall's image. A convex surface leaves more of the kernels of fluid beside it to the fluid, and its layer tells less than
-/// half of that: by quadrature for spheres and circles of 3.5 to 12 spacings, 0.26 to 0.32 of the curvature is missing (cubic kernel, R =
-/// 2 d), on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
+/// Weight of a flat wall's image. A convex surface leaves more of the kernels of adjacent fluid to the fluid, and its layer accounts for
+/// less than half of that: by quadrature for spheres and circles of 3.5 to 12 spacings, 0.26 to 0.32 of the curvature is missing (cubic
+/// kernel, R = 2 d), on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
 Real behind_surface(double curvature) {
     const double bent = 0.3 * curvature;
     return static_cast<Real>(bent > 0 ? 1 / (1 + bent) : 1 - bent);
 }
 
-/// Whether the place x of solid k [m, in its own axes] lies on or in another solid that stands still: edges at seams are none.
+/// Whether the point x of solid k [m, in its own axes] is on or in another fixed solid: edges at seams do not count.
 bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
     const Vec3 at = solids.all[k].pose.rotation * x + solids.all[k].pose.translation;
     for (std::size_t other = 0; other < solids.all.size(); ++other)
@@ -152,7 +152,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
         const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded(), still = !solid.moves();
-        // The box about a turned domain has an end along a periodic axis, where the solid goes on.
+        // The box about a turned domain has an end along a periodic axis, where the solid continues.
         LayerRegion region{spacing, in_own_axes(domain, solid.pose), world.margin, still && !(turned && bounded && domain.any_periodic())};
         std::optional<PlanePatch> patch;
         if (!bounded && !still) patch = patch_of_moving_plane(solid, spacing, domain, reach, end);
@@ -198,7 +198,7 @@ void find_flat_walls(SolidParticles& particles, const Solids& solids, const Step
         if (!own.moves() && particles.flat[s] >= 0 && hidden(s, Vec3::Zero())) particles.flat[s] = -1;
         if (particles.flat[s] > 0 && (own.body || !flat_at(particles, s, solids, step.spacing, step.dimensions()))) particles.flat[s] = 0;
     });
-    // Those that are not, with their periodic images: an axis may be too short for pairs that far apart.
+    // The other particles, with their periodic images: an axis may be too short for pairs that far apart.
     Domain open = step.domain;
     open.periodic = {};
     const Vec3 period = step.domain.period();

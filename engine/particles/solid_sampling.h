@@ -1,5 +1,5 @@
 #pragma once
-/// The one layer of particles that stands for the solids' surfaces.
+/// Boundary particles: one layer that represents the solids' surfaces.
 #include <functional>
 
 #include "engine/core/errors.h"
@@ -14,8 +14,8 @@ namespace whorl {
 /// Samples every solid's surface about a spacing apart, half a spacing deep in the solid (less where the solid is thinner), in its present
 /// pose; in a domain without depth the line in which its plane cuts the surface. Boxes: a lattice on the faces with their edges. Spheres: a
 /// spiral. Cylinders: rings. Planes: a lattice. Meshes: blue noise by throwing darts; the same
-/// for the same mesh. A box or plane that spans a periodic axis has no seam there. What stands further than three spacings outside the
-/// domain is left out unless the solid moves; of a plane that moves, what does not meet the domain until `end`.
+/// for the same mesh. A box or plane that spans a periodic axis has no seam there. Parts farther than three spacings outside the
+/// domain are left out unless the solid moves; of a moving plane, parts that do not meet the domain until `end`.
 /// @param support of the volumes' kernel [m]; 0: two spacings
 /// @param place_of a solid's place in the scene file, for messages
 /// @param end s, of the run
@@ -23,9 +23,9 @@ namespace whorl {
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0,
                              const std::function<Place(std::size_t)>& place_of = {}, double end = 0);
 
-/// Where the layer of a plane that moves is wanted: where it meets the domain, and twice the support [m] about it, at any time until `end`
-/// [s]; of one that does not turn also where the domain is at first, seen along the normal. Periodic axes are filled where the plane
-/// keeps them. What a longer run wants contains what a shorter one does, at the same places.
+/// The part of a moving plane that needs boundary particles: where it meets the domain, and twice the support [m] about it, at any time
+/// until `end` [s]; of one that does not turn also where the domain is at first, seen along the normal. Periodic axes are filled where the
+/// plane keeps them. What a longer run wants contains what a shorter one does, at the same places.
 /// @param plane in its pose at t = 0
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a step knows (StepContext) and what it tells (StepReport).
+/// Input (StepContext) and result (StepReport) of a step.
 #include <cmath>
 #include <optional>
 #include <string>
@@ -27,10 +27,10 @@ struct StepContext {
     Real mass = 0;          ///< kg a particle: rest_density volume
     Real volume = 0;        ///< m^3 a particle at rest: spacing^3; in the plane spacing^2, all of a metre of depth
     KernelForm kernel;
-    int dimensions() const { return kernel.dimensions; }  ///< 2: all particles stand in the plane z = 0 and move in it
+    int dimensions() const { return kernel.dimensions; }  ///< 2: all particles are in the plane z = 0 and move in it
 };
 
-/// Where and how a run went wrong: a result, not an exception.
+/// Place, time and field of a divergence: a result, not an exception.
 struct Divergence {
     std::string stage, field;
     double time = 0;              ///< s
@@ -49,7 +49,7 @@ struct EnergyWork {
     double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary + surface_tension; }
 };
 
-/// Energy of a whole run so far [J] (docs/physics.md 8). Kinetic and spin energy change by total(); the work of solids is not in the terms
+/// Energies of a run up to now [J] (docs/physics.md 8). Kinetic and spin energy change by total(); the work of solids is not in the terms
 /// by which they act.
 struct EnergyBudget : EnergyWork {
     double solids = 0;    ///< work of solids that move, from their ledgers

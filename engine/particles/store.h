@@ -12,7 +12,7 @@
 
 namespace whorl {
 
-/// What the program knows of a field at run time. One object a field: compare by address or by name.
+/// Description of a field at run time. One object per field: compare by address or by name.
 struct FieldInfo {
     std::string_view name, unit, meaning;
     std::size_t bytes;  ///< a particle
@@ -89,7 +89,7 @@ public:
 
     /// Grows (new entries zero) or shrinks at the end.
     void resize(Index n);
-    /// new[k] = old[order[k]] in every column. order may be shorter: the rest is gone.
+    /// new[k] = old[order[k]] in every column. order may be shorter: the rest is removed.
     void gather(Span<const Index> order);
 
     struct Entry {

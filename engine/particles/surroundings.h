@@ -1,5 +1,5 @@
 #pragma once
-/// What surrounds the fluid's particles in a step: a stage that needs neighbours, solids and the step asks for all of it at once.
+/// Neighbours, solids and parameters of a step, passed together to the stages that need all three.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step_context.h"

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double steady = 0.02;     ///< relative change that still counts as none
 constexpr double same = 2e-3;       ///< parameters so near share an answer
-constexpr double same_none = 0.03;  ///< where none was found, which may take a second, it is not sought again so near
-constexpr double neighbour = 0.1;   ///< so near, the old answer stands in for the one to come
+constexpr double same_none = 0.03;  ///< no new search (which may take a second) this near to parameters without a solution
+constexpr double neighbour = 0.1;   ///< this near, the old answer is used until the new one is found
 
 bool takes_viscosity(const Plan& plan) { return plan.facts.viscous() && !plan.facts.micropolar.spins; }
 
@@ -24,8 +24,8 @@ std::optional<Pouring> pouring(const Scene& scene, const Plan& plan, const Vec3d
     for (std::size_t k = 0; k < scene.emitters.size(); ++k) {
         const EmitterKeys& emitter = scene.emitters[k];
         if (emitter.direction.dot(up) > -0.99) continue;
-        const Vec3d beside = emitter.position - axis_point;
-        const double distance = (beside - beside.dot(up) * up).norm();
+        const Vec3d offset = emitter.position - axis_point;
+        const double distance = (offset - offset.dot(up) * up).norm();
         if (distance < nearest) nearest = distance, chosen = k;
     }
     if (!chosen) return std::nullopt;

@@ -1,5 +1,5 @@
 #pragma once
-/// What theory expects of the thread that a scene pours, kept up while the scene runs.
+/// Theoretical coil of the thread that a scene pours, updated while the scene runs.
 #include <future>
 
 #include "engine/scene/plan.h"

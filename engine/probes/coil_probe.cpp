@@ -27,7 +27,7 @@ Vec3d pile_velocity(Span<const Vec3> x, Span<const std::int16_t> role, const Sol
 
 }  // namespace
 
-/// What one step shows.
+/// Measurements of one step.
 struct CoilProbe::Step {
     struct Place {
         double x = 0, y = 0, z = 0, speed = 0, down = 0;  ///< m across and along the axis; m/s, seen from the pile

@@ -14,7 +14,7 @@
 /// the
 ///    thread comes to rest. With `height` > 0 the thread's section at that height above the pile's top is taken for both instead, as it is.
 ///
-/// Frequency and radius are means over the newest four turns, spreads the standard deviations of a single turn, uncertainties those of the
+/// Frequency and radius are means over the last four turns, spreads the standard deviations of a single turn, uncertainties those of the
 /// mean (spread over the root of the number of turns; all four are empty before two turns). Cells are empty until a full turn was seen, and
 /// again when none was completed for three periods. pile_height is the height of the ground on which the thread lands just now: its centre
 /// line comes to rest one radius above. fall is from the nozzle to that ground, mean over the same turns as the frequency: the fall height
@@ -34,7 +34,7 @@ namespace whorl {
 struct CirclePoints {
     double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, z = 0;  ///< z = x^2 + y^2
     void add(double weight, double x, double y);
-    /// Radius of the circle that fits best; none where the points do not tell.
+    /// Radius of the best-fitting circle; empty if the points do not determine it.
     std::optional<double> radius() const;
 };
 
@@ -42,11 +42,11 @@ struct CirclePoints {
 ///
 /// The thread's place across the axis turns with the coil; its angle, seen from the place's own running mean, is unwrapped over time. A
 /// turn is full when the angle has gone on by 2 pi. A turn that breaks off (the thread runs through the mean, or jumps by more than a
-/// quarter turn between two samples) does not count; one that goes back by a quarter begins anew where it turned round: a thread that folds
+/// quarter turn between two samples) does not count; one that goes back by a quarter restarts at its reversal: a thread that folds
 /// has no turns.
 ///
-/// During a turn the contact goes round a circle, fitted by least squares (x^2 + y^2 + D x + E y + F, Kasa 1976), so that a coil that
-/// stands beside the axis is measured as well. In steady coiling the thread touches down without slip and with the curvature of the turn
+/// During a turn the contact goes round a circle, fitted by least squares (x^2 + y^2 + D x + E y + F, Kasa 1976), so that a coil
+/// off the axis is also measured. In steady coiling the thread touches down without slip and with the curvature of the turn
 /// laid before (Ribe 2004), so that near the contact the speed grows with the square of the arc length and distances from the circle with
 /// its cube: they are linear in speed^(3/2). The contact is therefore seen in four ranges of the speed, and radius and height are
 /// extrapolated to rest.
@@ -59,17 +59,17 @@ public:
     struct Centre {
         double x = 0, y = 0, height = 0, count = 0;
     };
-    /// What one step shows.
+    /// Measurements of one step.
     struct Sample {
         double time = 0;
         double speed = 0, radius = 0;  ///< m/s, m: of the falling thread
-        Centre thread;                 ///< what tells the angle: its lowest part, still falling
+        Centre thread;                 ///< determines the angle: the lowest part of the thread, still falling
         std::array<Centre, ranges> contact;
         std::optional<Centre> section;  ///< gives the radius, where it is to be that of a section that still falls
     };
     struct Reading {
         int turns_known = 0;                             ///< 0: all but `turns` and `ground` are without meaning
-        double frequency = 0, radius = 0, ground = 0;    ///< Hz, m, m: means over the newest turns
+        double frequency = 0, radius = 0, ground = 0;    ///< Hz, m, m: means over the last turns
         double frequency_spread = 0, radius_spread = 0;  ///< standard deviations of a single turn
         double turns = 0;
         double ground_now = 0;  ///< m

@@ -59,7 +59,7 @@ void CoilTurns::add(const Sample& sample) {
         Height& h = m.height[k];
         h.sum = keep * h.sum + laid * centre.height / centre.count, h.weight = keep * h.weight + laid;
     }
-    if (sample.thread.count < 3) return;  // too few to tell where it is; the next step may
+    if (sample.thread.count < 3) return;  // too few to locate it; the next step may have enough
 
     const double x = sample.thread.x / sample.thread.count - m.centre_x, y = sample.thread.y / sample.thread.count - m.centre_y;
     if (!first) m.centre_x += blend * x, m.centre_y += blend * y;

@@ -4,7 +4,7 @@
 
 namespace whorl {
 
-/// Height of the surface along the line from `from` to `to`, counted from its first point: exact to half a spacing, beside walls too. The
+/// Height of the surface along the line from `from` to `to`, counted from its first point: exact to half a spacing, also at walls. The
 /// line is followed from there as long as it is in fluid, so drops above the surface do not count; solids on the way are passed. 0: no
 /// fluid is within a spacing of where the line begins, or leaves the solid that it begins in; its length: all of it is in fluid.
 std::unique_ptr<Probe> make_level_probe(const ProbeKeys& keys);

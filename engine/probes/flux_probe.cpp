@@ -23,7 +23,7 @@ public:
 private:
     struct Track {
         Vec3 x, velocity;  ///< m, m/s at the end of the step before
-        long seen = 0;     ///< number of the newest step with the particle; 0: there is none
+        long seen = 0;     ///< number of the last step with the particle; 0: no step
     };
     struct Memory {
         double passed = 0, passed_at_row = 0, row_time = unknown;  ///< particles; s

@@ -34,7 +34,7 @@ private:
     Memory memory_;
 };
 
-// All boundary particles below the disc stand for the same area 1/sum W over those on the same side, W the Wendland C2 function of a
+// All boundary particles below the disc represent the same area 1/sum W over those on the same side, W the Wendland C2 function of a
 // surface, three spacings wide. It is that of a particle which most are not below, so that edges, where neighbours are missing, do not
 // count.
 GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_particles_(world.solid_particles.size()) {

@@ -19,8 +19,8 @@ struct Interpolation {
 std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius);
 
 /// Interpolates at each point by weighted least squares: the quadratic function of place that fits the particles within three spacings
-/// best. So quadratic fields are exact, up to a wall too. Terms that these particles do not tell apart are left out, and outside of the
-/// fluid all but the constant one: there the value is the mean of the nearest particles. Particles in nozzles do not count.
+/// best. So quadratic fields are exact, also up to a wall. Terms that these particles cannot distinguish are left out, and outside of the
+/// fluid all except the constant one: there the value is the mean of the nearest particles. Particles in nozzles do not count.
 std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points);
 
 }  // namespace whorl

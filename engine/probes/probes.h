@@ -56,7 +56,7 @@ public:
     virtual void after_step(const World&, double /*time*/) {}
     /// The rows of one frame.
     virtual ProbeRows rows(const World& world, double time) = 0;
-    /// What the probe remembers from step to step, for a checkpoint.
+    /// Saves the state that the probe keeps between steps, for a checkpoint.
     virtual void save(std::ostream&) const {}
     virtual void load(std::istream&) {}
 };
@@ -66,7 +66,7 @@ inline void check_saved(bool sound, const std::string& kind) {
     if (!sound) throw EnvironmentError("the saved state is none of a " + kind + " probe", "", "resume from an older checkpoint");
 }
 
-/// Where particles are: free, stuck to a solid, in a nozzle (field::role); empty if the fluid has no such column.
+/// State of each particle: free, stuck to a solid, in a nozzle (field::role); empty if the fluid has no such column.
 inline Span<const std::int16_t> roles(const World& world) {
     return world.fluid.has<field::role>() ? world.fluid.column<field::role>() : Span<const std::int16_t>();
 }

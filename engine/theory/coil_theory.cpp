@@ -199,8 +199,8 @@ std::optional<Thread> Follower::at_depth(const Thread& neighbour, double depth) 
     return thread;
 }
 
-/// The purely viscous coil: guessed where the thread is neither very thin nor very thick beside the fall, made as slender as is wanted from
-/// there.
+/// The purely viscous coil: guessed for a thread of medium thickness compared with the fall, then continued to the requested
+/// slenderness.
 std::optional<Thread> Follower::without_gravity() {
     hold_depth(0);
     const double wanted = problem_.full.slenderness, guessed = std::clamp(wanted, 0.02, 0.08);

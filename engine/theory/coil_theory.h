@@ -15,7 +15,7 @@
 ///     M' = -t x N                                                             (rotary inertia of sections is left out)
 ///
 /// Nozzle, s = 0: x = 0, t = -e_z, U = U0, w = 0. Plate, s = L: the axis one thread's radius above it; laid thread is at rest, U t + W x x
-/// = 0 with t horizontal, and neither rolls nor turns, w = 0; y = 0 fixes the phase. These are 18 conditions for 16 functions, Omega and L.
+/// = 0 with t horizontal, without rolling and turning, w = 0; y = 0 fixes the phase. These are 18 conditions for 16 functions, Omega and L.
 #include <atomic>
 #include <iosfwd>
 #include <memory>
@@ -50,7 +50,7 @@ public:
     CoilSolver(CoilSolver&&) noexcept;
     CoilSolver& operator=(CoilSolver&&) noexcept;
 
-    /// Where all parameters are within a tenth of those of the last answer, the coil that this one became. Else (or where that cannot be
+    /// If all parameters are within a tenth of those of the last answer, the coil continued from it. Else (or if that cannot be
     /// found) the branch of coils is followed from infinite viscosity, where there is one coil, down to the viscosity that is asked for,
     /// through its folds: where several coils are possible (inertio-gravitational coiling: Ribe, Huppert, Hallworth, Habibi & Bonn 2006),
     /// the first that is met there.
@@ -61,7 +61,7 @@ public:
     int effort() const;
     static constexpr int most_effort = 800;
 
-    /// The last coil, so that another solver goes on from it with the same bits.
+    /// Saves the last coil, so that another solver continues from it bit-identically.
     void save(std::ostream& out) const;
     void load(std::istream& in);
 

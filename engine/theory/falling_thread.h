@@ -20,7 +20,7 @@ class FallingThread {
 public:
     /// Integrates upward, where it is stable, from the end speed that gives U at the nozzle.
     explicit FallingThread(const FallingThreadParameters& parameters);
-    double speed(double below) const;  ///< m/s, so far below the nozzle [m]
+    double speed(double below) const;  ///< m/s, at the distance `below` from the nozzle [m]
     double end_speed() const { return speed_.front(); }
     /// m/s, the speed with which a slice holds its volume: from `below` to `below` + `height` [m], the mean of 1/u, inverted.
     double mean_speed(double below, double height) const;
