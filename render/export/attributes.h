@@ -24,13 +24,13 @@ public:
     explicit Attributes(std::size_t rows) : rows_(rows) {}
     std::size_t rows() const { return rows_; }
     const std::vector<Attribute>& all() const { return all_; }
-    /// Null where there is none of that name.
+    /// Null if no attribute has that name.
     const Attribute* find(const std::string& name) const;
 
     void add(const std::string& name, const std::vector<Vec3f>& values);
     void add(const std::string& name, const std::vector<float>& values);
     void add(const std::string& name, const std::vector<std::int32_t>& values);
-    /// The same value in each row.
+    /// Adds an attribute with one value for all rows.
     void add_constant(const std::string& name, float value);
 
 private:
@@ -44,11 +44,11 @@ private:
 std::string unit_of(const std::string& attribute);
 /// "velocity [m/s]"; "ink".
 std::string name_with_unit(const std::string& attribute);
-/// As a column of a table is called: x, y, z of the position, nx, ny, nz of the normal, ink_1, ink_2, ink_3; else velocity_x, ...
+/// Column names in tables: x, y, z of the position, nx, ny, nz of the normal, ink_1, ink_2, ink_3; else velocity_x, ...
 std::vector<std::string> component_names(const Attribute& attribute);
 
-/// What other programs are told of each particle, as far as the frame has it: position, velocity, density, pressure, viscosity, spin,
-/// vorticity, q_criterion, spin_difference, ink, age, radius (half a spacing), id, source. Nothing that only the solver knows.
+/// Attributes of each particle for other programs, if the frame has them: position, velocity, density, pressure, viscosity, spin,
+/// vorticity, q_criterion, spin_difference, ink, age, radius (half a spacing), id, source. No internal fields of the solver.
 Attributes particle_attributes(const Frame& frame);
 /// Position and normal of each vertex, and what the fluid carries there.
 Attributes vertex_attributes(const TriangleMesh& mesh, const VertexFields& fields);

@@ -134,7 +134,7 @@ void SceneExport::add(const Frame& frame, const View& view, const LookOptions& l
     fov_.push_back(view.fov);
 }
 
-/// A file in the making: the arrays so far, and what describes them.
+/// A file under construction: its arrays and their description.
 struct SceneExport::Document {
     const SceneExport& of;
     Json root;
@@ -278,7 +278,7 @@ struct SceneExport::Document {
              studio);
     }
 
-    /// What the format has no place for.
+    /// Data that the format has no element for.
     Json extras() const {
         const Material fluid = fluid_material(of.look_, (of.stage_->domain_max - of.stage_->domain_min).norm());
         const Studio studio = studio_of(of.look_.background);

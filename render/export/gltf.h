@@ -1,5 +1,5 @@
 #pragma once
-/// What stands around the fluid, over a film, as one glTF 2.0 file (.glb): solids and nozzles as meshes that move, emitters as nodes
+/// The scene around the fluid, over a film, as one glTF 2.0 file (.glb): solids and nozzles as meshes that move, emitters as nodes
 /// without a mesh, the camera, and the studio's lamp (KHR_lights_punctual).
 #include <array>
 #include <filesystem>
@@ -18,14 +18,14 @@ namespace whorl {
 
 struct SceneExportOptions {
     std::string name;
-    double fps = 24;             ///< of the film: frame n stands at n/fps s
+    double fps = 24;             ///< of the film: frame n is at n/fps s
     double interval = 0;         ///< s, simulated, from frame to frame
     int width = 16, height = 9;  ///< of the pictures
 };
 
 /// Collects a film's frames. Nodes: "solid[0]", "nozzle[0]", "emitter[0]" (its -z axis is the way of the flow), "camera", "studio" (which
-/// turns with the camera) with "lamp". What never moves has no animation. The format knows no field of view that changes, no soft boxes and
-/// no fluid: these stand in the scene's extras, under "whorl".
+/// turns with the camera) with "lamp". Fixed nodes have no animation. The format has no changing field of view, no soft boxes and
+/// no fluid: these are in the scene's extras, under "whorl".
 class SceneExport {
 public:
     explicit SceneExport(SceneExportOptions options) : options_(std::move(options)) {}
@@ -39,7 +39,7 @@ public:
     void write(const std::filesystem::path& file) const;
 
 private:
-    /// Where a node is in every frame.
+    /// Pose of a node in every frame.
     struct Track {
         std::vector<Vec3f> translation;
         std::vector<Eigen::Quaternionf> rotation;
@@ -58,7 +58,7 @@ private:
     LookOptions look_;            ///< the first
 };
 
-/// A .vtp file: points, each a cell of its own, or a mesh. Whole or not at all. @throws EnvironmentError
+/// Atomically writes a .vtp file: points, each as one cell, or a mesh. @throws EnvironmentError
 /// @param time s @param triangles null: points
 void write_vtp(const std::filesystem::path& file, double time, const Attributes& points,
                const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr);
@@ -73,7 +73,7 @@ void write_vti(const std::filesystem::path& file, const Frame& frame, const Attr
 struct TimedFile {
     double time = 0;   ///< s
     std::string part;  ///< "points"; files of the same part follow each other in time
-    std::string file;  ///< beside the .pvd
+    std::string file;  ///< in the folder of the .pvd
 };
 void write_pvd(const std::filesystem::path& file, const std::vector<TimedFile>& files);
 

@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// What a file tells of its frame besides the arrays.
+/// Metadata of a file's frame.
 struct FrameNote {
     int number = 0;
     double time = 0;    ///< s

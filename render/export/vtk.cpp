@@ -12,7 +12,7 @@ namespace {
 /// The arrays of a file, one behind the other, each behind its size.
 class Appended {
 public:
-    /// @return the element that stands for the array
+    /// @return the element that refers to the array
     std::string array(const std::string& name, const char* type, int components, const void* data, std::size_t bytes) {
         const std::string element =
             fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type, name,
@@ -45,7 +45,7 @@ std::string document(const char* kind, const std::string& attributes, double tim
     return text + "\n</AppendedData>\n</VTKFile>\n";
 }
 
-/// What an integer array of 0, 1, 2, ... or of multiples is.
+/// The n integers first, first + step, first + 2 step, ...
 std::vector<std::int32_t> counted(std::size_t n, std::int32_t first, std::int32_t step) {
     std::vector<std::int32_t> values(n);
     for (std::size_t k = 0; k < n; ++k) values[k] = first + step * static_cast<std::int32_t>(k);

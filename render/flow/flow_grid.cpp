@@ -45,7 +45,7 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float
     return grid;
 }
 
-/// Particles by the layer of nodes below them, in their own order within each. The last list has those that stand in no layer.
+/// Particles by the layer of nodes below them, in their order within each. The last list has particles in no layer.
 std::vector<std::vector<std::uint32_t>> by_layer(const FlowGrid& grid, const std::vector<Vec3f>& position) {
     std::vector<std::vector<std::uint32_t>> layers(grid.n[2] + 1);
     for (std::size_t p = 0; p < position.size(); ++p) {
@@ -161,8 +161,8 @@ FlowGrid::Corners FlowGrid::corners(const Vec3f& x) const {
             c[a] = upper ? high[a] : low[a];
             w *= upper ? share[a] : 1 - share[a];
         }
-        const bool stands = c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && w > 0;
-        corners.node[corner] = stands ? static_cast<std::int64_t>(index(c[0], c[1], c[2])) : -1;
+        const bool exists = c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && w > 0;
+        corners.node[corner] = exists ? static_cast<std::int64_t>(index(c[0], c[1], c[2])) : -1;
         corners.weight[corner] = w;
     }
     return corners;
@@ -178,7 +178,7 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
         if (m < 0) continue;
         const float w = near.weight[corner];
         sample.cover += w * cover[m];
-        if (cover[m] <= 0) continue;  // has nothing to tell
+        if (cover[m] <= 0) continue;  // no fluid here
         weights += w;
         if (!along.empty()) sample.along += w * along[m];
         if (!value.empty()) sample.value += w * value[m];

@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// Node (i, j, k) stands at origin + cell (i, j, k), i runs fastest. A periodic axis ends one cell before its first node
+/// Node (i, j, k) is at origin + cell (i, j, k), i runs fastest. A periodic axis ends one cell before its first node
 /// comes again.
 struct FlowGrid {
     Vec3f origin = Vec3f::Zero();  ///< m

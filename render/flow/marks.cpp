@@ -14,7 +14,7 @@ using Point = Eigen::Vector2f;
 
 int longer_side(const PlaneField& field) { return std::max(field.width, field.height); }
 
-/// Of the value over the range, a pixel: from neighbours that hold fluid. A range that runs down turns colours, not slopes.
+/// Slope of the value over the range, per pixel: from neighbours with fluid. A descending range reverses colours, not slopes.
 Point slope_at(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int x, int y) {
     const auto difference = [&](int x0, int y0, int x1, int y1) {
         x0 = std::max(x0, 0), y0 = std::max(y0, 0), x1 = std::min(x1, field.width - 1), y1 = std::min(y1, field.height - 1);
@@ -31,7 +31,7 @@ struct Arrow {
     float width, head;  ///< pixels: of the shaft, length of the head
 };
 
-/// How far outside of the arrow a place is [pixels]; negative inside.
+/// Distance of a point from the arrow [pixels]; negative inside.
 float distance_to(const Arrow& arrow, const Point& x) {
     const float length = (arrow.tip - arrow.tail).norm();
     const Point way = (arrow.tip - arrow.tail) / length, r = x - arrow.tail;
@@ -115,7 +115,7 @@ constexpr int half_pieces = 20;        ///< of a streak to each side
 constexpr float longest_piece = 1.7f;  ///< pixels; a faster flow has shorter streaks
 constexpr float calm = 3;              ///< pixels; flow that moves less has fainter streaks
 
-/// White noise of mean 0 and variance 1 that stands still, for fluid whose particles cannot be told apart.
+/// Static white noise of mean 0 and variance 1, for fluid whose particles have no identity.
 std::vector<float> still_noise(int width, int height) {
     std::vector<float> noise(grid_count(width, height));
     for (std::size_t k = 0; k < noise.size(); ++k) {
@@ -183,7 +183,7 @@ std::vector<float> streaks(const PlaneField& field, float seconds, float pixel) 
                         length += v.norm();
                     }
                 }
-                // A mean over half the length counts so many grains.
+                // A mean over half the length averages this number of grains.
                 const float grains = 1 + length / (2.5f * grain), faint = std::min(1.0f, length / calm);
                 brightness[k] = faint * std::sqrt(grains) * sum / weights;
             }

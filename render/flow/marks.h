@@ -1,5 +1,5 @@
 #pragma once
-/// What is laid over a slice's colours: iso-lines, relief, arrows, streaks. All of them stand still where the flow does.
+/// Marks over a slice's colours: iso-lines, relief, arrows, streaks. All of them are still where the flow is at rest.
 #include <array>
 #include <vector>
 
@@ -29,7 +29,7 @@ Arrows arrows(const PlaneField& field, int count, float seconds, float pixel);
 /// Line integral convolution (Cabral and Leedom 1993): noise smeared along the flow. The noise moves with the particles, so streaks move
 /// from frame to frame as the fluid does.
 /// @param seconds of the flow's way to each side that a streak shows @param pixel its edge [m]
-/// @return brightness of each pixel, mean 0 and variance 1 where the flow moves by more than a few pixels, 0 where it stands still
+/// @return brightness of each pixel, mean 0 and variance 1 where the flow moves by more than a few pixels, 0 0 at rest
 std::vector<float> streaks(const PlaneField& field, float seconds, float pixel);
 
 }  // namespace whorl

@@ -96,7 +96,7 @@ struct Tile {
     }
 };
 
-/// How grains stand around their particle: about four of them on every pixel.
+/// Positions of grains around their particle: about four on every pixel.
 struct Grains {
     float radius;   ///< pixels
     float scatter;  ///< m
@@ -196,7 +196,7 @@ PlaneParticles::PlaneParticles(const Frame& frame, const PixelPlane& plane, floa
                     const Vec3f x(r.dot(plane.right), r.dot(plane.up), r.dot(normal));
                     const bool near = x.x() > -margin_ && x.x() < wide + margin_ && x.y() > -margin_ && x.y() < tall + margin_ &&
                                       std::abs(x.z()) < margin_;
-                    if (!near) continue;  // nor is what is not finite
+                    if (!near) continue;  // also skips points that are not finite
                     found.push_back(x);
                     whose.push_back(static_cast<std::uint32_t>(p));
                     cell.push_back(static_cast<std::uint32_t>(row(x.y()) * across_ + column(x.x())));

@@ -7,7 +7,7 @@
 
 namespace whorl {
 
-/// A rectangle of pixels that stands in the flow, rows from below.
+/// A rectangle of pixels in the flow, rows from below.
 struct PixelPlane {
     Vec3f corner = Vec3f::Zero();                       ///< m, of the first pixel
     Vec3f right = Vec3f::UnitX(), up = Vec3f::UnitY();  ///< unit
@@ -18,7 +18,7 @@ struct PixelPlane {
 
 /// The particles near a plane, sorted by cells.
 struct PlaneParticles {
-    /// Those within `reach` [m] of the rectangle and of the plane; of a periodic flow also their images there.
+    /// Particles within `reach` [m] of the rectangle and of the plane, including periodic images.
     PlaneParticles(const Frame& frame, const PixelPlane& plane, float reach);
 
     std::vector<Vec3f> at;                ///< m from the corner, along right, up and the normal
@@ -50,14 +50,14 @@ struct PlaneField {
     std::array<std::vector<float>, 2> velocity;  ///< m/s, along right and up; 0 where there is no fluid
     std::array<std::vector<float>, 3> value;     ///< of the field that is shown; those that it does not have are empty
     std::vector<float> cover;                    ///< 0 no fluid near .. 1 full of it
-    /// Noise of mean 0 and variance 1 that goes with the particles, in grains of grain_size pixels; empty where they cannot be told apart.
+    /// Noise of mean 0 and variance 1 that moves with the particles, in grains of grain_size pixels; empty if particles have no identity.
     std::vector<float> noise;
     float grain_size = 0;
 };
 
-/// Each particle's value and gradient, mixed by (1 - r^2/h^2)^2 over two spacings: linear fields come out as they are, however uneven the
-/// particles stand. The gradient is that of least squares over the neighbours; where they lie in a line, only along it.
-/// The same bits for any number of threads.
+/// Each particle's value and gradient, mixed by (1 - r^2/h^2)^2 over two spacings: linear fields are exact, also for uneven
+/// particles. The gradient is that of least squares over the neighbours; where they lie in a line, only along it.
+/// Bit-identical for any number of threads.
 /// @param value of each particle, one to three numbers each
 PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>& value, const PixelPlane& plane);
 

@@ -8,8 +8,8 @@ namespace whorl {
 /// @param range of the colour map
 Image draw_plate(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, int width, int height);
 
-/// What another run has more of a field than this one, on a diverging map, where both have fluid. Of inks the first.
-/// @param look of the one run, whose field it is; title and legend are of the difference @param range of the difference
+/// Difference of a field between another run and this one, on a diverging map, where both have fluid. For inks the first one.
+/// @param look of this run, which selects the field; title and legend are of the difference @param range of the difference
 Image draw_difference_plate(const Frame& one, const Frame& other, const LookOptions& look, const std::array<float, 2>& range, int width,
                             int height);
 /// The difference's size that all but a hundredth of the fluid stays below, looked at on a coarse grid of pixels.

@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// Where the slice stands on its axis [m]: as given, else in the middle of the fluid.
+/// Position of the slice on its axis [m]: as given, else the middle of the fluid.
 float slice_position(const Frame& frame, const LookOptions& look, int axis) {
     if (look.slice_position) return *look.slice_position;
     float low = 1e30f, high = -1e30f;
@@ -31,7 +31,7 @@ float way_shown(const PlaneField& field, const LookOptions& look, const PixelPla
     return fastest > 0 ? size * (look.streaks ? 1.0f / 45 : arrow_reach / static_cast<float>(look.arrows)) / fastest : 0;
 }
 
-/// What the look lays over the colours; what it does not ask for is empty.
+/// Marks that the look lays over the colours; those not requested are empty.
 struct SliceMarks {
     std::vector<float> streak, light, line;
     Arrows arrow;
@@ -115,7 +115,7 @@ namespace {
 using Point = Eigen::Vector2f;
 using Edge = std::array<Point, 2>;
 
-/// Where the plane cuts the solid's triangles, in pixels. A corner in the plane counts as above it: outlines stay closed.
+/// Edges in which the plane cuts the solid's triangles, in pixels. A corner in the plane counts as above it: outlines stay closed.
 std::vector<Edge> cut_edges(const FrameSolid& solid, const PixelPlane& plane) {
     std::vector<Vec3f> at;
     for (const Vec3f& own : solid.mesh->position) {

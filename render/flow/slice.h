@@ -17,7 +17,8 @@ struct FlowSlice {
 
 /// How much of a pixel is drawn as fluid. @param weight PlaneField's cover
 float flow_cover(float weight);
-/// The plane of the look's slice through the domain, in pixels, the longer side so many. Seen from the positive end of its axis.
+/// The plane of the look's slice through the domain, in pixels. @param longest pixels of the longer side. Seen from the positive end of its
+/// axis.
 PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest);
 /// @param range of the colour map @param ground linear RGB of what inks lie on
 FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,

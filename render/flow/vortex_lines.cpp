@@ -20,7 +20,7 @@ struct LinePoint {
     float strength = 0, light = 1;
 };
 
-/// What the walk along a line needs.
+/// Data for tracing a line.
 struct LineField {
     const FlowGrid& grid;
     std::vector<float> depth;  ///< between each node and the lamp
@@ -42,12 +42,12 @@ struct LineField {
             if (near.node[c] >= 0) sum += near.weight[c] * depth[near.node[c]];
         return std::exp(-sum);
     }
-    /// How the line beside this one, `side` away, turns about it along the way: the side a step further on.
+    /// Direction of a ribbon's side after a step: the neighbouring line, `side` away, turns about this one.
     Vec3f turned(const LinePoint& p, const Vec3f& side, float step) const {
-        const float beside = 0.5f * spacing;
-        const Vec3f here = grid.at(p.place - beside * side).along, there = grid.at(p.place + beside * side).along;
+        const float offset = 0.5f * spacing;
+        const Vec3f here = grid.at(p.place - offset * side).along, there = grid.at(p.place + offset * side).along;
         const float turn = 0.5f * (here + there).norm();
-        return turn > 0 ? Vec3f(side + step * (there - here) / (2 * beside * turn)) : side;
+        return turn > 0 ? Vec3f(side + step * (there - here) / (2 * offset * turn)) : side;
     }
 };
 

@@ -20,7 +20,7 @@ struct LineShape {
     int seeds = 400;              ///< spread evenly over the fluid
     float width = 0;              ///< m, of a tube where the field is strongest; a ribbon is 2.5 times as wide
     float length = 0;             ///< m, of a line to each side of its seed at most
-    bool flat = false;            ///< ribbons, which turn as the lines beside them do
+    bool flat = false;            ///< ribbons, which turn as the neighbouring lines do
     float thickness = 0;          ///< optical depth of a metre of the strongest field, for the light
     Vec3f lamp = Vec3f::UnitY();  ///< towards it, unit length
 };

@@ -39,7 +39,7 @@ void FieldTexture::fill(const Volume& band) {
 
 void FieldTexture::bind(gl::Program& program, int unit) const {
     program.set("has_field", empty() ? 0 : 1);
-    // Also where there is no field: two samplers of different kinds must not stand on the same unit.
+    // Also without a field: two samplers of different kinds must not use the same unit.
     program.texture("near_field", unit, GL_TEXTURE_3D, near_.id());
     program.texture("far_field", unit + 1, GL_TEXTURE_3D, far_.id());
     if (empty()) return;
@@ -139,7 +139,7 @@ void InkField::fill(const Frame& frame, const LookOptions& look, float size, boo
     any_ = !grid.empty();
     if (!any_) return;
     gl::fill_3d(texture_, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);
-    low_ = grid.origin - 0.5f * grid.cell;  // the nodes stand in the middle of texels
+    low_ = grid.origin - 0.5f * grid.cell;  // the nodes are at the centres of texels
     scale_ = grid.extent().cwiseInverse();
     haze_ = 2 / (colouring_way * size);
     const std::array<Vec3f, 3> ratio = absorption_ratios(look.inks.of);

@@ -125,7 +125,7 @@ void FlowShapes::shade_cloud(const LookOptions& look, const View& view, const gl
     volume_.set("box_high", cloud_box_.high);
     volume_.set("block_size", Vec3f(static_cast<float>(Cloud::block) * cloud_cell_));
     volume_.set("thickness", cloud_thickness_);
-    // Each sample of a pixel has places of its own along the ray: together they are as close as one ray's would be.
+    // Each sample of a pixel has different points along the ray: together they are as close as one ray's would be.
     volume_.set("march", std::min(2.0f, std::sqrt(samples)) * cloud_cell_.minCoeff());
     volume_.set("turn", static_cast<float>(sample) / samples);
     volume_.set("weight", 1 / samples);

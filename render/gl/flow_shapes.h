@@ -12,7 +12,7 @@
 
 namespace whorl {
 
-/// What the flow is drawn with besides itself.
+/// Parameters for drawing the flow.
 struct FlowView {
     const LookOptions& look;
     const View& view;
@@ -27,7 +27,7 @@ public:
     /// Gives the scene its geometry. @param range of the colour map @param pixels along a slice's longer side
     void fill(SceneGeometry& scene, const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range,
               int pixels);
-    /// What hides what is behind it, into the buffer of the solids.
+    /// Draws the opaque shapes into the buffer of the solids.
     void draw(const SceneGeometry& scene, const FlowView& flow, const Eigen::Matrix4f& matrix);
     /// The cloud, added to the picture over what `solids` holds.
     /// @param no_vertices an array to draw the screen's triangle with

@@ -25,7 +25,7 @@ void average(const gl::Texture& texture) {
     glGenerateMipmap(GL_TEXTURE_2D);
 }
 
-/// The area of the ground that gets a light map. It grows and moves in steps, so that its texels stand still while the fluid flows.
+/// The area of the ground that gets a light map. It grows and moves in steps, so that its texels do not move while the fluid flows.
 Vec3f ground_area(const Bounds& bounds) {
     const float reach = 1.9f * bounds.radius();
     const float half = std::exp2(std::ceil(2 * std::log2(std::max(reach, 1e-6f))) / 2);

@@ -37,7 +37,7 @@ public:
     /// @param lamp unit, towards the one that throws the shadow @param spacing of the particles [m] @param ground its height [m] @param
     /// has_ground else only the solids are lit
     void draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground, bool has_ground);
-    /// That has a map of its light: centre x, z, half-width [m].
+    /// Area of the ground with a light map: centre x, z, half-width [m].
     const Vec3f& area() const { return area_; }
     /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
     void bind_shadow(gl::Program& program, int unit) const;
@@ -73,7 +73,7 @@ private:
     Vec3f area_ = Vec3f(0, 0, 1e-9f);  ///< centre x, z, half-width [m]
 };
 
-/// The light that a hot fluid throws on what stands about it: its surface as a few flat patches.
+/// Light of a hot fluid on its surroundings: its surface as a few flat patches.
 struct HotPatch {
     Vec3f place = Vec3f::Zero();   ///< m, where its light comes from in the mean
     Vec3f normal = Vec3f::Zero();  ///< mean over its area: shorter than 1 where it is curved

@@ -1,6 +1,6 @@
 #pragma once
-/// The layers of a picture for compositors: its light as it is, and in a pass of its own, through the middle of every pixel at the frame's
-/// moment, what stands there. Made when it is first asked for.
+/// The layers of an image for compositors: its linear light, and in a separate pass, through the centre of every pixel at the frame's
+/// time, depth, normal, motion and identity. Created at first use.
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/image/exr.h"
@@ -8,21 +8,21 @@
 
 namespace whorl {
 
-/// What is drawn, from where, now and at the next picture.
+/// Scene and cameras of this and of the next image.
 struct LayerView {
     Eigen::Matrix4f now, next;  ///< world -> clip
     Vec3f eye, forward;         ///< m; unit
     float interval;             ///< s, simulated, from this picture to the next
     float ground, seen_ground;  ///< m, far below where there is none: what cuts off things, and what is drawn of it
     float tolerance;            ///< m, of the cut through the fluid
-    bool turns;                 ///< what is far behind stands in the world
+    bool turns;                 ///< the backdrop turns with the world
 };
 
 class LayerPass {
 public:
     /// @param depth a buffer of the picture's size that may be overwritten
     LayerPass(int width, int height, const gl::Texture& depth);
-    /// Where the light (0) and the shadow (1) are drawn to.
+    /// Targets of the light (0) and the shadow (1).
     const gl::Framebuffer& light_target() const { return light_target_; }
     /// The light, and where there is one the shadow.
     PictureLayers read_light(bool has_shadow) const;

@@ -11,7 +11,7 @@
 #include "engine/core/types.h"
 
 namespace whorl {
-/// A file of render/shaders, embedded at build time. @param name "liquid.frag" @throws std::logic_error where there is none
+/// A file of render/shaders, embedded at build time. @param name "liquid.frag" @throws std::logic_error if it does not exist
 std::string shader_source(const std::string& name);
 }  // namespace whorl
 
@@ -60,7 +60,7 @@ class Program {
 public:
     /// Each stage is made of embedded files, put together in order after the #version line.
     /// @throws std::logic_error with the compiler's words
-    /// @param constants declarations that stand before the files
+    /// @param constants declarations placed before the files
     Program(const std::vector<const char*>& vertex_files, const std::vector<const char*>& fragment_files,
             const std::string& constants = "");
     void use() const { glUseProgram(name_.id()); }
@@ -81,8 +81,8 @@ private:
     std::map<std::string, GLint> locations_;
 };
 
-/// A program in several versions, each with constants of its own and compiled when it is first asked for. The software driver runs both
-/// sides of a branch, whatever its condition; what is behind a constant it leaves out.
+/// A program in several versions, each with its own constants and compiled at first use. The software driver runs both
+/// sides of a branch, whatever its condition, except for branches on constants.
 class Programs {
 public:
     Programs(std::vector<const char*> vertex_files, std::vector<const char*> fragment_files)

@@ -35,7 +35,7 @@ struct Shot {
     const LookOptions& look;
     View view;
     Material material;
-    float hides = 1;    ///< what stands in the fluid, from light
+    float hides = 1;    ///< how much light the fluid keeps from things inside it
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
@@ -48,9 +48,9 @@ struct Shot {
     std::string constants;       ///< that the programs are compiled with
 
     /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first. A crust's relief
-    /// comes from the pixels beside it, which a later sample would not have.
+    /// comes from the neighbouring pixels, which a later sample would not have.
     bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
-    /// What is below is not seen [m].
+    /// Things below this height are not seen [m].
     float lowest() const { return look.ground ? ground : -1e6f; }
     /// All samples see the solids from about the same place.
     bool keeps_solid_light() const { return !view.blurs(); }
@@ -62,7 +62,7 @@ struct Shot {
 
 namespace {
 
-/// Whole picture -> this box of it, in places of -1 .. 1: the backdrop goes on round it.
+/// Maps the whole image to this box of it, in coordinates of -1 .. 1: the backdrop continues around it.
 Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
     Eigen::Matrix3f into = Eigen::Matrix3f::Identity();
@@ -72,7 +72,7 @@ Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     return into;
 }
 
-/// The same of clip coordinates.
+/// into_box() for clip coordinates.
 Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
     Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
     clip.topLeftCorner<2, 2>() = into.topLeftCorner<2, 2>();
@@ -87,12 +87,12 @@ namespace {
 /// The stencil's bits of pixels that show a solid, and the fluid.
 constexpr GLint solid_seen = 1, fluid_seen = 2;
 
-/// Of a shader.
+/// Declaration of a shader's constant.
 std::string constant(const char* name, bool value) {
     return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n";
 }
 
-/// What is drawn from here on is one of the two, down to the ground.
+/// Starts drawing solids or fluid (`seen`), down to the ground.
 void begin_geometry(gl::Program& program, GLint seen, float lowest) {
     program.set("cuts", 1);
     program.set("lowest", lowest);
@@ -378,7 +378,7 @@ void Renderer::Device::bind_faces(gl::Program& program) const {
     program.texture("face_distance", 3, GL_TEXTURE_2D, face_distance.id());
 }
 
-/// What solids hide from each other, and the fluid from them.
+/// Sets the light that solids hide from each other, and the fluid from them.
 void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const {
     set_studio(program, shot);
     ground_light.bind_shadow(program, shadow_unit);
@@ -389,8 +389,8 @@ void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, c
     bind_faces(program);
 }
 
-/// What of solids a sample shows; the stencil remembers where. Small triangles share a block of pixels, so that light, which is dear, comes
-/// after. Where they have patterns, depth comes first.
+/// Draws the solids that a sample shows; the stencil marks them. Small triangles share a block of pixels, so the expensive light comes
+/// afterwards. For patterns, depth comes first.
 void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
     glBindFramebuffer(GL_FRAMEBUFFER, faces.id());
@@ -455,7 +455,7 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
 }
 
 void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
-    // Where nothing stands there is light only if each sample draws its own backdrop, or a flow that the stencil does not tell.
+    // Empty pixels have light only if each sample draws its own backdrop, or a flow that the stencil does not mark.
     if (shot.view.blurs() || shows_field(shot.look)) shade_where(GL_NOTEQUAL, fluid_seen);
     else shade_where(GL_EQUAL, solid_seen);
     gl::Program& program = behind.with(shot.constants);
@@ -503,7 +503,7 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glDepthMask(GL_FALSE);
     gl::Program& program = glass_walls.with(shot.constants);
     set_studio(program, shot);
-    // What the fluid touches lies where its surface does, or a little behind it: glass is before the fluid that it holds.
+    // Solids that the fluid touches are at its surface, or a little behind it: glass is in front of the fluid inside it.
     const Eigen::Matrix4f before = nearer(matrix, std::min(shot.spacing / (shot.view.target - shot.view.position).norm(), 0.1f));
     program.set("view_projection", before);
     program.set("weight", weight);

@@ -26,7 +26,7 @@ std::vector<DeviceAttempt> probe_devices();
 /// nothing may change the environment while another thread starts a process.
 void share_threads_with_software_driver();
 
-/// Where the camera stands at the next picture.
+/// Camera of the next image.
 struct NextView {
     View view;
     float interval;  ///< s, simulated, until then
@@ -43,7 +43,7 @@ public:
     /// Draws the fluid's surface (or its particles, after the look), the solids, and the ground. With alpha where the background is
     /// transparent.
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
-    /// The same picture for compositors, without words. Where the look colours the fluid by a field, only its light (and shadow).
+    /// The image for compositors, without text. If the look colours the fluid by a field, only its light (and shadow).
     PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
     /// Renderer and version of the GL in use.
     std::string device() const;

@@ -142,7 +142,7 @@ void SceneGeometry::fill(const Frame& frame, const FlowSlice& slice) {
 void SceneGeometry::fill(const Frame& frame, const FlowGrid& grid) {
     shape_ = Shape::grid;
     bounds_ = Bounds{};
-    // The nodes stand in the middle of a texture's texels.
+    // The nodes are at the centres of a texture's texels.
     if (!grid.empty()) bounds_.add(grid.origin - 0.5f * grid.cell), bounds_.add(grid.origin - 0.5f * grid.cell + grid.extent());
     fluid_bounds_ = bounds_;
     fill_solids(frame);

@@ -20,9 +20,9 @@ public:
     void fill(const Frame& frame, const FlowSlice& slice);
     /// The fluid as lines along its vorticity. The bounds are the fluid's: they do not change as lines come and go.
     void fill(const Frame& frame, const VortexLines& lines);
-    /// The fluid as a cloud in the grid: it has bounds, but no geometry of its own.
+    /// The fluid as a cloud in the grid: it has bounds, but no geometry.
     void fill(const Frame& frame, const FlowGrid& grid);
-    /// Everything is drawn as it stands so long [s] after the frame's time: what moves goes on as it does.
+    /// Draws everything `moment` [s] after the frame's time, at constant velocities.
     void go_to(float moment) { moment_ = moment; }
     /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
@@ -41,7 +41,7 @@ public:
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
     const Bounds& fluid_bounds() const { return fluid_bounds_; }
-    /// Of the fluid and of all solids but the ground; of the domain where there is nothing.
+    /// Bounds of the fluid and of all solids except the ground; of the domain if there are none.
     const Bounds& bounds() const { return bounds_; }
 
 private:

@@ -37,7 +37,7 @@ float ground_height(const Frame& frame) {
             found = true;
         }
     if (found) return height;
-    // What reaches down nearly to the domain's floor (a plate, a tank) stands on the ground; it must not hover.
+    // A solid that reaches nearly down to the domain's floor (a plate, a tank) rests on the ground; it must not hover.
     float lowest = frame.domain_max.y();
     for (const FrameSolid& solid : frame.solids)
         if (solid.mesh && !solid.mesh->position.empty()) lowest = std::min(lowest, bounds_of(solid).low.y());
@@ -58,7 +58,7 @@ Mat3f axes_of(const View& view) {
     return axes;
 }
 
-/// Of the picture's height over twice the distance.
+/// Half of the image's height over the distance.
 float half_height(const View& view) { return std::tan(view.fov * std::numbers::pi_v<float> / 360); }
 
 }  // namespace
@@ -149,7 +149,7 @@ PixelBox pixels_of(const Bounds& bounds, const Eigen::Matrix4f& matrix, int widt
         for (int a = 0; a < 3; ++a) x[a] = (corner >> a) & 1 ? bounds.high[a] : bounds.low[a];
         x[3] = 1;
         const Eigen::Vector4f clip = matrix * x;
-        if (clip.w() <= 1e-6f) return {0, 0, width, height};  // the camera stands among the things
+        if (clip.w() <= 1e-6f) return {0, 0, width, height};  // the camera is among the things
         const Eigen::Vector2f place = clip.head<2>() / clip.w();
         low = low.cwiseMin(place), high = high.cwiseMax(place);
     }

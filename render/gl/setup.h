@@ -1,5 +1,5 @@
 #pragma once
-/// What one picture needs to know about its frame: bounds, camera matrices, where the ground is.
+/// Setup of an image from its frame: bounds, camera matrices, height of the ground.
 #include "engine/io/frame.h"
 #include "render/look/camera.h"
 #include "render/look/look_options.h"
@@ -17,12 +17,12 @@ struct Bounds {
 };
 
 Bounds bounds_of(const std::vector<Vec3f>& points);
-/// Of a solid where it stands in the frame.
+/// Bounds of a solid at its pose in the frame.
 Bounds bounds_of(const FrameSolid& solid);
 
-/// A solid that the ground of the look stands for: a level plane.
+/// Whether the look's ground replaces the solid: a level plane.
 bool is_level_ground(const FrameSolid& solid);
-/// Height of the ground [m]: that of the highest level plane, else of the lowest solid that stands near the domain's floor, else that
+/// Height of the ground [m]: that of the highest level plane, else of the lowest solid near the domain's floor, else that
 /// floor.
 float ground_height(const Frame& frame);
 
@@ -30,8 +30,8 @@ float ground_height(const Frame& frame);
 Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds);
 /// Place in the picture (-1 .. 1, -1 .. 1, 1) -> the direction that the camera sees there.
 Mat3f rays(const View& view, float aspect);
-/// The matrix of a camera that stands aside by `offset` [m], within the lens: what stands `view.focus` ahead stays where it is in the
-/// picture.
+/// The matrix of a camera that is moved by `offset` [m] within the lens: points `view.focus` ahead stay at the same place in the
+/// image.
 Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, const Vec3f& offset);
 /// A place in the lens of a sample: right and up, in radii; evenly spread (Vogel 1979).
 Eigen::Vector2f lens_place(int sample, int samples);
@@ -48,7 +48,7 @@ Eigen::Vector2f sample_place(int sample, int samples);
 struct PixelBox {
     int x = 0, y = 0, width = 0, height = 0;
 };
-/// Where the bounds can be seen.
+/// Pixels in which the bounds can be visible.
 PixelBox pixels_of(const Bounds& bounds, const Eigen::Matrix4f& matrix, int width, int height);
 
 }  // namespace whorl

@@ -10,7 +10,7 @@ class SolidField {
 public:
     /// @param height of the pictures [pixels]: a small one shows no more than two thirds of the resolution
     explicit SolidField(int height);
-    /// Containers and the level ground are left out. The field stands in the axes of the first solid, and goes with it: it is made anew
+    /// Containers and the level ground are left out. The field is in the axes of the first solid, and moves with it: it is rebuilt
     /// only where another has moved against that one.
     void fill(const std::vector<FrameSolid>& solids);
     /// Sets the uniforms of solids.glsl; takes one texture unit.

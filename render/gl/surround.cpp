@@ -16,7 +16,7 @@ constexpr float brightest = 1000;       // radiance: the sun itself would make s
 constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
 constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
 
-/// Of each `across` by `down` pixels the mean.
+/// Means of blocks of `across` by `down` pixels.
 Environment smaller(const Environment& environment, int across, int down) {
     Environment small{environment.width / across, environment.height / down, {}};
     for (int y = 0; y < small.height; ++y)
@@ -139,7 +139,7 @@ void Backdrop::draw(const Key& key, const std::string& constants, const std::fun
 
 void Backdrop::bind(gl::Program& program, int unit) const {
     program.texture("paper", unit, GL_TEXTURE_2D, paper_.id());
-    // Of a direction r the ground's place is eye + r (ground - eye.y)/r.y.
+    // The ray along r meets the ground at eye + r (ground - eye.y)/r.y.
     Mat3f to_ground;
     const Mat3f& ray = key_->to_ray;
     for (const int row : {0, 1}) to_ground.row(row) = key_->eye[2 * row] * ray.row(1) + (key_->ground - key_->eye.y()) * ray.row(2 * row);

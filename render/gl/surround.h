@@ -1,5 +1,5 @@
 #pragma once
-/// What stands round a scene and lights it: the studio or a picture, and the ground.
+/// Surroundings that light a scene: the studio or a picture, and the ground.
 #include <array>
 #include <filesystem>
 #include <functional>
@@ -17,11 +17,11 @@ public:
     Surround();
     /// Reads the picture of the look, where it has one that is not read yet. @throws InputError where it cannot be read
     void fill(const LookOptions& look);
-    /// The studio of the look's background, with the picture's light in place of its own.
+    /// The studio of the look's background, with the picture's light if there is one.
     Studio studio(const LookOptions& look) const;
     /// Towards the lamp that throws the shadow, unit, in the world's axes.
     Vec3f shadow_lamp(const View& view) const;
-    /// That the shaders of studio.glsl and table.glsl are compiled with.
+    /// Constants of the shaders studio.glsl and table.glsl.
     std::string constants(const LookOptions& look) const;
     /// Sets the uniforms of studio.glsl, textures.glsl and table.glsl but those of the ground's light; takes two texture units from `unit`
     /// on.
@@ -37,8 +37,8 @@ private:
 /// 64^3 values between 0 and 1; on every coarser level each is the mean of eight, so that what is finer than a pixel is smooth.
 gl::Texture lattice_noise();
 
-/// What the camera sees where nothing stands, kept while camera, look and ground rest: only the light on the ground changes from picture
-/// to picture.
+/// The empty background, cached while camera, look and ground do not change: only the light on the ground changes from image
+/// to image.
 class Backdrop {
 public:
     /// All that it depends on: it is the same whatever was drawn before.

@@ -27,7 +27,7 @@ public:
     static double width_of(const std::string& text, double size);
 
     Image image() const;
-    /// The same bytes for the same calls. Its first words are its title, all others its description: letters are drawn as outlines.
+    /// Deterministic bytes. The first text is its title, all others its description: letters are drawn as outlines.
     std::string svg() const;
 
 private:

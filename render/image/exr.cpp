@@ -25,7 +25,7 @@
 namespace whorl {
 namespace {
 
-/// A file in memory: the library's own does not tell when the disk is full.
+/// A file in memory: the library's own does not report a full disk.
 class Memory : public Imf::OStream {
 public:
     Memory() : OStream("memory") {}
@@ -146,7 +146,7 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
 
 namespace {
 
-// The same as in render/shaders/compose.frag, which draws opaque pictures without this detour.
+// Equals render/shaders/compose.frag, which draws opaque images directly.
 
 // Khronos PBR Neutral tone mapper (Khronos Group, 2024).
 Vec3f tone(Vec3f colour) {
@@ -170,7 +170,7 @@ float dither(float x, float y) { return fraction(52.9829189f * fraction(0.067110
 
 std::uint8_t byte(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(255 * value, 0.0f, 255.0f))); }
 
-/// How much of a pixel of the ground the shadow takes away.
+/// Fraction of a ground pixel's light that the shadow removes.
 float darkening(const float* shadow) {
     const float light = 0.2126f * shadow[0] + 0.7152f * shadow[1] + 0.0722f * shadow[2];
     return light < 1 ? 1 - srgb(light) : 0.0f;

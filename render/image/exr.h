@@ -4,7 +4,7 @@
 
 namespace whorl {
 
-/// Depth where nothing stands [m].
+/// Depth of empty pixels [m].
 inline constexpr float nothing_there = 1e10f;
 
 /// Rows from the top. A layer that is empty was not asked for.
@@ -22,7 +22,7 @@ struct PictureLayers {
 /// be laid over the values of pixels, as video editors do.
 Image shown(const PictureLayers& layers);
 
-/// What the file tells besides its pixels.
+/// Metadata of the file.
 struct ExrNotes {
     double fps = 24;
     double time = 0;  ///< s, simulated

@@ -20,9 +20,9 @@ struct Image {
 
 /// Four bytes a pixel, as other programs take them.
 std::vector<std::uint8_t> with_alpha(const Image& image);
-/// Laid over a middle grey, for what knows no alpha.
+/// The image over a middle grey, for formats without alpha.
 Image over_grey(Image image);
-/// Of one grey everywhere.
+/// An image of a single grey.
 Image plain_image(int width, int height, std::uint8_t grey);
 /// Writes under a temporary name and renames when whole. @throws EnvironmentError (disk full, no such folder)
 void write_png(const std::filesystem::path& file, const Image& image);

@@ -33,7 +33,7 @@ View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, co
 }
 
 /// The cubic from key 1 to key 2 of four, with the slopes of Catmull and Rom for keys that are not evenly spaced in time. Where it would go
-/// beyond a key they are less steep (Fritsch and Carlson 1980): keys that are alike stand still.
+/// beyond a key they are less steep (Fritsch and Carlson 1980): between equal keys nothing moves.
 float through(const std::array<double, 4>& x, const std::array<double, 4>& time, double now) {
     const double span = time[2] - time[1], rise = (x[2] - x[1]) / span, s = (now - time[1]) / span;
     const auto slope_at = [&](std::size_t key, std::size_t from) {  // `from` to from + 1 is the span on the key's other side

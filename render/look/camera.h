@@ -1,5 +1,5 @@
 #pragma once
-/// Where a picture is taken from.
+/// Camera of an image.
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +35,7 @@ struct CameraOptions {
 struct View {
     Vec3f position, target, up;
     float fov;                      ///< degrees, vertical
-    bool flat = false;              ///< of an auto camera: a slice need not stand in the world, it may fill the picture
+    bool flat = false;              ///< auto camera: a slice may fill the image instead of being placed in the world
     float aperture = 0, focus = 0;  ///< m, of the lens
     float open = 0;                 ///< s, simulated, that the shutter is open, about the frame's time
     Vec3f position_velocity = Vec3f::Zero(), target_velocity = Vec3f::Zero();  ///< m/s of simulated time; where the shutter opens at all

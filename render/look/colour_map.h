@@ -13,7 +13,7 @@ Vec3f map_colour(const std::string& map, float t);
 bool is_diverging(const std::string& map);
 std::vector<std::string> colour_map_names();
 
-/// A map's colours in linear light, from so many that what lies between is a straight line.
+/// A map's colours in linear light, with enough entries for linear interpolation.
 class ColourTable {
 public:
     explicit ColourTable(const std::string& map);

@@ -1,5 +1,5 @@
 #pragma once
-/// A picture of all that stands round a scene, and the light that comes from it.
+/// A panorama of a scene's surroundings, and its light.
 #include <array>
 #include <filesystem>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace whorl {
 
-// The studio that things stand in: backdrop and soft boxes. They turn with the camera, as if the things stood on a turntable, so that
+// The studio around the scene: backdrop and soft boxes. They turn with the camera, as if the scene were on a turntable, so that
 // every view is well lit.
 
 /// Radiances, linear RGB.
@@ -27,10 +27,10 @@ std::vector<std::string> background_names();
 
 /// World -> studio: x to the right of the picture, y up, z towards the viewer.
 Mat3f studio_axes(const View& view);
-/// Where the light that throws the shadow stands, in the studio's axes, unit length: high, behind and to the left, so that light comes
+/// Direction to the light that casts the shadow, in the studio's axes, unit length: high, behind and to the left, so that light comes
 /// through the fluid and its shadow falls towards the viewer.
 Vec3f shadow_light();
-/// The same of the lamp that lights clouds: the first soft box, at the viewer's left.
+/// Direction to the lamp that lights clouds: the first soft box, at the viewer's left.
 Vec3f lamp_of_clouds();
 
 /// Radiances, linear RGB. Rows from the zenith down, columns round the horizon; the middle column lies towards -z, what is right of it
@@ -45,12 +45,12 @@ struct Environment {
 /// A Radiance picture (.hdr), as cameras and Poly Haven make them. @throws InputError where it is missing or no such picture
 Environment read_environment(const std::filesystem::path& file);
 
-/// What the picture lights a white matt surface with, over pi, in spherical harmonics up to the second order: within 3 % of the integral
+/// Light of the picture on a white matt surface, over pi, in spherical harmonics up to the second order: within 3 % of the integral
 /// for a picture without a small lamp (Ramamoorthi and Hanrahan, SIGGRAPH 2001). The terms 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2.
 std::array<Vec3f, 9> light_of(const Environment& environment);
 Vec3f light_on(const std::array<Vec3f, 9>& light, const Vec3f& normal);
 
-/// Where most of the light comes from, unit, at least 35 degrees above the horizon: shadows fall away from there.
+/// Direction of most of the light, unit, at least 35 degrees above the horizon: shadows fall away from there.
 Vec3f brightest_side(const std::array<Vec3f, 9>& light);
 
 }  // namespace whorl

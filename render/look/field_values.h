@@ -13,14 +13,14 @@ std::vector<float> field_values(const Frame& frame, const LookOptions& look);
 /// The look's range; where it is empty the values' own, symmetric about zero on a diverging map.
 std::array<float, 2> field_range(const std::vector<float>& values, const LookOptions& look);
 
-/// What each particle is drawn with.
+/// Colours of the particles.
 struct FieldColours {
     std::vector<Vec3f> colour;    ///< linear RGB
     std::vector<float> strength;  ///< 0 .. 1, how far the field is from nothing: from the range's low end, or on a diverging map its middle
 };
 FieldColours field_colours(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range);
 
-/// What a frame needs besides positions and velocities for the picture.
+/// Fields that an image needs in addition to positions and velocities.
 std::vector<std::string> shown_fields(const LookOptions& look);
 
 }  // namespace whorl

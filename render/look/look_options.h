@@ -1,5 +1,5 @@
 #pragma once
-/// What a picture shows and how: style, material, light, colours. Plain data; render/gl draws it.
+/// Content and look of an image: style, material, light, colours. Plain data; render/gl draws it.
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -36,7 +36,7 @@ struct LookOptions {
     std::string background = "studio";  ///< studio | dark | white | transparent (lit by the studio)
     bool ground = true;                 ///< a ground with shadow under the scene
     std::string table = "none";         ///< what the ground is: none (the backdrop's paper) | plain | wood | stone | cloth
-    std::filesystem::path environment;  ///< a picture of what stands all round, which lights the scene; empty: the studio
+    std::filesystem::path environment;  ///< panorama of the surroundings, which lights the scene; empty: the studio
     float exposure = 1;
     int samples = 4;              ///< a pixel
     std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | q_criterion | spin_difference | ink
@@ -52,7 +52,7 @@ struct LookOptions {
     int isolines = 0;                     ///< slice: how many values have a line
     float relief = 0;                     ///< slice: 1: lit as a landscape whose range is a tenth of the longer side high
     float opacity = 1;                    ///< volume: optical depth over the fluid's mean thickness, of the strongest field
-    int lines = 400;                      ///< tubes and ribbons: so many particles have a line through them
+    int lines = 400;                      ///< tubes and ribbons: number of particles with a line through them
     float line_width = 0;                 ///< m, of a tube where the field is strongest; 0: the spacing
     float line_length = 0;                ///< m, at most; 0: the domain's longest side
     std::string title;                    ///< what the picture shows, in words; of a panel: its label

@@ -31,17 +31,17 @@ private:
 /// K/S of inks of these colours.
 std::array<Vec3f, 3> absorption_ratios(const std::vector<std::string>& colours);
 
-/// "#rrggbb" -> sRGB, 0 .. 1. @return false where the text is no colour
+/// "#rrggbb" -> sRGB, 0 .. 1. @return false if the text is not a colour
 bool read_colour(const std::string& text, Vec3f& colour);
 
-/// What the fluid is made of. Colours are linear RGB.
+/// Material of the fluid. Colours are linear RGB.
 struct Material {
     bool refracts = true;                  ///< light passes through; else it is an opaque paint
     Vec3f absorption = Vec3f::Zero();      ///< 1/m, Beer-Lambert
     Vec3f scatter = Vec3f::Zero();         ///< colour of the light that the body itself gives back (the glow of honey)
     float haze = 0;                        ///< 1/m, how fast a ray picks that colour up
     Vec3f colour = Vec3f::Constant(0.5f);  ///< of an opaque material, diffuse
-    Vec3f emission = Vec3f::Zero();        ///< light of its own (lava), radiance
+    Vec3f emission = Vec3f::Zero();        ///< emitted radiance (lava)
     float cooling = 0;                     ///< s, in which fluid that knows its age loses most of that light; 0: never
     float refraction = 1.49f;              ///< index
     float roughness = 0.05f;               ///< 0 mirror .. 1 matt
@@ -53,20 +53,20 @@ struct Material {
 /// Absorption that the user gives is taken as it is.
 /// @param size diagonal of the scene [m]
 Material fluid_material(const LookOptions& look, float size);
-/// How much of the light from round about a body of the fluid keeps from what stands in it: 1 paint and honey, near 0 clear water.
+/// Fraction of the surrounding light that a body of the fluid keeps from things inside it: 1 paint and honey, near 0 clear water.
 /// @param size diagonal of the scene [m], of which a body is taken to be an eighth thick
 float hides(const Material& material, float size);
 std::vector<std::string> material_names();
 
-/// Radiance of a body that glows, from 0 cold to 1 as hot as it comes: the hotter, the yellower. The same stands in opaque.frag.
+/// Radiance of a body that glows, from 0 cold to 1 as hot as it comes: the hotter, the yellower. Duplicated in opaque.frag.
 Vec3f glow_of(const Vec3f& emission, float heat);
 /// Heat of a crust's outside and what shows through its cracks, of an age over the time of cooling.
 float heat_of_crust(float age);
 
-/// Textures of solids and of the ground, numbered as in textures.glsl; paper: the backdrop goes on.
+/// Textures of solids and of the ground, numbered as in textures.glsl; paper: the backdrop continues.
 enum class Pattern { paper = -1, plain = 0, wood_rings = 1, planks = 2, rock = 3, slab = 4, cloth = 5 };
 
-/// What a solid is made of.
+/// Material of a solid.
 struct SolidMaterial {
     Vec3f colour = Vec3f::Constant(0.7f);  ///< diffuse, or the tint of the reflection of a metal
     float roughness = 0.3f;
@@ -76,7 +76,7 @@ struct SolidMaterial {
 /// ceramic | white | metal | wood | clay | dark | rock | glass | cloth; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);
 std::vector<std::string> solid_material_names();
-/// Of the ground: none (paper) | plain | wood | stone | cloth; any other name: none.
+/// Material of the ground: none (paper) | plain | wood | stone | cloth; any other name: none.
 SolidMaterial table_material(const std::string& name);
 std::vector<std::string> table_names();
 

@@ -209,10 +209,10 @@ Layout layout_of(int width, int height, float aspect, const LookOptions& look, c
     const int strip = static_cast<int>(std::lround((has_legend(look) ? 4.6f : 2.2f) * layout.text));
     const int column = std::min(width / 2, static_cast<int>(std::lround(column_width(look, range, layout.text))));
     const PictureBox above = fitted({edge, edge, width - 2 * edge, height - edge - strip}, aspect);
-    const PictureBox beside = fitted({edge, edge, width - edge - column, height - 2 * edge}, aspect);
-    layout.below = above.width >= beside.width;
-    layout.flow = layout.below ? above : beside;
-    // What is left over on the far side goes to the margin: flow and words stand together in the middle of the picture.
+    const PictureBox left = fitted({edge, edge, width - edge - column, height - 2 * edge}, aspect);
+    layout.below = above.width >= left.width;
+    layout.flow = layout.below ? above : left;
+    // Remaining space on the far side goes to the margin: flow and text are together in the middle of the image.
     if (layout.below) layout.margin = {layout.flow.x, layout.flow.y + layout.flow.height, layout.flow.width, strip};
     else layout.margin = {layout.flow.x + layout.flow.width, layout.flow.y, column, layout.flow.height};
     return layout;

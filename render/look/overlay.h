@@ -1,5 +1,5 @@
 #pragma once
-/// What is written beside a flow: a legend of the colour map, the time, what a panel shows.
+/// Text next to a flow: a legend of the colour map, the time, a panel's title.
 #include <array>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ struct PictureBox {
 
 struct Layout {
     PictureBox flow;    ///< the largest that has the flow's sides and leaves room for the words
-    PictureBox margin;  ///< beside it, or below it where the flow is wider than the picture; empty where there are no words
+    PictureBox margin;  ///< next to it, or below it if the flow is wider than the image; empty without text
     bool below = false;
     float text = 0;  ///< height of a capital letter [pixels]
 };

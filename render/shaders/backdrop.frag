@@ -1,4 +1,4 @@
-// What the camera sees where nothing stands, and nothing stands about either; a: 1 on the ground.
+// Background of an empty scene; a: 1 on the ground.
 in vec2 uv;
 uniform mat3 to_ray;   // place in the picture -> direction
 layout(location = 0) out vec4 paper;

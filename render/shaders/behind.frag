@@ -1,9 +1,9 @@
-// Where a sample sees no fluid: the solid, or what is behind all.
+// Pixels of a sample without fluid: the solid, or the background.
 in vec2 uv;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;   // clip -> world
 uniform float weight;    // of this sample in the pixel
-// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees what stands behind from a place of its own
+// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees the background from its own position
 layout(location = 0) out vec4 colour;
 
 void main() {

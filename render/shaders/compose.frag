@@ -12,7 +12,7 @@ uniform float aspect;
 layout(location = 0) out vec4 picture;
 layout(location = 1) out vec4 shadow;
 
-// What follows is the same in render/image/exr.cpp.
+// Duplicated in render/image/exr.cpp from here on.
 
 // Khronos PBR Neutral tone mapper (Khronos Group, 2024): base colours come through as they are, highlights are compressed and desaturated.
 vec3 tone(vec3 colour) {

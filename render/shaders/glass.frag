@@ -12,7 +12,7 @@ void main() {
     float x = 1.0 + dot(n, v);
     float mirror = 0.05 + 0.95 * x * x * x * x * x;
     vec3 r = reflect(v, n);
-    // Lamps are held back: their mirror image must not stand before the fluid like a sheet of paper.
+    // Lamps are held back: their mirror image must not cover the fluid like a sheet of paper.
     vec3 light = min(surroundings(world, r, 0.05) + strip_light(r, 0.05), vec3(1.3));
     glass = weight * vec4(mirror * light, 0.03 + 0.9 * mirror);
 }

@@ -8,7 +8,7 @@ uniform vec3 shadow_tint;      // light that comes out of the fluid where it hid
 uniform float key_share;       // of the light on open ground
 layout(location = 0) out vec4 light_map;
 
-// What is near within a reach, averaged over a disc of that reach. Of a whole level the software driver reads no second one.
+// Nearness within a reach, averaged over a disc of that reach. At an integer level the software driver reads only one level.
 float hidden(int channel) {
     float radius = reach[channel], texels = radius * float(textureSize(nearness, 0).x);
     float level = max(floor(log2(texels)), 0.0), sum = 0.0;

@@ -1,4 +1,4 @@
-// What compositors get of what stands in the middle of a pixel (render/image/exr.h).
+// Compositor layers of the thing at the centre of a pixel (render/image/exr.h).
 in vec3 world;
 in vec3 world_normal;
 in vec4 clip, next_clip;

@@ -1,11 +1,11 @@
-// The same of the ground, and of what is far behind.
+// Compositor layers of the ground and of the backdrop.
 in vec2 uv;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 next_view_projection;
 uniform vec3 eye, forward;
 uniform float ground_height; // m; far below where there is none to be seen
 uniform float nothing_there; // m
-uniform bool turns;          // what is far behind stands in the world, and not in the picture
+uniform bool turns;          // the backdrop is fixed in the world, not in the image
 uniform vec2 half_size;
 layout(location = 0) out vec4 normal_and_number;
 layout(location = 1) out vec4 motion_and_depth;

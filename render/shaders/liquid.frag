@@ -76,8 +76,8 @@ vec4 solid_at(vec3 q) {
     return s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel ? vec4(s.rgb, 1.0) : vec4(0.0);
 }
 
-// @param at_solid p is at one @param through light that is let through @param clear what of it a plate of film behind is to send instead, of
-// all colours alike: the studio goes on sending the colour
+// @param at_solid p is at one @param through light that is let through @param clear share of it that comes from a plate behind instead, equal for
+// all colours: the studio still contributes the colour
 vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, out float clear) {
     float to_ground = d.y < -1e-3 && p.y > ground_height ? (ground_height - p.y) / d.y : 1e6;
     float to_solid = at_solid ? 0.0 : has_solid_field ? way_to_solid(p, d, to_ground) : -1.0;
@@ -87,8 +87,8 @@ vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, out float clear) 
     return (through - clear) * min(s.a > 0.5 ? s.rgb : surroundings(p, d, roughness), vec3(1.8));
 }
 
-// What inks along a way give back of the lamp's light, and in `through` what they leave of the light from behind. They take the fluid's place:
-// where they are thick they look as paint does. Each, and the fluid, has a share in the colour by what it scatters: clear water has none.
+// Light of the lamp that inks along a path scatter back, and in `through` the transmitted light from behind. They replace the fluid:
+// where they are thick they look as paint does. Each, and the fluid, contributes to the colour by its scattering: clear water has none.
 vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
     const int parts = 8;
     vec3 light = vec3(0.0);
@@ -129,7 +129,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
             through *= exp(-absorption * way) * (1.0 - milk);
         }
         p += way * d;
-        // What can still come is less than a step of 8 bits.
+        // The remaining light is less than a step of 8 bits.
         if (at_solid || way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
         vec3 n = field_normal(p);
         // It lies on the ground or on a solid: no air between.

@@ -1,4 +1,4 @@
-// Where a pixel in the middle of a texel shows a solid.
+// Mask of texels whose central pixel shows a solid.
 in vec2 uv;
 
 void main() {

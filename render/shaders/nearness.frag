@@ -1,4 +1,4 @@
-// How much of the sky what stands lowest over a place hides, for four reaches: 1 on the ground, less with height over the reach.
+// Fraction of the sky hidden by the lowest thing above a place, for four reaches: 1 on the ground, less with height over the reach.
 in vec2 uv;
 uniform sampler2D lowest;
 uniform float ground_height;

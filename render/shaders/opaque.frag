@@ -10,7 +10,7 @@ uniform float roughness;
 uniform float softness;      // how far light creeps round into shadow
 layout(location = 0) out vec4 colour;
 
-// The front light that shapes an opaque body; it stands where its soft box is mirrored.
+// The front light that shapes an opaque body; it is where its soft box is mirrored.
 const vec3 front_light = vec3(-0.62, 0.68, 0.38);
 
 // Soft shadow towards l: how narrow the gap to the body gets along the way, against the light's width.

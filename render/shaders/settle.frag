@@ -1,4 +1,4 @@
-// Where the first sample differs little from those of the pixels around it, it is the pixel. Elsewhere it is one of several.
+// If the first sample differs little from those of the pixels around it, the pixel is final. Otherwise it is one of several samples.
 in vec2 uv;
 uniform sampler2D first;
 uniform sampler2D glass;  // its walls of containers, with the weight of one of several
@@ -19,8 +19,8 @@ void main() {
         colour *= weight;
         return;
     }
-    // How far it is from the straight line between two opposite neighbours, of the root of light, which is what the eye sees, roughly: a smooth
-    // shade is no edge. The root's difference is that of the light over twice the root, both squared here.
+    // Distance from the straight line between two opposite neighbours, of the root of light (about the perceived brightness): a smooth
+    // shade is not an edge. The root's difference is that of the light over twice the root, both squared here.
     vec4 own = seen(pixel), apart = vec4(0.0);
     for (int axis = 0; axis < 2; ++axis) {
         ivec2 way = ivec2(1 - axis, axis);

@@ -1,4 +1,4 @@
-// Soft, coloured shadow of the light that stands behind the scene.
+// Soft, coloured shadow of the light behind the scene.
 uniform sampler2D open_map;
 uniform sampler2D blocker_map;
 uniform mat4 to_light;        // world -> texture of the light

@@ -1,4 +1,4 @@
-// A picture that stands in the world.
+// An image placed in the world.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 place;
 uniform mat4 view_projection;

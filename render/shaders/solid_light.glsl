@@ -30,7 +30,7 @@ SolidLight find_light(vec3 x, vec3 n, vec3 r) {
     return found;
 }
 
-// Two numbers that tell normals apart well enough.
+// Two numbers that distinguish normals well enough.
 vec2 seen_along(vec3 n) { return vec2(dot(n, vec3(0.36, 0.48, 0.80)), dot(n, vec3(-0.80, 0.60, 0.17))); }
 
 // Between the four texels about the place: those that show the same face; where none does, those that show a solid.

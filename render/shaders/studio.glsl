@@ -14,7 +14,7 @@ uniform vec3 eye;            // m
 uniform vec3 sky;            // light that falls on a body from all round
 uniform vec3 key_colour;     // light of the shadow's lamp on a white surface that faces it
 
-// A picture of what stands all round, where the scene has one instead of the studio's boxes.
+// Panorama of the surroundings, if the scene has one instead of the studio's boxes.
 // constant: bool has_environment
 uniform sampler2D environment_map;   // from above down, the middle towards -z; averages over ever wider squares
 uniform vec4 environment_light[9];   // irradiance over pi, in spherical harmonics
@@ -60,7 +60,7 @@ vec3 soft_boxes(vec3 d, float blur) {
     return light;
 }
 
-// Dark flags stand at the sides, out of the picture: they draw the edges of things that light passes through, and of metal.
+// Dark flags at the sides, outside the image: they outline transparent things and metal.
 float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x)); }
 
 // 0 from the horizon up, 1 where a ray meets the ground before it comes to the flags.
@@ -71,7 +71,7 @@ vec3 environment(vec3 d, float blur) {
     return backdrop(d) * flags(d) + soft_boxes(d, blur);
 }
 
-// A narrow tall box near the viewer's left that stands on the floor: the long highlight along an upright thread.
+// A narrow tall box on the floor, near the viewer's left: the long highlight along an upright thread.
 vec3 strip_light(vec3 d, float blur) {
     if (has_environment) return vec3(0.0);
     vec3 s = studio * d;

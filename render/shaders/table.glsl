@@ -4,7 +4,7 @@ uniform vec3 table_colour;
 uniform float table_roughness;
 uniform float pixel_angle;     // of a pixel
 
-// What a ray along d sees of the ground at q. @param light that comes there over what would come with nothing about
+// Colour of the ground at q, seen along d. @param light illumination there, relative to that of an empty scene
 vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
     vec3 paper = backdrop(d) * light;
     if (table < 0) return paper;
@@ -17,7 +17,7 @@ vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
     return mix(mix(top, backdrop(vec3(d.x, -d.y, d.z)) * light, mirror), paper, far);
 }
 
-// What a ray that leaves p sees where no fluid and no solid is in its way. The backdrop goes on as the ground, and its flags end softly there:
+// Background of a ray from p that meets no fluid and no solid. The backdrop continues as the ground, and its flags end softly there:
 // no horizon.
 vec3 surroundings(vec3 p, vec3 d, float blur) {
     if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d, blur);
@@ -30,7 +30,7 @@ vec3 ray_behind(mat4 to_world, vec2 uv) {
     return normalize(h.xyz / h.w - eye);
 }
 
-// Where a ray from the eye meets the ground; found: whether it does.
+// Point at which a ray from the eye meets the ground; found: whether it does.
 vec3 ground_behind(vec3 d, out bool found) {
     found = d.y <= -1e-3 && eye.y >= ground_height;
     return eye + d * ((ground_height - eye.y) / min(d.y, -1e-3));
@@ -43,7 +43,7 @@ vec3 shadow_behind(mat4 to_world, vec2 uv) {
     return found ? light_on_ground(q.xz) : vec3(1.0);
 }
 
-// What the camera sees at this place of the picture where nothing stands.
+// Background at this place of the image.
 vec3 seen_behind(mat4 to_world, vec2 uv) {
     bool found;
     vec3 d = ray_behind(to_world, uv), q = ground_behind(d, found);

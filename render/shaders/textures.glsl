@@ -86,7 +86,7 @@ Texture texture_of(int kind, vec3 own, vec3 n, float width) {
     return Texture(vec3(1.0), 0.0);
 }
 
-// What a relief does to the normal at x (Mikkelsen, J. Graphics Tools 15, 2010). Only where every pixel of the primitive comes by.
+// Normal at x changed by a relief (Mikkelsen, J. Graphics Tools 15, 2010). Only if every pixel of the primitive runs this code.
 // @param height m
 vec3 in_relief(vec3 n, vec3 x, float height) {
     vec3 across = dFdx(x), up = dFdy(x), a = cross(up, n), b = cross(n, across);

@@ -1,4 +1,4 @@
-// What the light's layers let through. Both outputs are averaged over ever wider squares (mip levels) for soft shadow.
+// Transmission of the light's layers. Both outputs are averaged over ever wider squares (mip levels) for soft shadow.
 in vec2 uv;
 uniform sampler2D fluid_layers;
 uniform sampler2D solid_layers;
@@ -12,7 +12,7 @@ void main() {
     open = vec4(1.0);
     blockers = vec4(0.0);
     if (f.z > 0.5) {
-        // Where the thickness bends down to its sides the fluid is a lens that gathers light in its middle.
+        // If the thickness decreases to the sides, the fluid is a lens that focuses light in its middle.
         float bend = 0.0;
         for (int i = 0; i < 4; ++i) {
             vec2 off = i < 2 ? vec2(i * 2 - 1, 0) : vec2(0, i * 2 - 5);

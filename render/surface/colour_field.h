@@ -4,7 +4,7 @@
 ///     c(x) = sum_j V_j W_j(|x - x_j|),    V_j = m/rho_j = 1 / sum_k W_j(|x_j - x_k|),    W_j(r) = (1 - r^2/R_j^2)^3 (its norm drops out)
 ///
 /// With equal volumes V_j round surfaces would shrink by sigma^2/r (sigma: the kernel's width) and single particles vanish. Normalised, a
-/// flat surface stands at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c = 0.605 with R = 2 d:
+/// flat surface is at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c = 0.605 with R = 2 d:
 /// there spheres and cylinders of 1 to 5 spacings keep their radius within 0.055 d, flat surfaces their place within 0.01 d
 /// (tools/bench/bench_surface.cpp measures it).
 ///

@@ -1,6 +1,6 @@
 #pragma once
-/// The colour field on the nodes of a grid that is fixed in the world: node (i, j, k) stands at (i, j, k) voxel. Only blocks near particles
-/// exist; an OpenVDB tree holds them.
+/// The colour field on the nodes of a grid that is fixed in the world: node (i, j, k) is at (i, j, k) voxel. Only blocks near particles
+/// exist; an OpenVDB tree stores them.
 #include <array>
 #include <memory>
 #include <vector>
@@ -18,7 +18,7 @@ struct ColourBlock {
     std::array<int, 3> origin;  ///< its first node
     float* value;               ///< of node (i, j, k) of the block at (8 i + j) 8 + k
     float least = 0, most = 0;
-    /// Where the first node stands [m].
+    /// Position of the first node [m].
     Vec3f low(float voxel) const {
         return voxel * Vec3f(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
     }

@@ -32,8 +32,8 @@ bool any(const LaneMask& mask) {
 }
 Lanes absolute(const Lanes& v) { return v < 0.0f ? -v : v; }
 
-// What each voxel knows of the surface: the nearest point of it, and the square of the distance. Rows stand apart by a few voxels that are
-// infinitely far: any eight from one of a row on are there.
+// Per voxel: the nearest point of the surface found, and the square of its distance. Rows are padded by a few voxels at infinite
+// distance, so that eight can be read from any voxel of a row.
 class Closest {
 public:
     explicit Closest(const Volume& e)
@@ -107,7 +107,7 @@ private:
 // A triangle as the voxels of a row ask it. Places are from its first corner [m].
 class NearTriangle {
 public:
-    // Of each voxel: the triangle's nearest point, the square of the distance to it, and the signed height above the triangle's plane.
+    // Per voxel: the triangle's nearest point, the square of the distance to it, and the signed height above the triangle's plane.
     struct Row {
         Lanes x, y, z, distance2, above;
     };
@@ -185,15 +185,15 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
             const int i0 = std::max(0, static_cast<int>(std::ceil(low.x()))), i1 = std::min(e.nx - 1, static_cast<int>(high.x()));
             const int j0 = std::max(0, static_cast<int>(std::ceil(low.y()))), j1 = std::min(e.ny - 1, static_cast<int>(high.y()));
             const int k0 = std::max(k_begin, static_cast<int>(std::ceil(low.z()))), k1 = std::min(k_end - 1, static_cast<int>(high.z()));
-            const auto beside = [&](float at, int axis) { return std::max(0.0f, std::max(least[axis] - at, at - most[axis])); };
+            const auto outside = [&](float at, int axis) { return std::max(0.0f, std::max(least[axis] - at, at - most[axis])); };
             for (int k = k0; k <= k1; ++k)
                 for (int j = j0; j <= j1; ++j)
                     for (int first = i0; first <= i1; first += lanes) {
                         const Vec3f p = e.at(first, j, k) - a;
                         const std::size_t at = closest.index(first, j, k), at_above = closest.index(first, j, k - k_begin);
                         const Lanes best = load(closest.distance2 + at);
-                        // Neither the triangle's box nor its plane may be further off than what is known already.
-                        const float beside_y = beside(p.y(), 1), beside_z = beside(p.z(), 2);
+                        // Skips triangles whose box or plane is farther away than the distance found.
+                        const float beside_y = outside(p.y(), 1), beside_z = outside(p.z(), 2);
                         const Lanes x = p.x() + counted * e.voxel, plane = triangle.above(p, e.voxel);
                         Lanes beside_x = x < least.x() ? least.x() - x : x - most.x();
                         beside_x = beside_x > 0.0f ? beside_x : x - x;
@@ -295,7 +295,7 @@ public:
     }
 
 private:
-    // What is known of places of the plane before, from the first of them on.
+    // Results of the previous plane, from its first place on.
     struct Known {
         const float *x, *y, *z;
         std::size_t row;  // from one row of them to the next

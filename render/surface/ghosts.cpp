@@ -148,11 +148,11 @@ Vec3f Cut::onto_walls(const Vec3f& x, float reach) const {
     return moved;
 }
 
-Vec3f Cut::held(const Vec3f& stood, const Vec3f& moved, float tolerance) const {
+Vec3f Cut::held(const Vec3f& original, const Vec3f& moved, float tolerance) const {
     Vec3f x = moved;
-    const Corner corner = corner_at(stood, tolerance);
+    const Corner corner = corner_at(original, tolerance);
     for (int k = 0; k < corner.count; ++k) {
-        if (!corner.side[k]->is_wall) return stood;
+        if (!corner.side[k]->is_wall) return original;
         x -= corner.side[k]->inside(x) * corner.side[k]->inward;
     }
     return x;

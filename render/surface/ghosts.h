@@ -1,5 +1,5 @@
 #pragma once
-/// What the fluid goes on as beyond the sides of a periodic domain and the walls of containers, and the cut at those sides.
+/// Ghost particles that continue the fluid beyond periodic faces and container walls, and the cut at those sides.
 #include <array>
 #include <vector>
 
@@ -39,9 +39,9 @@ public:
     std::vector<Vec3f> images(const std::vector<Vec3f>& position, float margin) const;
     /// x, moved onto the walls that are nearer than `reach`: so that the edge between two of them is sharp.
     Vec3f onto_walls(const Vec3f& x, float reach) const;
-    /// Where a vertex that stood on sides goes when smoothing has moved it: back on periodic sides, so that both ends of a period fit
+    /// Corrects a vertex on sides after smoothing moved it: back to its place on periodic sides, so that both ends of a period fit
     /// together; along walls.
-    Vec3f held(const Vec3f& stood, const Vec3f& moved, float tolerance) const;
+    Vec3f held(const Vec3f& original, const Vec3f& moved, float tolerance) const;
 
 private:
     /// The side that is nearest to a place, and those across it: of the facets of a round wall only the nearest counts.
@@ -50,7 +50,7 @@ private:
         int count = 0;
     };
     Corner corner_at(const Vec3f& x, float reach) const;
-    /// Whether they stand so steeply to each other that they meet in an edge, and are not facets of one wall.
+    /// Whether the angle between the sides is so large that they meet in an edge instead of being facets of one wall.
     static bool are_across(const Side& a, const Side& b) { return std::abs(a.inward.dot(b.inward)) < 0.7f; }
 
     std::vector<Side> sides_;

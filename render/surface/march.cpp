@@ -24,7 +24,7 @@ struct Tile {
     float at(int i, int j, int k) const { return value[(i * side + j) * side + k]; }
     float ahead(int i, int j, int k, int axis) const { return at(i + (axis == 0), j + (axis == 1), k + (axis == 2)); }
 
-    // Where the edge from node (i, j, k) along the axis is cut; in voxels from the block's first node.
+    // Point at which the edge from node (i, j, k) along the axis is cut, in voxels from the block's first node.
     Vec3f cut(int i, int j, int k, int axis, float iso) const {
         const float here = at(i, j, k), there = ahead(i, j, k, axis);
         Vec3f point(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
@@ -40,7 +40,7 @@ struct Tile {
     }
 };
 
-// What a block adds to the mesh. Each node owns the three edges that start there, each cell the vertices in its middle.
+// A block's part of the mesh. Each node owns the three edges that start there, each cell the vertices in its middle.
 struct Part {
     std::vector<Vec3f> vertex;
     std::vector<Index> edge_vertex =
@@ -111,7 +111,7 @@ void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const 
     });
 }
 
-// Blocks whose cells may be cut, rising. A block that only owns edges of another's cells has them in cells of its own as well.
+// Blocks whose cells may be cut, rising. A block that only owns edges of another's cells also has them in its own cells.
 std::vector<Index> cut_blocks(const std::vector<ColourBlock>& blocks, float iso) {
     std::vector<Index> cut;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -183,7 +183,7 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
                 if (most < sample.colour) sample = {most, side.inward / field.reach()};
             }
             const float slope = sample.gradient.norm();
-            if (slope * voxel < 1e-3f) {  // a saddle: it stands where it stands
+            if (slope * voxel < 1e-3f) {  // a saddle: the vertex is not moved
                 mesh.normal[v] = Vec3f::UnitY();
                 continue;
             }

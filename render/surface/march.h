@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// Corner n of a cell stands at (n & 1, n >> 1 & 1, n >> 2 & 1). Cut edge e runs from a corner along an axis.
+/// Corner n of a cell is at (n & 1, n >> 1 & 1, n >> 2 & 1). Cut edge e runs from a corner along an axis.
 struct CubeEdge {
     int corner, axis;
 };
@@ -30,7 +30,7 @@ struct CubeCase {
 /// @param inside bit n: corner n is inside
 const CubeCase& cube_case(unsigned inside);
 
-/// A mesh and which block of the grid each vertex came from (vertices of a block stand together).
+/// A mesh and which block of the grid each vertex came from (vertices of a block are contiguous).
 struct MarchedMesh {
     TriangleMesh mesh;
     std::vector<Index> block;        ///< blocks with vertices, rising

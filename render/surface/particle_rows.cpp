@@ -8,7 +8,7 @@
 namespace whorl {
 namespace {
 
-constexpr float furthest_row = 1e5f;  // beyond it floats no longer tell the nodes of the finest surface apart
+constexpr float furthest_row = 1e5f;  // beyond it floats cannot distinguish the nodes of the finest surface
 
 }  // namespace
 

@@ -28,7 +28,7 @@ public:
             }
     }
 
-    /// Particles that follow each other and stand close together.
+    /// Consecutive particles that are close together.
     struct Bunch {
         Index begin, end;
         Vec3f low, high;  ///< their box

@@ -32,8 +32,8 @@ struct Ring {
     }
 };
 
-// The same for a loop that has no end of its own for each vertex: so many neighbours of each, or a place that is not there; and the others
-// of those few that have more.
+// Neighbours for a loop of fixed length per vertex: a fixed number for each, padded with an invalid index; and the remaining ones
+// of the few vertices that have more.
 struct EvenRing {
     static constexpr int usual = 8;
     std::vector<std::uint32_t> neighbour;  // of vertex v from usual v on
@@ -178,7 +178,7 @@ TriangleMesh with_normals(const TriangleMesh& mesh) {
 std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {
     using Corner = std::array<float, 3>;
     const auto place = [&](std::uint32_t v) { return Corner{mesh.position[v].x(), mesh.position[v].y(), mesh.position[v].z()}; };
-    std::map<std::pair<Corner, Corner>, std::vector<Vec3f>> normals;  // of the faces at each edge; corners that stand in one place are one
+    std::map<std::pair<Corner, Corner>, std::vector<Vec3f>> normals;  // of the faces at each edge; corners at one position are one
     for (const auto& t : mesh.triangle) {
         const Vec3f across = (mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]);
         if (across.norm() <= 0) continue;

@@ -13,8 +13,8 @@ void smooth(TriangleMesh& mesh, int rounds, int steps);
 
 /// Normals from the mesh itself, weighted by area.
 void set_normals(TriangleMesh& mesh);
-/// Normals of the same mesh after a blur of so many steps: what it mirrors gets clean edges, and its outline stays. That the blur shrinks
-/// it does not show in its normals.
+/// Normals of the mesh after a blur of `steps` steps: reflections get clean edges, and the outline is unchanged. The shrinking by the
+/// blur does not affect the normals.
 void set_smooth_normals(TriangleMesh& mesh, int steps);
 
 /// The mesh with a normal for every corner: faces that meet at less than 40 degrees share one. Meshes that have normals come back as they

@@ -16,11 +16,11 @@ struct SurfaceOptions {
     double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
     int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
-    bool velocity = false;  ///< tell the velocity at the vertices; no key: a camera whose shutter opens and EXR pictures need it
-    bool ages = true;       ///< tell ages and crust where the frame has ages; no key: false where nothing changes with age
+    bool velocity = false;  ///< compute the velocity at the vertices; no key: a camera whose shutter opens and EXR pictures need it
+    bool ages = true;       ///< compute ages and crust if the frame has ages; no key: false if nothing changes with age
 };
 
-/// A dense scalar volume: value at voxel (i,j,k) stands at origin + voxel (i,j,k); i runs fastest.
+/// A dense scalar volume: value at voxel (i,j,k) is at origin + voxel (i,j,k); i runs fastest.
 struct Volume {
     Vec3f origin = Vec3f::Zero();  ///< m
     float voxel = 0;               ///< m
@@ -36,9 +36,9 @@ struct Volume {
 struct Surface {
     TriangleMesh mesh;              ///< closed, manifold, outward normals
     std::vector<Index> edge;        ///< vertices where two walls meet, and the surface has no one normal; rising
-    std::vector<float> age;         ///< s, one a vertex: how long the fluid there has been about; empty where the frame does not say
-    std::vector<Vec3f> velocity;    ///< m/s, one a vertex; empty where nobody asked
-    std::vector<CrustPlace> crust;  ///< one a vertex; empty where the frame has no ages or cannot tell particles apart
+    std::vector<float> age;         ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
+    std::vector<Vec3f> velocity;    ///< m/s, one per vertex; empty if not requested
+    std::vector<CrustPlace> crust;  ///< one per vertex; empty if the frame has no ages or no particle identities
     Volume distance;                ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
 };
 
@@ -49,8 +49,8 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options);
 /// triangle's shortest edge becomes its earlier vertex. Closed and manifold as before. `mesh.scalar` must be empty.
 TriangleMesh without_slivers(TriangleMesh mesh);
 
-/// Signed distance to a closed mesh, negative inside, clamped to `band` voxels either way. Exact within 1.75 voxels of the surface; further
-/// off the distance to a point of the surface that is the closest or beside it (an upper bound, good to 0.15 of a voxel). The volume covers
+/// Signed distance to a closed mesh, negative inside, clamped to `band` voxels either way. Exact within 1.75 voxels of the surface; farther
+/// off the distance to a point of the surface that is the closest or near it (an upper bound, good to 0.15 of a voxel). The volume covers
 /// the mesh and two voxels round it; where that would take more than 16 million voxels it is made coarser.
 /// (openvdb::tools::meshToVolume takes five to eight times as long on the mesh of a coil, and is off by up to 0.6 of a voxel.)
 Volume distance_volume(const TriangleMesh& mesh, float voxel, int band);

@@ -83,8 +83,8 @@ openvdb::FloatGrid::Ptr density_grid(const GridFields& fields) {
     return grid;
 }
 
-/// A .vdb file in memory, with the offsets that let programs read one grid alone. io::File writes to a disk only, and does not tell when it
-/// is full.
+/// A .vdb file in memory, with the offsets that let programs read one grid alone. io::File writes to a disk only, and does not report when
+/// it is full.
 struct VdbInMemory : openvdb::io::Archive {
     std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& about) const {
         std::ostringstream out(std::ios::binary);

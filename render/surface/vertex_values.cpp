@@ -42,7 +42,7 @@ std::vector<Vec3f> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particl
 
 namespace {
 
-/// Of the particles around a point, those that count and by how much: f(point) = sum_k weight_k f(particle_k).
+/// Particles around a point with their weights: f(point) = sum_k weight_k f(particle_k).
 struct LinearFit {
     std::vector<Index> particle;
     std::vector<float> weight;

@@ -1,5 +1,5 @@
 #pragma once
-/// What the particles carry, on the surface.
+/// Particle values on the surface.
 #include <array>
 #include <map>
 #include <string>
@@ -14,7 +14,7 @@ namespace whorl {
 std::vector<float> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const float> value, float reach);
 std::vector<Vec3f> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const Vec3f> value, float reach);
 
-/// What the fluid carries at points on or near its surface, by the fields' names, a value a point.
+/// Values of the fluid at points on or near its surface, by field name, one per point.
 struct VertexFields {
     std::map<std::string, std::vector<float>> scalar;  ///< viscosity [Pa s], age [s], as far as the frame has them
     std::map<std::string, std::vector<Vec3f>> vector;  ///< velocity [m/s], ink

@@ -45,13 +45,13 @@ bool video_has_alpha(const std::filesystem::path& file);
 /// ".mp4", ...
 const std::vector<std::string>& video_suffixes();
 
-/// Where frames go until the video is whole: coil.mp4 -> .coil.mp4.partial.
+/// File of an unfinished video: coil.mp4 -> .coil.mp4.partial.
 std::filesystem::path partial_video(const std::filesystem::path& file);
 
 /// Before a film is begun that is to have a video. @param way_out what else to do than to install it, as in "or run with --no-video"
 /// @return encoder_version() @throws EnvironmentError where ffmpeg is missing or does not run
 std::string check_encoder(const std::string& way_out = "");
-/// The ffmpeg program's version line, "" where there is none.
+/// The ffmpeg program's version line, "" if there is none.
 std::string encoder_version();
 
 }  // namespace whorl

@@ -10,8 +10,8 @@
 
 namespace whorl {
 
-/// A child process. It has a process group of its own: an interrupt from the terminal is for Whorl, which then ends its children in order;
-/// and where Whorl itself is killed, the child reads the end of its input and finishes by itself.
+/// A child process in its own process group: an interrupt from the terminal reaches only Whorl, which then ends its children in order;
+/// and if Whorl is killed, the child reads the end of its input and finishes by itself.
 class ChildProcess {
 public:
     /// Starts arguments[0], looked up in PATH. @throws std::system_error (ENOENT: no such program)
@@ -25,7 +25,7 @@ public:
     int wait();
     /// The signal that ended it; 0: none, or it has not ended.
     int ended_by() const { return signal_; }
-    /// What the child wrote to standard output and standard error so far.
+    /// Standard output and standard error of the child up to now.
     std::string output() const;
 
 private:
