@@ -26,22 +26,6 @@ bool file_name(const std::string& text) {
            std::all_of(text.begin(), text.end(), in_file_name);
 }
 
-/// The file's name as that of a scene: each character that no name has is _.
-std::string name_after(const fs::path& file) {
-    const std::string stem = file.stem().string();
-    const bool text = is_utf8(stem);
-    std::string name;
-    for (const char c : stem) {
-        const auto byte = static_cast<unsigned char>(c);
-        const bool at_start = name.empty() && (c == '-' || c == '.');
-        if ((byte < 0x80 || text) && !at_start && in_file_name(byte)) name += c;
-        else if ((byte & 0xC0) != 0x80) name += '_';  // once a character
-    }
-    if (name.size() > longest_name) name.resize(longest_name);
-    while (!is_utf8(name)) name.pop_back();  // half of a letter
-    return name.empty() ? "scene" : name;
-}
-
 /// Unit length, but a vector that is so already keeps its bits: a resolved scene reads back as itself.
 void make_unit(Vec3d& v) {
     const double length = v.norm();
@@ -200,7 +184,7 @@ bool is_plane(const Value& root) {
 void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene,
                std::vector<Problem>& problems) {
     scene.directory = fs::path(file).parent_path().string();
-    scene.name = name_after(file);
+    scene.name = scene_name(file);
     const bool plane = is_plane(root);
     Reader reader(scene_keys(), &scene, sections, plane);
     reader.read(root);
@@ -264,6 +248,21 @@ Scene read_root(Value root, const std::string& file, const ReadRequest& request)
 }
 
 }  // namespace
+
+std::string scene_name(const fs::path& file) {
+    const std::string stem = file.stem().string();
+    const bool text = is_utf8(stem);
+    std::string name;
+    for (const char c : stem) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool at_start = name.empty() && (c == '-' || c == '.');
+        if ((byte < 0x80 || text) && !at_start && in_file_name(byte)) name += c;
+        else if ((byte & 0xC0) != 0x80) name += '_';  // once a character
+    }
+    if (name.size() > longest_name) name.resize(longest_name);
+    while (!is_utf8(name)) name.pop_back();  // half of a letter
+    return name.empty() ? "scene" : name;
+}
 
 Scene read_scene(const std::string& file, const ReadRequest& request) { return read_root(parse_toml_file(file), file, request); }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// Scene files: reading with every mistake in one go.
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct ReadRequest {
 Scene read_scene(const std::string& file, const ReadRequest& request = {});
 /// The same from a text. @param file stands for it in messages; mesh files are found from its folder
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request = {});
+
+/// The scene's name after its file: the stem, with _ for each character that names cannot have.
+std::string scene_name(const std::filesystem::path& file);
 
 /// JSON Schema (draft 7) of scene files, for editors.
 std::string json_schema(const std::vector<Section>& sections = {});

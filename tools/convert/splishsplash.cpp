@@ -14,6 +14,7 @@
 
 #include "engine/core/utf8.h"
 #include "engine/geometry/mesh_file.h"
+#include "engine/scene/read.h"
 #include "render/surface/surface.h"
 #include "tools/convert/json_tree.h"
 
@@ -463,7 +464,7 @@ TriangleMesh Converter::mesh_at(const JsonNode& node, const char* key) const {
     } catch (const InputError& error) { throw InputError(node.find(key)->place, node.path + "." + key + ": " + error.what()); }
 }
 
-/// Turned and scaled as theirs, in a file of its own.
+/// Turns and scales a mesh as the other program does, and adds it as a file whose name begins with the scene's name.
 void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const std::string& name) {
     TriangleMesh placed = mesh;
     for (Vec3f& x : placed.position) {
@@ -473,8 +474,8 @@ void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const 
     }
     if (at.scale.prod() < 0)
         for (auto& triangle : placed.triangle) std::swap(triangle[1], triangle[2]);
-    made_.meshes.emplace_back(name + ".obj", std::move(placed));
-    shapes_ += fmt::format("shape = \"mesh\"\nfile = \"{}.obj\"\n", name);
+    made_.meshes.emplace_back(fmt::format("{}_{}.obj", scene_name(file_), name), std::move(placed));
+    shapes_ += fmt::format("shape = \"mesh\"\nfile = \"{}\"\n", made_.meshes.back().first);
 }
 
 std::string Converter::head() const {
