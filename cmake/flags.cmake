@@ -6,7 +6,7 @@ target_compile_options(whorl_flags INTERFACE
   -fno-math-errno -fno-trapping-math -fno-signed-zeros -fassociative-math)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # The warnings that are off: GCC 12's false alarms inside std::string ("text" + string&&, GCC bug 105329), std::optional and its own AVX-512 header
-  # (a precompiled header makes it tell them of our files); asan looks in their place.
+  # (a precompiled header makes it report them in our files); asan looks in their place.
   target_compile_options(whorl_flags INTERFACE --param=vect-max-peeling-for-alignment=0 -Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow
                          -Wno-stringop-overread -Wno-array-bounds -Wno-uninitialized)
 endif()

@@ -4,12 +4,12 @@ add_custom_command(OUTPUT whorl.1.gz whorl.bash
                    COMMAND sh -c "$<TARGET_FILE:whorl> manual --bash > whorl.bash"
                    DEPENDS whorl VERBATIM)
 add_custom_command(OUTPUT changelog.gz COMMAND sh -c "gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md > changelog.gz" DEPENDS CHANGELOG.md VERBATIM)
-# Debian's own changelog tells of the packaging only.
+# Debian's changelog describes only the packaging.
 set(maintainer "Whorl <whorl@example.org>")
 string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian "whorl (${PROJECT_VERSION}-1) unstable; urgency=medium
 
-  * Whorl ${PROJECT_VERSION}; what is new stands in its own changelog.
+  * Whorl ${PROJECT_VERSION}; for changes see the project's changelog.
 
  -- ${maintainer}  ${today}
 ")

@@ -12,7 +12,7 @@ pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
-# Debian builds it with TLS and compression, which a client of it must be told; the live view uses neither.
+# Debian builds it with TLS and compression, which its clients must define; the live view uses neither.
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 add_library(muparser::muparser ALIAS PkgConfig::muparser)
 
@@ -30,7 +30,7 @@ add_library(stb INTERFACE)
 target_include_directories(stb SYSTEM INTERFACE ${STB_INCLUDE_DIR})
 target_link_libraries(stb INTERFACE ZLIB::ZLIB)
 
-# OpenVDB's own find module asks for Python bindings that nobody needs here.
+# OpenVDB's find module requires Python bindings, which are not needed here.
 find_package(TBB REQUIRED)
 find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
 find_library(OPENVDB_LIBRARY openvdb REQUIRED)

@@ -1,5 +1,5 @@
-// Compiled into every program of the presets asan and tsan: what the sanitizers shall pass over in libraries that we neither wrote nor
-// instrumented (nothing of our own belongs there), and OpenMP loops on threads that ThreadSanitizer understands.
+// Compiled into every program of the presets asan and tsan: suppressions for third-party libraries that are not
+// instrumented (never for our code), and OpenMP loops on threads that ThreadSanitizer understands.
 
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions();

@@ -1,4 +1,4 @@
-/// What the machine itself can do, beside which the kernels' times are read: bytes a second from memory, multiply-adds a second in
+/// Limits of the machine, as a reference for the kernels' times: bytes per second from memory, multiply-adds per second in
 /// registers.
 #include <benchmark/benchmark.h>
 
@@ -9,7 +9,7 @@ using namespace whorl;
 
 namespace {
 
-/// Sums a column of so many MB: 1 stays in a core's cache, 256 comes from memory.
+/// Sums a column of the given size [MB]: 1 stays in a core's cache, 256 comes from memory.
 void read_memory(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     const Column<Real> values(static_cast<std::size_t>(state.range(0)) * (1 << 20) / sizeof(Real), Real(1));

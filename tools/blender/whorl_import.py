@@ -4,7 +4,7 @@
 
 The run needs exports: whorl render SCENE --export mesh,scene (and vdb for volumes; points where there is no surface). The fluid follows the
 timeline: frame n of Blender shows frame n of the run. The text stays in the .blend file; install it as an add-on (Edit > Preferences >
-Add-ons > Install) so that saved files go on following the timeline.
+Add-ons > Install) so that saved files keep following the timeline.
 """
 bl_info = {
     "name": "Import a Whorl run",
@@ -56,13 +56,13 @@ def read_ply(path):
 
 
 def vectors(columns, ends, name):
-    """The columns name_x, ... as rows; None where there are none."""
+    """The columns name_x, ... as rows; None if they do not exist."""
     names = [name + end for end in ends]
     return numpy.stack([columns[n] for n in names], axis=1) if all(n in columns for n in names) else None
 
 
 def read_scene(path):
-    """What the .glb of a run says besides its meshes: the extras under "whorl"."""
+    """The extras under "whorl" in the .glb of a run."""
     with open(path, "rb") as file:
         header = struct.unpack("<4sIIII", file.read(20))
         if header[0] != b"glTF":
@@ -198,7 +198,7 @@ def fluid_material(fluid, has_ink):
                       (("Emission Strength",), 1.0 if max(fluid["emission"]) > 0 else 0.0)])
         return material
     put(surface, [(("Transmission Weight", "Transmission"), 1.0)])
-    # Beer-Lambert: the node takes away density (1 - colour) a metre.
+    # Beer-Lambert: the node absorbs density (1 - colour) per metre.
     most = max(max(fluid["absorption_per_m"]), 1e-6)
     absorption = nodes.new("ShaderNodeVolumeAbsorption")
     put(absorption, [(("Color",), (*(1 - a / most for a in fluid["absorption_per_m"]), 1)), (("Density",), most)])
@@ -286,7 +286,7 @@ def find_run(path):
 
 
 def add_fluid(scene, folder, name, about):
-    """A mesh, or where there is none points, that follow the timeline. None where the run exported neither."""
+    """A mesh, or points if the run has no mesh, that follow the timeline. None if the run exported neither."""
     for kind in ("mesh", "points"):
         files = sequence(folder, kind, name, "ply")
         if not files:

@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// Reads characters one by one and counts lines: the parser tells of a key or value right when its last character was read.
+/// Reads characters one by one and counts lines: the parser reports a key or value as soon as its last character was read.
 class CountingIterator {
 public:
     using iterator_category = std::input_iterator_tag;

@@ -1,5 +1,5 @@
 #pragma once
-/// JSON whose every value knows where it stands in its file, and whether anybody asked for it.
+/// JSON whose values store their location in the file, and whether they were read.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,19 +22,19 @@ struct JsonNode {
     std::string name;               ///< of a member, its key
     std::string path;               ///< "Materials[0].viscosity"
     Place place;                    ///< of a member its key's
-    mutable bool used = false;      ///< somebody asked for it
+    mutable bool used = false;      ///< it was read
 
-    /// Of the member: nothing where it is absent. @throws InputError at its place where it is of another kind
+    /// Value of the member; empty if it is absent. @throws InputError at its location if it has another type
     std::optional<double> number_of(const std::string& key) const;
     std::optional<bool> truth_of(const std::string& key) const;
     std::optional<std::string> text_of(const std::string& key) const;
     std::optional<Vec3d> vector_of(const std::string& key) const;
-    /// Of the member that is a list of objects: the objects; none where it is absent.
+    /// Objects of a member that is a list of objects; empty if it is absent.
     std::vector<const JsonNode*> objects_of(const std::string& key) const;
     /// The member; null where it is absent.
     const JsonNode* find(const std::string& key) const;
-    /// Calls f(node) for the values that nobody asked for, in the file's order; of a whole list or object that nobody opened, for that
-    /// alone.
+    /// Calls f(node) for the values that were not read, in the file's order; once for a list or object
+    /// of which nothing was read.
     template <class F>
     void each_unused(F&& f) const {
         if (!used) return f(*this);

@@ -24,7 +24,7 @@ namespace {
 /// Bounds of what the scene holds [m].
 using Extent3 = Eigen::AlignedBox3d;
 
-/// Where an object of theirs stands: x = rotation (scale x_own) + translation.
+/// Placement of an object of their scene: x = rotation (scale x_own) + translation.
 struct Placement {
     Vec3d scale = Vec3d::Ones(), translation = Vec3d::Zero();
     Mat3d rotation = Mat3d::Identity();
@@ -105,7 +105,7 @@ TriangleMesh unit_box() {
     return box;
 }
 
-/// Since version 2.16 the parameters of a method stand in a section with its name. Names by the methods' numbers, from 1 on (pressure: 0).
+/// Since version 2.16 the parameters of a method are in a section with its name. Names by the methods' numbers, from 1 on (pressure: 0).
 using Methods = std::vector<std::string_view>;
 constexpr std::string_view standard = "Standard viscosity", takahashi = "Takahashi et al. 2015 (improved)", weiler = "Weiler et al. 2018",
                            xsph = "XSPH", zorilla = "Zorilla, Ritter, et al. 2020";
@@ -114,13 +114,13 @@ const Methods viscosities{standard, "Bender and Koschier 2017", "Peer et al. 201
     pressures{"WCSPH", "PCISPH", "PBF", "IISPH", "DFSPH", "Projective Fluids", "ICSPH"}, vorticities{"Bender et al. 2017"},
     tensions{"Becker & Teschner 2007", "Akinci et al. 2013", "He et al. 2014", "Jeske et al. 2023", zorilla};
 
-/// Empty where the number is none of theirs.
+/// Empty if the number is not one of theirs.
 std::string_view name_of(const Methods& methods, double number, int first = 1) {
     const double k = number - first;
     return k >= 0 && k < static_cast<double>(methods.size()) ? methods[static_cast<std::size_t>(k)] : std::string_view();
 }
 
-/// Where a method's parameters stand: in its section or, as before 2.16, beside its number.
+/// Node of a method's parameters: its section or, as before 2.16, the parent of its number.
 const JsonNode& section_of(const JsonNode& node, std::string_view method) {
     const JsonNode* found = node.find(std::string(method));
     return found && found->kind == JsonNode::Kind::object ? *found : node;
@@ -326,7 +326,7 @@ void Converter::viscosity(Fluid& fluid, bool is_scene) {
     }
 }
 
-/// The material that a block or an emitter names. @param can_differ it may have a viscosity of its own
+/// The material that a block or an emitter names. @param can_differ whether it may have its own viscosity
 const Converter::Fluid& Converter::fluid_of(const JsonNode& user, bool can_differ) {
     const std::string id = user.text_of("id").value_or("Fluid");
     for (const Fluid& fluid : fluids_) {
@@ -480,7 +480,7 @@ void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const 
 
 std::string Converter::head() const {
     Extent3 room = extent_.isEmpty() ? Extent3(Vec3d(-1, -1, -1), Vec3d(1, 1, 1)) : extent_;
-    // What flies does so as a stone, until it is below everything or far off.
+    // Emitted fluid moves on a ballistic path until it is below everything or far away.
     const Vec3d middle = room.center();
     const double far = 3 * room.diagonal().norm(), below = gravity_.dot(middle) + gravity_.cwiseAbs().dot(room.sizes()) / 2;
     for (std::size_t k = 0; k < speeds_.size(); ++k)

@@ -149,7 +149,7 @@ bool run_here(const FarmFilm& film, const InterruptGuard& interrupt, FarmProgres
     return !interrupt.interrupted();
 }
 
-/// What a program of Slurm's prints. @throws EnvironmentError with what it said
+/// Output of one of Slurm's programs. @throws EnvironmentError with its output
 std::string said_by(const std::vector<std::string>& words) {
     try {
         ChildProcess child(words);

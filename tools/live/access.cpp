@@ -32,7 +32,7 @@ AccessRules::AccessRules(std::string host, int port, std::string token)
     : host_(std::move(host)), port_(std::to_string(port)), token_(std::move(token)) {}
 
 bool AccessRules::own(const std::string& host) const {
-    if (!is_loopback(host_)) return true;  // it goes by names that we do not know; the token decides
+    if (!is_loopback(host_)) return true;  // its names are not known here; the token decides
     for (const std::string& name : {host_, std::string("127.0.0.1"), std::string("localhost"), std::string("[::1]")})
         if (host == name + ":" + port_ || (port_ == "80" && host == name)) return true;
     return false;

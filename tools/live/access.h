@@ -4,7 +4,7 @@
 
 namespace whorl {
 
-/// What a request says of where it comes from; empty where it says nothing.
+/// Origin headers and token of an HTTP request; empty if missing.
 struct Caller {
     std::string host;        ///< header Host
     std::string origin;      ///< header Origin

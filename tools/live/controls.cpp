@@ -17,7 +17,7 @@
 namespace whorl {
 namespace {
 
-/// Changes of the same keys within so many seconds are one movement of a slider: undone together.
+/// Changes of the same keys within this many seconds are one movement of a slider, and undone together.
 constexpr double one_movement = 1.0;
 constexpr std::size_t kept_undos = 200;
 
@@ -26,7 +26,7 @@ SceneFile without_later_changes(SceneFile file) {
     return file;
 }
 
-/// What leads from one reading of a file to the next.
+/// Difference between two readings of a file.
 struct Edit {
     std::vector<KeyChange> live;
     std::vector<std::string> restart;  ///< keys
@@ -242,7 +242,7 @@ void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, c
         const SceneFile plain = read_scene_file(options);
         const auto given = texts_by_key(plain);
         base_ = read_whole(path);
-        if (base_.rfind("\xEF\xBB\xBF", 0) == 0) base_.erase(0, 3);  // a byte order mark, which may stand nowhere but at the start
+        if (base_.rfind("\xEF\xBB\xBF", 0) == 0) base_.erase(0, 3);  // a byte order mark, which is valid only at the start
         bool same_keys =
             !names_files(scene, wanted) && plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
             plain.scene.emitters.size() == scene.scene.emitters.size() && plain.scene.solids.size() == scene.scene.solids.size() &&
@@ -279,7 +279,7 @@ std::string Journal::text(double time) const {
     for (const Entry& e : entries_)
         if (e.key != "time.end" && e.key != "name") entry(e.time, e.key, e.value);
     if (time > 0) entry(0, "time.end", Value(time).toml());
-    entry(0, "name", Value(name_ + "_recording").toml());  // beside a film of the scene itself, not over it
+    entry(0, "name", Value(name_ + "_recording").toml());  // does not replace a film of the scene itself
     return text;
 }
 

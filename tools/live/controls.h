@@ -45,22 +45,22 @@ private:
     std::vector<Entry> entries_;
 };
 
-/// A scene with its plan. Whoever holds it may evaluate its expressions; nobody else does.
+/// A scene with its plan. Only its owner may evaluate its expressions.
 struct PlannedScene {
     SceneFile file;
     Plan plan;
-    /// Where the run is to begin anew: with its particles placed, so that nothing can go wrong later.
+    /// For a restart: the simulation with its particles placed, so that errors occur before the running one is replaced.
     std::unique_ptr<Simulation> simulation;
 };
 
-/// Something to be told to people.
+/// A message for users.
 struct Notice {
     std::uint64_t number = 0;
     bool error = false;
     std::string text;
 };
 
-/// What the loop is to do next.
+/// Next work of the loop.
 struct Orders {
     bool playing = false;
     bool step = false;                    ///< one frame, although it does not play
@@ -87,7 +87,7 @@ public:
 
     /// All of the changes, or none. @throws InputError; nothing is changed then
     void set(const std::vector<KeyChange>& changes);
-    /// Puts back what the newest set() changed. @return false where there is nothing to undo
+    /// Reverts the last set(). @return false if there is nothing to undo
     bool undo();
     void play() {
         order([&] { orders_.playing = true, waiting_ = false; });
@@ -105,11 +105,11 @@ public:
     struct Restart {
         std::string scene, quality;  ///< other ones; empty: as it is
         std::vector<KeyChange> set;  ///< any key
-        bool forget = false;         ///< the changes made so far
+        bool forget = false;         ///< discard the earlier changes
     };
-    /// Begins anew: the scene file as it stands now, and what was set since. @throws InputError; the run goes on then
+    /// Restarts with the current scene file and the values set since. @throws InputError; then the run continues
     void restart(const Restart& how);
-    /// The scene file was edited: does what can be done while the run goes on, and tells the rest.
+    /// After an edit of the scene file: applies changes that are possible during the run, and reports the others.
     void file_edited();
 
     void tell(bool error, std::string text) {
@@ -118,23 +118,23 @@ public:
     std::optional<Notice> newest_notice() const {
         return locked([&] { return notice_; });
     }
-    /// What is wrong with the scene file as it was last saved; empty if nothing is.
+    /// Error of the scene file as last saved; empty if it is valid.
     std::string file_problem() const {
         return locked([&] { return file_problem_; });
     }
 
     /// For the loop. Waits until there is something to do or `seconds` have passed.
     Orders take(double seconds);
-    /// For the loop, between two steps: what changed, where the run need not begin anew for it.
+    /// For the loop, between two steps: the changes that need no restart.
     Orders take_changes();
     /// Waits until take() would return a scene or the run is paused, at most `seconds`.
     void wait_for_change(double seconds);
-    /// Whether take() would return a run to begin anew, which need not wait for the end of the frame.
+    /// Whether take() would return a restart, which need not wait for the end of the frame.
     bool restart_wanted() const {
         return locked([&] { return orders_.scene && orders_.scene->simulation; });
     }
 
-    // What is wanted now.
+    // Current settings.
     SceneFile file() const {
         return locked([&] { return wanted_; });
     }

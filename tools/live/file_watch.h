@@ -7,10 +7,10 @@
 
 namespace whorl {
 
-/// Looks at the file four times a second, on a thread of its own; a file that is just being written is waited for.
+/// Checks the file four times a second, on its own thread; waits until a file that is being written is complete.
 class FileWatch {
 public:
-    /// @param file asked anew each time: the scene may become another one @param saved called on the watch's thread
+    /// @param file called at each check: the scene may change @param saved called on the watch's thread
     FileWatch(std::function<std::filesystem::path()> file, std::function<void()> saved);
     ~FileWatch();
     FileWatch(const FileWatch&) = delete;

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As many as a page's curves have points.
+/// Number of points of a page's curves.
 constexpr std::size_t kept_frames = 600;
 
 Json finite(double v) { return std::isfinite(v) ? Json(v) : Json(); }
@@ -28,8 +28,8 @@ void Status::set(Json json) {
     const std::lock_guard lock(mutex_);
     json_ = std::move(json);
     if (!history_.empty() && json_.at("frame") <= history_.back().at("frame")) {
-        if (json_.at("frame") == history_.back().at("frame")) return;  // told again between two frames
-        history_.clear();                                              // begun anew
+        if (json_.at("frame") == history_.back().at("frame")) return;  // reported again between two frames
+        history_.clear();                                              // restarted
     }
     Json row = Json::object();
     for (const char* name : {"frame", "time", "ms", "frames_per_second", "iterations", "steps", "energy", "probes"})
@@ -98,7 +98,7 @@ void LiveLoop::follow(const Orders& orders) {
     if (!wanted.simulation && simulation_->totals().steps == 0 && physics) try {
             // Nothing has moved yet: a scene that begins with these values, which is what a recording will say.
             wanted.simulation = std::make_unique<Simulation>(wanted.file.scene, wanted.plan);
-        } catch (const InputError&) {  // a solid moved over the fluid: from where it stands, then
+        } catch (const InputError&) {  // a solid moved over the fluid: then it starts at its place
         }
     if (wanted.simulation) return begin(wanted);
     if (state_ == State::diverged) return;  // stopped between two frames: only a restart helps, and has these values
@@ -117,7 +117,7 @@ void LiveLoop::follow(const Orders& orders) {
     tell();
 }
 
-/// What the newest frame took [s, wall]: its picture is made beside the simulation.
+/// Wall time of the last frame [s]; its image is made in parallel with the simulation.
 double LiveLoop::frame_seconds() const {
     double picture = 0;
     for (const auto& [name, t] : screen_.times()) picture += t.wall;
@@ -155,7 +155,7 @@ void LiveLoop::show_state() {
     shown_ = stepped_;
 }
 
-/// @return false where it was broken off, to end or to begin anew
+/// @return false if it was interrupted by the end or a restart
 bool LiveLoop::step_to_next_frame() {
     const double began = step_began_ = wall_seconds();
     if (revision_ > stepped_) screen_.expect(revision_);
@@ -165,7 +165,7 @@ bool LiveLoop::step_to_next_frame() {
     return true;
 }
 
-/// The frame that has been reached: measured, shown, told.
+/// Measures, shows and reports the frame that has been reached.
 void LiveLoop::show_frame() {
     const FrameSummary summary = loop_->measure_frame();
     frame_steps_ = summary.steps, frame_iterations_ = summary.iterations;
@@ -257,7 +257,7 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"probe_plots", plots_}};
 }
 
-/// How far the run falls behind, and on what it spends its time; empty where it keeps up.
+/// How far the run falls behind, and how it spends its time; empty if it keeps up.
 std::string LiveLoop::pace_text() const {
     if (!real_time_ || pace_.factor() == 0 || pace_.factor() >= 0.97) return "";
     double picture = 0;

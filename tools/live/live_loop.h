@@ -1,5 +1,5 @@
 #pragma once
-/// The simulation's side of a live run: steps to the next frame time, does what people ask for, shows the frame, tells how it goes.
+/// The simulation's side of a live run: steps to the next frame time, applies the users' requests, shows the frame, reports its state.
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -17,12 +17,12 @@
 
 namespace whorl {
 
-/// What the loop tells after each frame; read by any thread.
+/// State that the loop reports after each frame; read by any thread.
 class Status {
 public:
     void set(nlohmann::ordered_json json);
     nlohmann::ordered_json get() const;
-    /// What a page plots of the newest frames of this run, oldest first.
+    /// Data for a page's plots: the last frames of this run, oldest first.
     nlohmann::ordered_json history() const;
 
 private:
@@ -33,12 +33,12 @@ private:
 
 class LiveLoop : public FrameLoopHost {
 public:
-    /// @param real_time never faster than the film would play @param say tells people how it keeps up
+    /// @param real_time never faster than the film would play @param say reports to users how it keeps up
     LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
              std::function<void(const std::string&)> say);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
-    /// Writes the recording as it stands, and returns it; any thread. @throws EnvironmentError (disk full)
+    /// Writes the current recording, and returns it; any thread. @throws EnvironmentError (disk full)
     std::string save_recording() const;
     const Simulation& simulation() const { return *simulation_; }
 
@@ -75,7 +75,7 @@ private:
     int frame_ = 1;
     std::shared_ptr<PlannedScene> followed_;                ///< the scene as people want it, as far as the loop knows
     std::uint64_t look_ = 0;                                ///< revision of the look
-    std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions that the simulation, its newest step and its newest picture go by
+    std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions of the simulation, its last step and its last image
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
     Incidents incidents_;
@@ -83,15 +83,15 @@ private:
     std::unique_ptr<Table> budget_;  ///< what each frame gave up, from the first one on that had a budget
     double spent_ = 0;               ///< s, wall, that the frames since the start took; waiting and pauses do not count
 
-    // What the newest frame took.
+    // Costs of the last frame.
     StageTimes times_before_, frame_times_;
     long frame_steps_ = 0;
     double frame_iterations_ = 0, frame_wall_ = 0, simulate_wall_ = 0;
     double shown_at_ = 0, due_ = 0;  ///< wall s
     double frames_a_second_ = 0, step_wall_ = 0, step_began_ = 0;
-    RealTime pace_;  ///< of the film as it plays, over the newest frames
+    RealTime pace_;  ///< of the film, over the last frames
     ThreadShare share_;
-    double waited_ = 0;                                   ///< s, for real time, since the newest frame
+    double waited_ = 0;                                   ///< s, for real time, since the last frame
     double said_at_ = 0, said_ = 1;                       ///< wall s; factor of real time
     nlohmann::ordered_json probed_, profiles_, plots_;    ///< by the probe's name
     std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe
@@ -105,7 +105,7 @@ private:
 nlohmann::ordered_json described_plots(const Probe& probe, const std::optional<Comparison>& comparison);
 /// The newest row as {"frequency": 2.1, ...}; null where a value is not known.
 nlohmann::ordered_json newest_row(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison);
-/// Of a probe that measures several places a frame: {"s": [0, 0.1, ...], "pressure": [...], ...}, some hundred places at most.
+/// Profile of a probe that measures several places per frame: {"s": [0, 0.1, ...], "pressure": [...], ...}, some hundred places at most.
 nlohmann::ordered_json profile_of(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison);
 
 }  // namespace whorl

@@ -8,8 +8,8 @@ namespace whorl {
 
 void PicturePace::began(double now) {
     const double late = now - due_;
-    // A little late, the next one comes in time, and the beat goes after the pictures slowly: else it would stand just before states that
-    // come evenly, too.
+    // If it is a little late, the next one is in time, and the beat follows the images slowly: otherwise it could stay just before states
+    // that come at the same rate.
     if (late >= 0 && late < interval()) due_ += interval() + late / 8;
     else due_ = now + interval();
 }
@@ -35,7 +35,7 @@ void PictureOrder::frame_came(std::uint64_t revision) {
 }
 
 void PictureOrder::expect(std::uint64_t revision, double now) {
-    constexpr double longest = 0.25;  // s: the picture stands no longer than that
+    constexpr double longest = 0.25;  // s: the image is not shown longer than that
     if (expected_ <= shown_) expected_until_ = now + longest;
     expected_ = revision;
 }
@@ -51,7 +51,7 @@ PictureOrder::Next PictureOrder::next(double now) const {
 }
 
 void PictureOrder::began(What what, double now) {
-    look_ = false;  // a frame is drawn with the newest look, too
+    look_ = false;  // a frame is also drawn with the latest look
     if (what != What::frame) return;
     frame_ = false;
     shown_ = revision_;

@@ -1,6 +1,6 @@
 #pragma once
-/// How a live run shares its cores between the simulation and its pictures, and when pictures begin. All go by what the run measures of
-/// itself; none has a clock of its own.
+/// Shares the cores of a live run between the simulation and its images, and schedules images. All classes use only measurements of the
+/// run; none reads a clock.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@ public:
     void set_short_of_time(bool is) { short_of_time_ = is; }
     /// A picture begins. @param now s, wall
     void began(double now);
-    /// It took so many seconds of wall time.
+    /// @param seconds wall time that it took
     void took(double seconds);
     /// When the next one is to begin [s, wall].
     double due() const { return due_; }
@@ -27,13 +27,13 @@ public:
 private:
     double frame_, due_ = 0;
     double needed_ = 1;               ///< frame intervals that a picture takes, with some room
-    std::array<double, 9> newest_{};  ///< s, what the newest pictures took
+    std::array<double, 9> newest_{};  ///< s, times of the last images
     int pictures_ = 0, frames_ = 1, quick_ = 0;
     bool short_of_time_ = false;
 };
 
-/// What is drawn next, and when: frames at the pace of pictures, but at once the first one of a fluid that goes by other values, and
-/// another look of the frame that is shown.
+/// Chooses the next image and its time: frames at the pace of images, but immediately the first frame after a change of the fluid, and
+/// a change of the look of the shown frame.
 class PictureOrder {
 public:
     explicit PictureOrder(double frame) : pace(frame) {}
@@ -42,7 +42,7 @@ public:
     /// A frame came, and took the place of one that was not drawn yet. @param revision of the scene that its fluid went by
     void frame_came(std::uint64_t revision);
     void look_came() { look_ = true; }
-    /// The newest picture has the newest look.
+    /// The last image has the latest look.
     void look_drawn() { look_ = false; }
     /// A frame of that revision comes shortly: no older one is begun before, so that nothing holds it up. @param now s, wall
     void expect(std::uint64_t revision, double now);
@@ -54,7 +54,7 @@ public:
     };
     Next next(double now) const;
     void began(What what, double now);
-    /// Whether a frame that comes within so many seconds would be drawn.
+    /// Whether a frame that comes within `seconds` would be drawn.
     bool wants_frame_within(double seconds, double now) const;
 
 private:
@@ -79,7 +79,7 @@ private:
     bool short_ = false;
 };
 
-/// With how many threads the simulation is quickest beside the pictures: on all cores, or on all but one. Where threads wait for each
+/// Number of threads with which the simulation is fastest next to the drawing: all cores, or all but one. Where threads wait for each
 /// other, one that is held up by other work holds up all. It tries the other number now and then, and takes it where that was quicker than
 /// before and after.
 class ThreadShare {

@@ -144,7 +144,7 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State
         surface_ = field ? Surface{} : build_surface(frame, surface);
     surface_of_ = surface;
     const double surfaced = wall_seconds();
-    // What was asked for meanwhile is seen now rather than a picture later.
+    // A look that was set meanwhile is shown now, not one image later.
     if (const auto now = newest_look(); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
     const View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
     Image image = renderer->draw(frame, surface_, look->how.look, view);

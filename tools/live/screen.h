@@ -1,7 +1,7 @@
 #pragma once
-/// From frames to pictures, on a thread of its own: surface -> draw -> newest picture. Pictures begin at even intervals (PicturePace), each
-/// of the newest frame; one that came before is dropped, and the simulation never waits. At once come pictures of another look, and the
-/// first one of a fluid that goes by other values. While pictures are recorded, each frame is drawn, and the simulation waits for it.
+/// Makes images of frames on its own thread: surface -> draw -> latest image. Images begin at even intervals (PicturePace), each
+/// of the latest frame; earlier frames are dropped, and the simulation never waits. A change of the look and the first frame
+/// after a change of the fluid are drawn immediately. While images are recorded, each frame is drawn, and the simulation waits for it.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace whorl {
 
-// What is seen, on disk: frames/000001.png ... and a video, in a folder of its own.
+// The shown images on disk: frames/000001.png ... and a video, in their own folder.
 
 struct Recorded {
     std::filesystem::path folder, video;  ///< video: empty where there is no encoder
@@ -59,7 +59,7 @@ public:
     const Image image;
     const std::string& jpeg() const;
     const std::string& png() const;
-    /// Wall seconds that the JPEG took; 0 where nobody asked.
+    /// Wall seconds that the JPEG took; 0 if not requested.
     double encode_seconds() const { return encode_seconds_; }
 
 private:
@@ -86,7 +86,7 @@ public:
     void set_pace(double frame, bool short_of_time);
     /// s, wall, between two pictures as they are begun.
     double interval() const;
-    /// How pictures are made from now on, which is what the scene's `revision` says; the newest frame is drawn again.
+    /// Sets the look of images, that of the scene's `revision`; the latest frame is drawn again.
     void look(PictureOptions how, std::uint64_t revision);
 
     /// The newest picture; null before the first.
@@ -100,10 +100,10 @@ public:
     void record(const std::filesystem::path& folder, double fps);
     /// @return what was recorded; nothing where nothing was
     std::optional<Recorded> stop_recording();
-    /// Pictures recorded so far; nothing where none are.
+    /// Number of recorded images; empty without a recording.
     std::optional<int> recording() const;
 
-    /// Wall seconds of the newest picture by stage: surface, draw.
+    /// Wall seconds of the last image by stage: surface, draw.
     StageTimes times() const;
     std::string device() const;
     /// @throws what ended the thread, if anything did

@@ -197,7 +197,7 @@ Json LiveServer::Http::keys() const {
             {"scenes", scenes}};
 }
 
-/// MJPEG: each viewer gets the newest picture when the one before has gone out; what it misses is dropped. Browsers show a picture when
+/// MJPEG: each viewer gets the latest image when the one before has been sent; images in between are dropped. Browsers show a picture when
 /// they see the next one's head, so one that has no successor at once (a run that pauses) is sent again; not with ?once=1.
 void LiveServer::Http::get_stream(const Request& request, Response& response) {
     const auto place = pictures.add();

@@ -21,7 +21,7 @@ public:
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;
 
-    /// Answers from now on. @param recording writes recording.toml as it stands and returns its text @param folder for pictures and videos
+    /// Starts answering. @param recording writes the current recording.toml and returns its text @param folder for pictures and videos
     /// that are recorded
     void start(std::function<std::string()> recording, std::filesystem::path folder);
     /// Answers no longer: open streams end within a fraction of a second.
@@ -34,7 +34,7 @@ private:
     std::unique_ptr<Http> http_;
 };
 
-/// A file of tools/live/page, embedded at build time. @param name "index.html" @throws std::logic_error where there is none
+/// A file of tools/live/page, embedded at build time. @param name "index.html" @throws std::logic_error if it does not exist
 std::string live_page(const std::string& name);
 
 }  // namespace whorl

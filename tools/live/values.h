@@ -11,12 +11,12 @@ namespace whorl {
 /// Nothing where no key takes such a value: null, objects, lists in lists, long texts.
 std::optional<Value> value_of(const nlohmann::json& json);
 
-/// {"fluid.viscosity": 1000.0, ...} of the keys that may change while a run goes on.
+/// {"fluid.viscosity": 1000.0, ...} of the keys that may change during a run.
 nlohmann::ordered_json live_values(const SceneFile& file);
-/// What a page needs to show each key: path, unit, meaning, type, range, choices, whether it may change while a run goes on.
+/// Data for showing each key on a page: path, unit, meaning, type, range, choices, whether it may change during a run.
 nlohmann::ordered_json described_keys(const SceneFile& file);
 
-/// Changes of the scene from {"fluid.viscosity": 500, ...}. @throws InputError where it is no object, or holds a value of no kind
+/// Changes of the scene from {"fluid.viscosity": 500, ...}. @throws InputError if it is not an object, or has a value of an unknown type
 std::vector<KeyChange> changes_of(const nlohmann::json& json, const SceneFile& file);
 
 }  // namespace whorl

@@ -66,7 +66,7 @@ def coils_fine(m):
     return coil_table(m, [(row, 1.25e-3, turns) for row, turns in fine_turns.items()])
 
 
-@table("coils_laid_speed", "how fast a coil lays its thread, beside how thick the thread is", "nothing beside coils and coils_fine")
+@table("coils_laid_speed", "how fast a coil lays its thread, and how thick the thread is", "nothing after coils and coils_fine")
 def coils_laid_speed(m):
     rows = []
     for row, c in theory_rows().items():
@@ -156,8 +156,8 @@ def falling_thread(m):
 
 
 def sewing_patterns(m, ratios, spacing):
-    """The pattern is read from how the thread swings above the belt in the newest 2 s: coils where it does so along the belt (x) as
-    often as across it (z), else loops where it runs back relative to the belt, and meanders where it does not."""
+    """The pattern follows from the thread's swing above the belt in the last 2 s: coils if it swings along the belt (x) as
+    often as across it (z), else loops if it runs back relative to the belt, and meanders if it does not."""
     landing, rows = 0.240, []  # m/s, in theory: the thread lands 1.02 times as thick as it leaves the nozzle
     for ratio in filter(m.wanted, ratios):
         V = ratio * landing

@@ -25,7 +25,7 @@ def parser():
     p.add_argument("--list", action="store_true", help="show all names")
     p.add_argument("--print", action="store_true", help="print the section, write nothing into the pages")
     p.add_argument("--dry-run", action="store_true", help="print the commands, run nothing")
-    p.add_argument("--again", action="store_true", help="measure anew what out/measure holds already")
+    p.add_argument("--again", action="store_true", help="repeat the measurements that out/measure already contains")
     p.add_argument("--only", action="append", default=[], metavar="ROW", help="these scenes or rows alone (repeatable)")
     p.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
                    help="of every run, for a try that is printed and not written (repeatable)")
@@ -42,7 +42,7 @@ def show_list():
 
 def measure(table, m):
     to_page = table.section and m.writes and (table.keeps_rows or not m.only)
-    if to_page:  # what is wrong with the page is told before hours are spent
+    if to_page:  # errors of the page are reported before hours are spent
         page = registry.page_with(m.into, table.name)
         registry.replace_section(registry.read_page(page), table.name, "")
     m.say(f"{table.name} ({table.takes})")

@@ -1,4 +1,4 @@
-"""What each departure from the source notes as printed costs and brings (docs/physics.md, section 14)."""
+"""Cost and benefit of each departure from the source notes as printed (docs/physics.md, section 14)."""
 import math
 
 import numpy as np

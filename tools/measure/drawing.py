@@ -27,5 +27,5 @@ def picture(m, path, images, width, quality=()):
         return
     inputs = [part for image in images for part in ("-i", image)]
     scaled = "".join(f"[{k}]scale={width}:-1:flags=area[s{k}];" for k in range(len(images)))
-    beside = "".join(f"[s{k}]" for k in range(len(images))) + (f"hstack={len(images)}" if len(images) > 1 else "null")
-    m.call(["ffmpeg", "-v", "error", "-y", *inputs, "-filter_complex", scaled + beside, *quality, m.into / path])
+    joined = "".join(f"[s{k}]" for k in range(len(images))) + (f"hstack={len(images)}" if len(images) > 1 else "null")
+    m.call(["ffmpeg", "-v", "error", "-y", *inputs, "-filter_complex", scaled + joined, *quality, m.into / path])

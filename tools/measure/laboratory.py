@@ -95,7 +95,7 @@ def depth(particles, x, width, d):
 
 
 def swing(time, values, omega):
-    """Amplitude of the fundamental of a signal: least squares beside a level that drifts and the second harmonic."""
+    """Amplitude of the fundamental of a signal: least squares together with a drifting level and the second harmonic."""
     waves = [f(k * omega * time) for k in (1, 2) for f in (np.cos, np.sin)]
     found, *_ = np.linalg.lstsq(np.stack([*waves, np.ones_like(time), time], axis=1), values, rcond=None)
     return math.hypot(found[0], found[1])

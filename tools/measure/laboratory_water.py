@@ -45,19 +45,19 @@ def column_square(found, runs):
     a, lines = 0.05715, []
     second, table = math.sqrt(a / g), published("column_square")
 
-    def told(name, style):
+    def reported(name, style):
         known = ~np.isnan(table[name])
         return f"experiment, {name}", table["time"][known] / second, table[name][known] / a, style
 
     for (words, one), style in zip(runs.items(), ("C0-", "C1-")):
         water, d = one.table("probes/water.csv"), spacing(one)
         T, Z = water["time"] / second, water["front"] / a
-        H = np.array([depth(p, 0, 0.2 * a, d) * 2 / a for _, p in snapshots(one)])  # beside the wall
+        H = np.array([depth(p, 0, 0.2 * a, d) * 2 / a for _, p in snapshots(one)])  # at the wall
         times = np.interp([1.67, 4.11], Z, T)
         found.add(f"speed of the front over sqrt(g a), {words}", 2.44 / (2.71 - 0.97), 2.44 / (times[1] - times[0]))
         found.add(f"height at T = 2.57 over a, {words}", 0.44, np.interp(2.57, T, H))
         lines += [(f"front, {words}", T, Z, style), (f"height, {words}", T, H, style + "-")]
-    found.plot("t sqrt(g/a)", "front and height over a", *lines, told("front", "ko"), told("height", "k^"), xlim=(0, 6.3), ylim=(0, 6))
+    found.plot("t sqrt(g/a)", "front and height over a", *lines, reported("front", "ko"), reported("height", "k^"), xlim=(0, 6.3), ylim=(0, 6))
 
 
 @experiment("square_post")

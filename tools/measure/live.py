@@ -17,7 +17,7 @@ import numpy as np
 from .registry import MeasureError, markdown, table
 from .runs import words_of
 
-counts = (2500, 5000)  # particles; each row is measured from .8 to 1.2 of its own
+counts = (2500, 5000)  # particles; each row is measured from .8 to 1.2 of its count
 columns = ("particles | real time | pictures a second | between two, ms | 95 of 100 below, ms | CPU of simulation, ms a second | of pictures | "
            "of the browser")
 changes = {"look.exposure": (1.3, 1.0), "fluid.viscosity": (1200, 1000)}  # to and fro
@@ -60,7 +60,7 @@ def ask(port, path, body=None):
 
 
 def process_cpu(process):
-    """CPU seconds so far of a process and all that it started."""
+    """CPU seconds used by a process and its children."""
     children, own, total, left = collections.defaultdict(list), {}, 0, [process.pid]
     for name in filter(str.isdigit, os.listdir("/proc")):
         try:
@@ -78,7 +78,7 @@ def process_cpu(process):
 
 
 def thread_cpu(process):
-    """CPU seconds so far of the threads that simulate, and of those that make and send pictures."""
+    """CPU seconds used by the threads that simulate, and by those that make and send images."""
     simulation = pictures = 0
     for task in os.listdir(f"/proc/{process.pid}/task"):
         try:
@@ -108,7 +108,7 @@ class Session:
             self.page = subprocess.Popen([self.browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,900",
                                           f"--user-data-dir={m.out / 'live_browser'}", address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         else:
-            m.say("no chromium: only a viewer of its own takes the pictures")
+            m.say("no chromium: only the script's viewer receives the images")
         self.viewer = Viewer(self.port)
         self.viewer.start()
 
@@ -126,7 +126,7 @@ class Session:
         return np.array([*thread_cpu(self.program), process_cpu(self.page) if self.page else 0])
 
     def states(self, particles):
-        """(wall time, CPU seconds, state), five times a second, until there are so many particles."""
+        """(wall time, CPU seconds, state), five times a second, until there are `particles` particles."""
         rows, began = [], time.monotonic()
         while time.monotonic() - began < 240:
             rows.append((time.monotonic(), self.cpu(), ask(self.port, "/state")))

@@ -78,6 +78,6 @@ def gate(m):
         lowest = np.array([h[0] for h in heights])
         fall = d["momentum_y"] / d["momentum_y"][1] * d["time"][1]  # the time of a free fall with as much momentum
         felt = lowest[np.argmax(fall < 0.98 * d["time"])]
-        stands = np.mean([h[h < h[0] + 0.5].mean() for h in heights[-frames // 10:]])
-        rows.append([words, f"{felt:.2f} d", f"{lowest.min():.2f} d", f"{stands:.2f} d", f"{d['max_speed'][-1]:.3f}"])
+        rest = np.mean([h[h < h[0] + 0.5].mean() for h in heights[-frames // 10:]])
+        rows.append([words, f"{felt:.2f} d", f"{lowest.min():.2f} d", f"{rest:.2f} d", f"{d['max_speed'][-1]:.3f}"])
     return markdown("pressure, floor | felt from | lowest | rests at | largest speed at 1 s [m/s]", rows)

@@ -109,7 +109,7 @@ class Cavity:
         px, py, wx, wy = d @ p[:, inner], p[inner] @ d.T, d @ w[:, inner], w[inner] @ d.T
         lap_p, lap_w = dd @ p[:, inner] + p[inner] @ dd.T, dd @ w[:, inner] + w[inner] @ dd.T
         residual = np.concatenate([-(lap_p + w[inner, inner]), -(py * wx - px * wy - nu * lap_w)])  # [2 m, lines]
-        wall = -2 / self.h**2  # of w at a wall by p beside it
+        wall = -2 / self.h**2  # of w at a wall by the adjacent p
         ends = np.zeros((n + 1, m))
         ends[0, 0] = ends[-1, -1] = wall
         inverses, carried = [], []

@@ -8,7 +8,7 @@ from typing import Callable
 
 
 class MeasureError(Exception):
-    """What the user can mend: told in one line."""
+    """A mistake that the user can fix, reported in one line."""
 
 
 @dataclass
@@ -101,6 +101,6 @@ def read_page(path: Path):
 def write_file(path: Path, content: bytes):
     """Whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(path.name + ".new")
-    beside.write_bytes(content)
-    os.replace(beside, path)
+    fresh = path.with_name(path.name + ".new")
+    fresh.write_bytes(content)
+    os.replace(fresh, path)

@@ -26,7 +26,7 @@ class RunFailed(MeasureError):
 
 
 class Unknown(float):
-    """What stands in a dry run for everything that would be measured: no number, and no entries."""
+    """Placeholder in a dry run for everything that would be measured: not a number, without entries."""
 
     def __new__(cls, *_):
         return super().__new__(cls, "nan")
@@ -43,7 +43,7 @@ class Unknown(float):
 
 
 def words_of(command):
-    """As somebody would type it at the top of the repository."""
+    """The command as typed in the top folder of the repository."""
     return shlex.join(str(part).replace(f"{root}/", "") for part in command)
 
 
@@ -52,7 +52,7 @@ def newer(file, than):
 
 
 def number(text):
-    """Of a CSV cell; an empty one is no number."""
+    """Number of a CSV cell; nan if it is empty."""
     return float(text) if text not in (None, "") else float("nan")
 
 
@@ -62,7 +62,7 @@ def read_rows(path):
 
 
 def read_columns(path):
-    """The columns of a CSV file of numbers, by name; where a cell is empty stands nan."""
+    """The columns of a CSV file of numbers, by name; an empty cell is nan."""
     rows = read_rows(path)
     return {name: np.array([number(row[name]) for row in rows]) for name in (rows[0] if rows else ())}
 
@@ -195,7 +195,7 @@ class Measurement:
         with open(log, encoding="utf-8") as text:
             same = text.readline().rstrip("\n") == words_of(command) and all(newer(log, file) for file in files)
         if same:
-            old = "" if newer(log, command[0]) else ", though the program has changed since (--again measures anew)"
+            old = "" if newer(log, command[0]) else ", though the program has changed since (--again repeats it)"
             self.say(f"{result.relative_to(self.out)}: kept{old}")
         return same
 

@@ -1,4 +1,4 @@
-"""What the length of the time step does to a flow."""
+"""Effect of the length of the time step on a flow."""
 from .registry import markdown, percent, table
 
 

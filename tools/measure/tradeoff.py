@@ -129,7 +129,7 @@ cases = {
 
 
 def scene_with_models(m, scene, combination):
-    """A copy of a scene with these models: keys of models that are not chosen may not stand in it. Panels go."""
+    """A copy of a scene with these models: without keys of models that are not chosen, and without panels."""
     keys, (pressure, viscosity) = read_scene(f"scenes/{scene}.toml"), combination.split("+")
     micropolar = "micropolar" in keys.get("models", {})
     keys["models"] = {**keys.get("models", {}), "pressure": pressure, "viscosity": viscosity}
@@ -146,7 +146,7 @@ def scene_with_models(m, scene, combination):
 
 
 def compare_models(m, scene, until, combinations):
-    """auto beside other models, at draft quality, one thread, least of two timings: by combination cells of CPU seconds and error, and
+    """auto compared with other models, at draft quality, one thread, least of two timings: by combination cells of CPU seconds and error, and
     what auto takes. Error: of the kinetic energy over all frames against auto at standard spacing. What takes more than four times the wall
     time of auto is broken off: it cannot be the cheaper one."""
     name, limit, by_name = f"auto/{scene}", 120.0, {}
@@ -175,7 +175,7 @@ def words_of(combination):
     return combination.replace("+none", "").replace("+", " + ")
 
 
-@table("auto", "is auto a good choice: beside every combination of pressure and viscosity, the beginning of each scene", "25 minutes")
+@table("auto", "is auto a good choice: every combination of pressure and viscosity, the beginning of each scene", "25 minutes")
 def auto(m):
     sections = []
     for kind, (combinations, scenes) in cases.items():
@@ -201,7 +201,7 @@ def planned_viscous_number(m, *settings):
     return found[1] if found else ""
 
 
-@table("lava_viscosity", "lava with less and less viscosity: coupled beside ppe + full", "3 minutes")
+@table("lava_viscosity", "lava with less and less viscosity: coupled compared with ppe + full", "3 minutes")
 def lava_viscosity(m):
     rows, coarse, fine = [], 6.25e-3, 4e-3
     for viscosity in (100, 30, 10):
@@ -233,7 +233,7 @@ plan_cases = ("honey_coil:1.5 honey_ball:1.2 honey_thread:0.7 sewing_machine:1 c
               "shear_layer:0.1 stirred_tank:0.3 taylor_green:0.1 towed_post:0.3 turbulence:0.4 vortex_rings:0.5")
 
 
-@table("plan", "the plan's CPU time and memory beside what a film takes, the beginning of each scene", "10 minutes")
+@table("plan", "the plan's CPU time and memory compared with those of a film, the beginning of each scene", "10 minutes")
 def plan(m):
     rows, stages = [], ("surface", "draw")
     for scene, until in (case.split(":") for case in plan_cases.split()):

@@ -1,4 +1,4 @@
-"""The viscous models and their solvers beside each other."""
+"""Comparison of the viscous models and their solvers."""
 import math
 
 from . import theory
@@ -24,14 +24,14 @@ def viscous_conservation(m):
     return markdown("model | R/d | momentum | angular momentum | braking", rows)
 
 
-@table("viscous_ropes", "dissipation of a rope, 3 to 8 particles across, over the exact one", "nothing beside viscous_conservation")
+@table("viscous_ropes", "dissipation of a rope, 3 to 8 particles across, over the exact one", "nothing after viscous_conservation")
 def viscous_ropes(m):
     names = [f"{strain}_{across}" for strain in ("stretching", "bending", "torsion") for across in (3, 4, 5, 6, 8)]
     rows = [[*model, *cells(q, ".2f", names)] for model, q in properties(m).items()]
     return markdown("model | R/d | " + " | ".join(name.replace("_", " ") for name in names), rows)
 
 
-@table("viscous_waves", "decay of waves over theory, largest step, iterations and time", "nothing beside viscous_conservation")
+@table("viscous_waves", "decay of waves over theory, largest step, iterations and time", "nothing after viscous_conservation")
 def viscous_waves(m):
     rows, lengths = [], [f"decay_{n}" for n in (8, 16, 32, 64)]
     for model, q in properties(m).items():
@@ -83,7 +83,7 @@ def dam_found(run):
     return [["energy left", percent(energy[-1] / energy[0])]]
 
 
-@table("coupled_or_ppe", "coupled beside ppe + full: a coil, a falling thread, a dam break", "5 minutes")
+@table("coupled_or_ppe", "coupled compared with ppe + full: a coil, a falling thread, a dam break", "5 minutes")
 def coupled_or_ppe(m):
     keys, rows = read_scene("scenes/studies/dam_slab.toml"), []
     del keys["viscosity"]  # of xsph, which is not chosen here

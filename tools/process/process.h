@@ -34,37 +34,37 @@ public:
     bool interrupted() const;
 };
 
-/// As the kernel says (/proc/self/exe); where there is no /proc, as the program was called. @throws EnvironmentError where neither tells
+/// Path of this program by the kernel (/proc/self/exe); without /proc, by the command line. @throws EnvironmentError if both fail
 std::filesystem::path program_path();
 
-/// Starts a program in a process group of its own, which the terminal's interrupt does not reach.
+/// Starts a program in a new process group, which the terminal's interrupt does not reach.
 /// @param output file for what it writes, and it is killed when this program ends; empty: it writes where this program writes
 /// @throws EnvironmentError
 pid_t start_program(const std::vector<std::string>& words, const std::filesystem::path& output = {});
 
 /// The file that a shell runs for this word. @param word a path with a slash in it, or a name that is looked for @param folders where to
-/// look, with colons between them, as in PATH @return "" where there is none
+/// look, separated by colons, as in PATH @return "" if no file is found
 std::filesystem::path program_called(const std::string& word, const std::string& folders);
 
 /// The number of the job that sbatch made. @param said what `sbatch --parsable` wrote: the number, in some places with the cluster's name
 /// ("7;north"), among notices of the place's own @return "" where it made none
 std::string slurm_job(const std::string& said);
 
-/// Whether one of the jobs ("7,8") waits or is at work. Not where there is no Slurm, or none that knows them any more.
+/// Whether one of the jobs ("7,8") waits or runs. False without Slurm, or if it has forgotten them.
 bool slurm_jobs_live(const std::string& jobs);
 
 /// Gives the calling thread a name. Threads that it starts from then on (OpenMP's, TBB's) inherit it, so that their CPU time counts with
 /// it.
 void name_thread(const char* name);
-/// CPU seconds so far of the threads that live, by thread name. Mesa's own ("llvmpipe-0", ...) count as "draw".
+/// CPU seconds used by the living threads, by thread name. Mesa's own ("llvmpipe-0", ...) count as "draw".
 std::map<std::string, double> cpu_by_thread_name();
 /// CPU seconds of the child processes that have ended (the encoder).
 double children_cpu_seconds();
-/// CPU seconds so far: of the program with the encoders it ran; and of its threads but those that make pictures ("surface", "draw",
+/// CPU seconds used by the program with its encoders; and by its threads except those that make images ("surface", "draw",
 /// "export", "write").
 double process_cpu_seconds();
 double simulation_cpu_seconds();
-/// The process's largest resident memory so far [bytes].
+/// The process's peak resident memory [bytes].
 std::uint64_t peak_memory();
 /// The process's resident memory now [bytes].
 std::uint64_t resident_memory();

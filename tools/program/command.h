@@ -14,7 +14,7 @@ class App;
 
 namespace whorl {
 
-/// What the chosen subcommand does; returns an ExitCode. Throws InputError (2) and EnvironmentError (1) freely.
+/// Action of the chosen subcommand; returns an ExitCode. May throw InputError (2) and EnvironmentError (1).
 using Job = std::function<int()>;
 
 void add_render(CLI::App& program, Job& chosen);

@@ -38,7 +38,7 @@ void read_frames(const std::string& text, RedrawRequest& request) {
 std::string deciding(const SceneFile& before, const std::vector<KeyChange>& changes) {
     for (const KeyChange& change : changes) try {
             if (decides(before, changed(before, {change}))) return change.source.file;
-        } catch (const InputError&) {  // it needs another one beside it
+        } catch (const InputError&) {  // it needs another key as well
         }
     return "--set";
 }

@@ -18,7 +18,7 @@ struct ImportOptions {
     fs::path file, out;
 };
 
-/// What the scene lacks before it can be planned; where it is whole, what its plan warns of.
+/// Errors that prevent a plan of the scene; without errors, the plan's warnings.
 std::vector<std::string> remarks_on(const fs::path& scene) try {
     std::vector<std::string> lines;
     for (const std::string& warning : make_plan(read_scene_file(scene)).warnings) lines.push_back("warning: " + warning);

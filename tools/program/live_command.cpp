@@ -76,7 +76,7 @@ int live(LiveOptions options) {
     InterruptGuard interrupt;
     Screen screen(size.width, size.height, 1 / controls.file().scene.time.fps);
     Status status;
-    LiveServer server(options.server, controls, screen, status);  // a port that is taken is told before anything is written
+    LiveServer server(options.server, controls, screen, status);  // an occupied port is reported before anything is written
     const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out);
     if (!folder.note().empty()) tell_note(folder.note(), false);
     Journal journal(folder.path());

@@ -37,7 +37,7 @@ std::string meant(const CLI::App& at, const std::string& word) {
     return near.empty() ? "" : "; did you mean \"" + near + "\"?";
 }
 
-/// What the build needs of a processor, which is also what it uses: it chooses nothing at run time.
+/// Instruction sets that the build requires of a processor: none are chosen at run time.
 std::string processor_text() {
     std::string uses = "SSE2";
 #ifdef __AVX2__
@@ -74,7 +74,7 @@ std::string version_text() {
                        processor_text(), sizeof(whorl::Real) == 4 ? "float" : "double", gl);
 }
 
-/// Of the terminal; 0: lines are not wrapped.
+/// Columns of the terminal; 0: lines are not wrapped.
 std::size_t columns() {
     winsize size{};
     if (const char* given = std::getenv("COLUMNS")) return static_cast<std::size_t>(std::max(0, std::atoi(given)));

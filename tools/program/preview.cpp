@@ -23,7 +23,7 @@ std::size_t bytes_a_particle(const ParticleStore& fluid) {
 
 const char* name_of(Access access) { return access == Access::read ? "reads" : access == Access::write ? "writes" : "updates"; }
 
-/// What a limit says of the scene at its start [s]; infinite where it does not bind.
+/// The step limit of the scene at its start [s]; infinite if it does not bind.
 double at_start(const StepLimit& limit, const World& world) {
     const double dt = limit.dt(world, largest_speed(world));
     return dt > 0 ? dt : std::numeric_limits<double>::infinity();

@@ -1,5 +1,5 @@
 #pragma once
-/// What `whorl plan` and `whorl render --dry-run` print of a scene that is not run.
+/// Output of `whorl plan` and `whorl render --dry-run`.
 #include <filesystem>
 #include <optional>
 
@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// Of all panels, one after the other.
+/// Cost of all panels, run one after the other.
 struct FilmCost {
     double wall = 0;                             ///< s
     double simulate = 0, surface = 0, draw = 0;  ///< CPU seconds
@@ -21,7 +21,7 @@ struct PreviewCost {
     FilmCost film;
 };
 
-/// What a run would write.
+/// Files of a run.
 struct PreviewRun {
     int frames = 0;
     std::filesystem::path folder;

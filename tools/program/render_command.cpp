@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-/// What would be run, without running it.
+/// Prints the run without running it.
 int dry_run(const RunRequest& request) {
     Plan plan = make_plan(request.file);
     plan.warnings = warnings_of(request.file);

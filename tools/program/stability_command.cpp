@@ -41,7 +41,7 @@ public:
                          [&](std::size_t k, Cell cell) {
                              cells_[k] = std::move(cell), was_run_[k] = true, ++done;
                              const double spent = wall_seconds() - began;
-                             tell(k, done, spent / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
+                             report(k, done, spent / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
                          });
         if (started < cells_.size())
             sweep_.say(fmt::format("the budget of {} is spent; the same command continues from here", sweep_.options.budget));
@@ -69,13 +69,13 @@ private:
         return std::isfinite(cell.largest_stable) ? fmt::format("to {:.3g}", cell.largest_stable) : "nowhere stable";
     }
 
-    void tell(std::size_t k, std::size_t done, double left) const {
+    void report(std::size_t k, std::size_t done, double left) const {
         const Verdict& v = cells_[k].verdict;
         sweep_.say(fmt::format("cell {} of {}: {}: {}{} (about {} left)", done, cells_.size(), joined_settings(settings(k)),
                                note(cells_[k]), v.why.empty() ? "" : ": " + v.why, duration(left)));
     }
 
-    /// What the models allow at the start. @throws InputError where the plan refuses the scene
+    /// Step limits of the models at the start. @throws InputError if the plan refuses the scene
     std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
         const SceneFile file = read_scene_file(point_options(study_, sweep_.scene, run_settings(study_, settings)));
         const Plan plan = make_plan(file.scene);
@@ -141,7 +141,7 @@ private:
         return low;
     }
 
-    /// Where a value lies on the second knob's axis: 0 at its first value, half a cell more at both ends; NaN outside.
+    /// Position of a value on the second knob's axis: 0 at its first value, half a cell more at both ends; NaN outside.
     double place_of(double value) const {
         std::vector<double> at;
         for (const std::string& v : values(1)) at.push_back(std::log(std::max(1e-300, std::strtod(v.c_str(), nullptr))));

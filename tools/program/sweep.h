@@ -1,5 +1,5 @@
 #pragma once
-/// What tradeoff and stability share: their options and the loop that runs the points of a study.
+/// Common part of tradeoff and stability: options and the loop over the points of a study.
 #include <algorithm>
 #include <chrono>
 #include <functional>

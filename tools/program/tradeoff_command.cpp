@@ -197,7 +197,7 @@ private:
                           study_.accuracy.of == AccuracyKind::picture ? "difference [dE]" : "relative error");
     }
 
-    /// What each step along the front changes, costs and buys.
+    /// Prints change, cost and benefit of each step along the front.
     void print_front(const std::vector<std::size_t>& front) const {
         sweep_.say(fmt::format("\n{:>14}  {:>10}  settings on the front, from cheap to dear", cost_name(), "error"));
         for (const std::size_t i : front)
@@ -231,7 +231,7 @@ private:
         const std::string quality = point.quality == Options().quality ? "" : " --quality " + point.quality;
         std::string overlay = fmt::format("# {} of the study {}: {}, error {}{}\n", goal.text, study_.name, cost_text(best->cost),
                                           error_text(best->error), quality.empty() ? "" : ", with" + quality);
-        // What the study sets for all of its points is the study's, but what follows from a knob is the knob's.
+        // Settings of all points belong to the study, settings that follow from a knob to the knob.
         std::string options = quality;
         std::vector<std::string> chosen;
         for (const std::string& setting : study_.set)

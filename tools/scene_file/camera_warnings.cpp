@@ -44,7 +44,7 @@ double part_of_picture(const View& view, double aspect, const Vec3d& low, const 
     return !any ? 0 : behind ? 1 : 0.5 * seen.sizes().maxCoeff();
 }
 
-/// The keys that say where the camera stands, looks and what is up.
+/// Names of the keys for the camera's position, target and up direction.
 struct CameraNames {
     std::string position = "camera.position", target = "camera.target", up = "camera.up", fov = "camera.fov";
 };

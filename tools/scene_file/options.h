@@ -22,7 +22,7 @@ struct Options {
     std::vector<std::string> with;             ///< files of a few keys that are laid over the scene
     std::filesystem::path out;                 ///< empty: out/<scene name>
     std::optional<double> until;               ///< s; time.end
-    std::optional<int> frames;                 ///< stop after so many frames (render counts them; not a key of the scene)
+    std::optional<int> frames;                 ///< stop after this many frames (render counts them; not a key of the scene)
     std::string size;                          ///< "1280x720"; output.size
     std::optional<double> fps;                 ///< time.fps
     std::string quality = "standard";          ///< draft | standard | fine: the [quality.*] table that is laid over the scene
@@ -32,7 +32,7 @@ struct Options {
     int threads = 0;                           ///< 0: all cores
     std::optional<std::uint64_t> seed;         ///< seed
     bool force = false;                        ///< resume with files that were edited since
-    bool overwrite = false;                    ///< replace a run that stands in the folder
+    bool overwrite = false;                    ///< replace an existing run in the folder
     bool dry_run = false, quiet = false, json = false;
 };
 

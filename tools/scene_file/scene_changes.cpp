@@ -121,7 +121,7 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     try {
-        // Reading it again tells what does not fit together, and makes expressions of its own.
+        // Reading it again checks its consistency, and creates separate expressions.
         SceneFile fresh = read_resolved(resolved_toml(copy), std::filesystem::path(file.scene.directory) / "scene.toml");
         fresh.scene.directory = file.scene.directory;
         for (auto& [key, place] : fresh.scene.places) place = file.scene.place(key);  // the text above is no file

@@ -19,14 +19,14 @@ std::vector<UsedKey> used_keys(const SceneFile& file);
 /// A key's full name: emitter.0.speed is emitter[0].speed.
 std::string full_path(const std::string& path);
 
-/// A new value for a key. `source` stands for file, line and column in messages.
+/// A new value for a key. `source` replaces file, line and column in messages.
 struct KeyChange {
     std::string path;
     Value value;
     Place source;
 };
 
-/// What the user typed as "key=value" (Change), with its value read. @throws InputError
+/// Parses a user's "key=value" (Change). @throws InputError
 KeyChange read_change(const Change& change);
 
 /// The scene with all of the changes; shares nothing with `file` (expressions are not thread-safe).
@@ -36,14 +36,14 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes);
 /// A key that has another value in the later of two scenes, is new there, or gone.
 struct KeyDifference : Difference {
     const Key* key;
-    Value value;  ///< in the later scene; what is gone: in the earlier one
+    Value value;  ///< in the later scene; of a removed key: in the earlier one
 };
-/// Of all sections, but not of the scene's changes.
+/// Differences of all sections except the scene's changes.
 std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile& now);
 
-/// Those keys that may not change while a run goes on, and why, one line each; nothing where all may.
+/// Keys that may not change during a run, with the reason, one line each; empty if all may.
 std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differences);
-/// Whether the simulation (not only the picture) goes by something else.
+/// Whether the simulation (not only the image) differs.
 bool decides(const SceneFile& before, const SceneFile& now);
 
 /// A scene with the [[change]] entries of time 0 made and taken out; the later ones stay. @param beat changes that beat those (--set)
@@ -53,13 +53,13 @@ SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>
 /// A scene that changes while it runs: its [[change]] entries in the order of their times.
 class Replay {
 public:
-    /// Tries every change. @throws InputError where one is wrong, or cannot be made while the run goes on
+    /// Tries every change. @throws InputError if one is wrong, or cannot be made during the run
     explicit Replay(const SceneFile& file);
 
     const SceneFile& now() const { return now_; }
     /// s, of the next change that was not made; infinite where there is none
     double next() const;
-    /// What to call for each moment: simulation(scene, plan, time) where the simulation goes by something else from then on.
+    /// Callback for each moment: simulation(scene, plan, time), called if the simulation differs from then on.
     using Follow = std::function<void(const Scene&, const Plan&, double)>;
     /// Makes all changes up to `time` [s], a moment after the other. @return whether there was any
     bool apply_until(double time, const Follow& simulation);

@@ -26,7 +26,7 @@ std::vector<Section> sections_of(SceneFile& file) {
     return {{"surface", &surface_keys(), &file.surface}, {"camera", &camera_keys(), &file.camera}, {"look", &look_keys(), &file.look}};
 }
 
-/// Folders of scenes that ship: share/whorl/scenes beside the folder of an installed program, or in it. A build folder has a link there to
+/// Folders of shipped scenes: share/whorl/scenes next to the folder of an installed program, or in it. A build folder has a link there to
 /// those of the sources.
 std::vector<fs::path> scene_folders() try {
     const fs::path folder = program_path().parent_path(), scenes = fs::path("share") / "whorl" / "scenes";
@@ -84,7 +84,7 @@ std::vector<Change> changes_of(const Options& options) {
     return changes;
 }
 
-/// What a quality means in every scene; the scene's own [quality] table goes further.
+/// Settings of a quality in every scene; the scene's [quality] table adds to them.
 std::vector<Change> presets_of(const std::string& quality) {
     if (quality == "draft") return {{"look.samples", "1", "--quality draft"}};
     if (quality == "fine") return {{"look.samples", "16", "--quality fine"}};
@@ -151,7 +151,7 @@ void check_look(const SceneFile& file) {
                          "leave one of them out");
 }
 
-/// Streaks of a slice and the plates of a crust go with the particles, which must be told apart for it.
+/// Streaks of a slice and the plates of a crust move with the particles, which need identities for it.
 bool tells_particles_apart(const SceneFile& file) {
     const auto shown = shown_fields(file.look);
     const auto& changes = file.scene.changes;
@@ -161,7 +161,7 @@ bool tells_particles_apart(const SceneFile& file) {
            });
 }
 
-/// What has no key but follows from those that there are.
+/// Sets values that have no key but follow from the keys.
 void follow(SceneFile& file) {
     file.scene.grains = tells_particles_apart(file);
     const Scene& scene = file.scene;

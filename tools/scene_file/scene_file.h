@@ -29,9 +29,9 @@ struct SceneFile {
 SceneFile read_scene_file(const Options& options);
 /// Reads a resolved scene back (resume, video).
 SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<std::string>& set = {});
-/// The same from its text, as a checkpoint keeps it. @param file stands for it in messages; mesh files are found from its folder
+/// Reads a scene from its text, as stored in a checkpoint. @param file its name in messages; mesh files are found from its folder
 SceneFile read_resolved(const std::string& text, const std::string& file);
-/// The picture that stands round the scene is found from the scene file's folder. @throws InputError where it cannot be read, at its key
+/// Finds the picture of the surroundings from the scene file's folder. @throws InputError at its key if it cannot be read
 void find_environment(SceneFile& file);
 /// The checksum of each mesh, picture and table that the scene names, by absolute path. @throws InputError where one cannot be read
 std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file);
@@ -40,13 +40,13 @@ std::string resolved_toml(const SceneFile& file);
 
 /// The scenes that ship, by name.
 std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
-/// Those of them that are made to be looked at: not the ones that studies run.
+/// The shipped scenes that are films, not scenes of studies.
 std::vector<std::string> film_names();
 /// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source
 /// tree).
 /// @throws InputError with the nearest name
 std::filesystem::path find_scene(const std::string& name);
-/// The same for a sweep (whorl tradeoff, whorl stability).
+/// find_scene() for a sweep (whorl tradeoff, whorl stability).
 std::filesystem::path find_study(const std::string& name);
 
 /// The scene file's sections that are not the engine's: surface, camera, look. For the schema.

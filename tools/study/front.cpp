@@ -11,7 +11,7 @@ namespace {
 
 bool counts(const Measured& m) { return std::isfinite(m.cost) && std::isfinite(m.error); }
 
-/// How far (in logarithms) a point with this cost and error would push the front out: the smallest move that takes it off the dominated
+/// Distance (in logarithms) by which a point with this cost and error would extend the front: the smallest move out of the dominated
 /// side; negative where the front beats it.
 double gain(double cost, double error, const std::vector<Measured>& measured) {
     double least = std::numeric_limits<double>::infinity();

@@ -11,7 +11,7 @@ struct Measured {
     double cost = 0, error = 0;  ///< both positive; not finite where the run failed
 };
 
-/// What a user wants of a point: "error<2%", "error<0.02", "fps>24", "cost<60".
+/// A user's requirement for a point: "error<2%", "error<0.02", "fps>24", "cost<60".
 struct Goal {
     enum class Of { error, fps, cost } of = Of::error;
     double bound = 0;
@@ -36,7 +36,7 @@ public:
     /// @param most points that are expected to cost more are left out
     /// @return the next point to run; empty where the front is known (or the grid is exhausted)
     GridPoint next(const std::vector<Measured>& measured, double most = std::numeric_limits<double>::infinity()) const;
-    /// What a point is guessed to be, from those that were measured.
+    /// Estimate of a point from the measured ones.
     Measured expected(const GridPoint& p, const std::vector<Measured>& measured) const;
     std::size_t size() const;
     GridPoint point(std::size_t k) const;

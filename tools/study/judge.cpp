@@ -89,7 +89,7 @@ Growth energy_growth(const CsvTable& table, double allowed, double scale) {
     return growth;
 }
 
-/// What run.json keeps of the first step of a kind of trouble.
+/// Verdict from run.json's record of the first problem of a kind.
 Verdict first_trouble(const nlohmann::json& run, const std::string& kind, const std::string& state, const std::string& why) {
     Verdict verdict{state, why, 0, 0};
     for (const auto& trouble : run.value("first_troubles", nlohmann::json::array()))

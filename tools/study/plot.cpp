@@ -85,7 +85,7 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
         if (p.x_high > p.x_low) c.line(x.at(p.x_low), y.at(p.y), x.at(p.x_high), y.at(p.y), colour, 1.5);
         c.disc(x.at(p.x), y.at(p.y), p.on_front ? 5 : 3.5, colour);
     }
-    // Labels last, on top; each where none lies yet: beside its point, else further up or down.
+    // Labels last, on top; each at a free place: next to its point, else farther up or down.
     struct Box {
         double x0, y0, x1, y1;
         bool meets(const Box& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }

@@ -21,8 +21,7 @@ struct MapCell {
     std::string state;  ///< what colours it
     std::string note;   ///< written into it
 };
-/// Where a predicted limit runs: between which values of the second knob (as a place on its axis, 0: the first value), for each of the
-/// first's.
+/// Curve of a predicted limit: position on the second knob's axis (0: its first value) for each value of the first.
 struct MapLimit {
     std::string name;
     std::vector<double> place;  ///< NaN: outside the map

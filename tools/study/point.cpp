@@ -86,8 +86,7 @@ Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, 
 
 bool is_option(const std::string& setting, const char* name) { return setting.rfind(std::string(name) + "=", 0) == 0; }
 
-/// Of what a run reads: the scene with its settings and the files that it names; of the scene's file alone where this program cannot read
-/// it.
+/// Checksum of a run's input: the scene with its settings and the files that it names; if the scene cannot be read, of its file alone.
 std::size_t hash_of(const Options& options) {
     const std::hash<std::string> hash;
     try {
@@ -104,7 +103,7 @@ std::size_t hash_of(const Options& options) {
     } catch (const InputError&) {}
     try {
         return hash(text_of(find_scene(options.scene)));
-    } catch (const InputError&) { return 0; }  // told where it is run
+    } catch (const InputError&) { return 0; }  // reported when it is run
 }
 
 /// How a run failed. @param said its own words, if any
@@ -114,14 +113,14 @@ std::string failure(const ChildUse& use, const std::string& said) {
                        said);
 }
 
-/// The signal that ended a job of Slurm's, which tells it in the exit status alone; 0: none.
+/// The signal that ended a job of Slurm's, taken from the exit status; 0: none.
 int signal_of_job(int code) {
     const int number = code - by_signal;
     return number > 0 && number < NSIG && code != exit_interrupted ? number : 0;  // a run that saved its state ended by itself
 }
 
-/// A record that can be kept: of the same call and build, timed often enough, with its run beside it. What failed may do better now, and
-/// what was late with more time. @return whether there is one
+/// Finds a record that can be reused: of the same call and build, timed often enough, with its run in the folder. Failed points may
+/// succeed now, and late ones with more time. @return whether there is one
 bool take_record(const fs::path& record, const std::string& identity, int repeat, double limit, PointResult& result) {
     const Json known = json_of(record);
     if (!known.is_object()) return false;
@@ -138,7 +137,7 @@ bool take_record(const fs::path& record, const std::string& identity, int repeat
         kept.cpu = known.at("cpu_seconds").get<std::vector<double>>(), kept.wall = known.at("wall_seconds").get<std::vector<double>>();
         kept.memory = known.at("memory_bytes"), kept.frames = known.at("frames");
     } catch (const Json::exception&) {
-        return false;  // somebody changed or removed it: the point is run again
+        return false;  // it was changed or removed: the point is run again
     }
     kept.kept = true;
     result = std::move(kept);
@@ -154,7 +153,7 @@ void write_record(const fs::path& record, const std::string& identity, double li
 
 }  // namespace
 
-/// What a point runs.
+/// Command of a point.
 struct PointRunner::Call {
     std::string program, threads;
     std::vector<std::string> all;  ///< settings
@@ -184,14 +183,14 @@ PointRunner::Call PointRunner::call_of(const Study& study, int threads, const st
     return call;
 }
 
-/// The same for the same result and the same cost.
+/// Text that is equal for runs of equal result and cost.
 std::string PointRunner::identity_of(const Call& call, bool pictures) {
     Options read = call.options;
     read.no_images = !pictures, read.no_video = pictures;
     std::string identity = fmt::format("{} {:016x} | {} | {} | {} threads{}", read.scene, hash_of(read), joined_settings(call.all),
                                        read.quality, call.threads, pictures ? " | pictures" : "");
     if (!name_a_program(call.all)) return identity;
-    std::error_code none;  // a program that is not there is told where it is run
+    std::error_code none;  // a missing program is reported when it is run
     return identity + fmt::format(" | {} bytes of {}", fs::file_size(call.program, none),
                                   fs::last_write_time(call.program, none).time_since_epoch().count());
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// One point of a study: a run of its own process, kept when it is done.
+/// One point of a study: a run in a separate process, kept when it is done.
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -25,13 +25,13 @@ struct PointResult {
     double fps() const { return frames / wall.front(); }
 };
 
-/// Where points run.
+/// Folder and machine of points.
 struct PointPlace {
     bool slurm = false;  ///< each as a job of Slurm's, which finds it a machine and begins it again where that one fails; else here
     std::vector<std::string> sbatch;  ///< more options of sbatch
 };
 
-/// Thrown where SIGINT or SIGTERM ended a point: the study stands as far as it was and goes on when it is called again.
+/// Thrown if SIGINT or SIGTERM ended a point: finished points are kept, and the next call continues the study.
 struct StudyInterrupted {};
 
 /// Runs points, from several threads at a time if need be.
@@ -41,7 +41,7 @@ public:
     PointRunner(const Study& study, std::filesystem::path folder, int threads, PointPlace place = {});
 
     /// @param settings on top of the study's own @param repeat timings @param pictures draw
-    /// @throws InputError where the scene or a setting cannot work, EnvironmentError where this program's file is gone, StudyInterrupted
+    /// @throws InputError if the scene or a setting cannot work, EnvironmentError if this program's file was removed, StudyInterrupted
     PointResult run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const;
 
 private:

@@ -96,7 +96,7 @@ const KeyTable& study_keys() {
     return table;
 }
 
-/// Values stand in the file as numbers, flags or texts; settings are texts.
+/// Values in the file are numbers, booleans or strings; settings are strings.
 void values_to_texts(Value& root) {
     Value* knobs = root.find("knob");
     Value::List* list = knobs ? knobs->as<Value::List>() : nullptr;
@@ -137,10 +137,10 @@ std::string expression_of(const std::string& text, const std::map<std::string, s
     return out;
 }
 
-/// Each is thought of anew after every run of a sweep.
+/// All of them are evaluated after every run of a sweep.
 constexpr int most_settings = 20000;
 
-/// What is reckoned out only after a cell, or when all are done, is tried once before the first.
+/// Expressions that are evaluated only after a cell, or at the end, are tested once before the first.
 void check_expressions(const Study& study, Reader& reader) {
     std::vector<std::string> settings;
     for (const Knob& knob : study.knobs)
@@ -212,8 +212,8 @@ bool is_name(const std::string& key) {
 }
 
 std::string scene_of(const Study& study, const std::string& scene) {
-    const std::filesystem::path beside = study.directory / scene;
-    return std::filesystem::is_regular_file(beside) ? beside.string() : scene;
+    const std::filesystem::path local = study.directory / scene;
+    return std::filesystem::is_regular_file(local) ? local.string() : scene;
 }
 
 std::string with_values(const std::string& text, const std::vector<std::string>& settings) {

@@ -16,7 +16,7 @@ enum class CostKind { cpu, wall, memory };
 
 /// One setting and the values that it takes.
 struct Knob {
-    std::string key;  ///< a scene key; or scene, quality, threads, program; or a name of its own, which settings use in braces
+    std::string key;                  ///< a scene key; or scene, quality, threads, program; or a new name, which settings use in braces
     std::vector<std::string> values;  ///< as --set takes them
     std::string label;                ///< what pictures call it; "": the key
     const std::string& title() const { return label.empty() ? key : label; }
@@ -26,7 +26,7 @@ struct AccuracyKeys {
     AccuracyKind of = AccuracyKind::exact;
     std::string table = "diagnostics.csv";  ///< in the run folder: "probes/coil.csv"
     std::string column;
-    Moment at = Moment::last;            ///< the newest row, the mean of the rows, or the root of the mean square of every row's error
+    Moment at = Moment::last;            ///< the last row, the mean of the rows, or the root of the mean square of every row's error
     double from = 0;                     ///< s; earlier rows do not count
     Expression expected{0.0};            ///< exact: of t, and of x, y, z where the table has such columns
     double scale = 0;                    ///< what the error is divided by; 0: the largest expected value
@@ -60,7 +60,7 @@ struct Study {
     std::string name;
     std::vector<std::string> scenes;  ///< names of shipped scenes, or files found from the study's folder
     std::string quality = "standard";
-    std::vector<std::string> set;  ///< for every point; "{...}" stands for the value of an expression of the knobs: "time.end={40*dt}"
+    std::vector<std::string> set;  ///< for every point; "{...}" is replaced by the value of an expression of the knobs: "time.end={40*dt}"
     double limit = 600;            ///< s of wall time a point may take
     bool pictures = false;         ///< draw too (an accuracy of kind picture does so anyway)
     std::vector<Knob> knobs;
@@ -75,7 +75,7 @@ std::string scene_of(const Study& study, const std::string& scene);
 /// The settings of a run as --set takes them: the study's own, then those of its knobs, with every "{...}" replaced by its value.
 /// @param settings "key=value" of each knob @throws InputError
 std::vector<std::string> run_settings(const Study& study, const std::vector<std::string>& settings);
-/// A text with every "{...}" replaced by its value. @param settings where names find their values: "scale", a key of its own, or the
+/// A text with every "{...}" replaced by its value. @param settings values of names: "scale", a new name, or the
 /// last word of "solid[0].scale" alone
 std::string with_values(const std::string& text, const std::vector<std::string>& settings);
 /// Whether a knob is no setting itself, but a name that settings use.

@@ -22,7 +22,7 @@ async function control(order) {
   return reply;
 }
 
-// One request at a time; what is set meanwhile goes out together, the newest value of each key.
+// One request at a time; values set meanwhile are sent together, the last value of each key.
 let waiting = {}, sending = null;
 function set(changes) {
   Object.assign(waiting, changes);
@@ -77,7 +77,7 @@ async function watch() {
       }
       if (newest) await paint(newest, ours);
     }
-  } catch (error) { /* its end, or no connection, which the pill tells */ }
+  } catch (error) { /* its end, or no connection, which the pill shows */ }
 }
 async function paint(picture, ours) {
   const image = await createImageBitmap(new Blob([picture.jpeg], {type: 'image/jpeg'})), canvas = $('picture');
@@ -97,7 +97,7 @@ function connect() {
   events.onmessage = message => show(JSON.parse(message.data));
 }
 document.addEventListener('visibilitychange', () => {
-  // A page that nobody sees holds no connection: browsers allow six to one address.
+  // A hidden page keeps no connection: browsers allow six to one address.
   if (document.hidden) { events.close(); watching.abort(); } else connect();
 });
 

@@ -1,5 +1,5 @@
 'use strict';
-// Values on canvases: one plot a group, one line a name. Over time, the newest points at the right, or over a place as they are now.
+// Values on canvases: one plot a group, one line a name. Over time, the last points at the right, or over a coordinate at the current time.
 // Theory and experiments are dashed.
 const Plots = (() => {
   const kept = 600;
@@ -42,7 +42,7 @@ const Plots = (() => {
   const colour = k => colours[k % colours.length];
   const number = v => typeof v === 'number' && isFinite(v) ? v : null;
 
-  // Values at a time, under the newest 600.
+  // Values at a time, under the last 600.
   function add(parent, title, time, values, dashed = []) {
     if (!plots.has(title)) plots.set(title, make(parent, title));
     const plot = plots.get(title);

@@ -63,8 +63,8 @@ struct State {
     Index size() const { return w.fluid.size(); }
 };
 
-/// What the constraint's step solves first: all that press or are about full, the source b, the residual of a density error of rho_0 a
-/// step.
+/// First system of the constraint's step: all particles that press or are about full, the source b, the residual of a density error of
+/// rho_0 per step.
 struct ConstraintSystem {
     static constexpr const char* form = "constraint";
     DensityRate D;

@@ -1,5 +1,5 @@
 #pragma once
-/// The viscous models as linear maps from velocities to viscous accelerations, for tables that hold them beside each other.
+/// The viscous models as linear maps from velocities to viscous accelerations, for tables that compare them.
 #include <functional>
 #include <string>
 

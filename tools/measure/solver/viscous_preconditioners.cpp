@@ -21,7 +21,7 @@ constexpr double d = 0.01, density = 1000;
 
 /// A thread that coils: a pile on a plate, a thread above it that hangs from a nozzle. @param scale 1: four thousand particles @param
 /// uneven d, off the lattice
-/// @param stuck the fluid next to the plate is held by its role, for a solve that knows no layer of solid particles
+/// @param stuck the fluid next to the plate is held by its role, for a solve without boundary particles
 TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>& stages, bool stuck) {
     const double pile = 11 * scale * d, height = 5.5 * scale * d, thread = 4 * scale * d, top = 34 * scale * d;
     TestWorld w(d, 2,

@@ -1,4 +1,4 @@
-/// What each viscous model keeps, how stiff a rope of few particles is with it, how fast waves decay, and what a step costs.
+/// Per viscous model: conservation, stiffness of a rope of few particles, decay of waves, and cost of a step.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <numbers>
@@ -41,8 +41,7 @@ void kept(const ViscousModel& model, double& momentum, double& angular) {
     angular = L.norm() / (scale * 10 * d);
 }
 
-/// The part of a rigid rotation about a rope's axis that one second's worth of a step at nu dt/d^2 = 10 destroys, were it to go on as it
-/// begins.
+/// The fraction of a rigid rotation about a rope's axis that a step at nu dt/d^2 = 10 destroys, extrapolated to one second.
 double braking(const ViscousModel& model) {
     std::vector<Vec3> x = rope(2.5 * d, 20 * d, d);
     const double nu = 1, dt = 10 * d * d / nu;
