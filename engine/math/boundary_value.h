@@ -114,7 +114,7 @@ template <class Problem>
 std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_step(const Problem& problem, const Curve<n>& curve) {
     const std::size_t intervals = curve.s.size() - 1;
     std::vector<Matrix> upper(intervals);
-    std::vector<Eigen::Matrix<double, n, n + 1>> right(intervals);
+    std::vector<Eigen::Matrix<double, n, n + 1>> coupling(intervals);
     Eigen::Matrix<double, first, n> at_start;
     Eigen::Matrix<double, first, n + 1> condition;
     condition.col(n) = -with_jacobian<first>([&](const auto& v) { return problem.at_start(v); }, curve.y[0], at_start);
@@ -134,7 +134,7 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
         block.template bottomRightCorner<n, 1>() = curve.y[i] - curve.y[i + 1] + h / 6 * (left + 4 * middle + right);
         if (!eliminate(block, n)) return {};
         upper[i] = block.template topLeftCorner<n, n>();
-        right[i] = block.template topRightCorner<n, n + 1>();
+        coupling[i] = block.template topRightCorner<n, n + 1>();
         condition = block.template bottomRightCorner<first, n + 1>();
         left = right, j_left = j_right;
     }
@@ -148,7 +148,8 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
     std::vector<Values> step(intervals + 1);
     step[intervals] = end.template leftCols<n>().template triangularView<Eigen::Upper>().solve(end.col(n));
     for (std::size_t i = intervals; i-- > 0;)
-        step[i] = upper[i].template triangularView<Eigen::Upper>().solve(right[i].col(n) - right[i].template leftCols<n>() * step[i + 1]);
+        step[i] =
+            upper[i].template triangularView<Eigen::Upper>().solve(coupling[i].col(n) - coupling[i].template leftCols<n>() * step[i + 1]);
     return step;
 }
 
