@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 namespace whorl {
@@ -179,40 +180,10 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
     node.as<Value::Table>()->emplace_back(step.name, std::move(child));
 }
 
-bool in_number(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("+-._", c) != nullptr; }
-
-/// A number as people write them (.8, 5., 1.e3, 1e999) as TOML writes it; what is no number stays.
-std::string plain_number(const std::string& word) {
-    const char first = word[word[0] == '+' || word[0] == '-'];
-    if (first != '.' && std::isdigit(static_cast<unsigned char>(first)) == 0) return word;
-    std::string text = word;
-    std::erase(text, '_');  // 1_000
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    if (*end != 0) return word;
-    if (text.find_first_of("xX") != std::string::npos) return word;
-    const bool whole = text.find_first_of(".eE") == std::string::npos && std::abs(number) < 9e18;
-    return whole ? std::to_string(std::strtoll(text.c_str(), nullptr, 10)) : Value(number).toml();
-}
-
-/// The text with its numbers as TOML writes them, outside of quotes.
-std::string with_plain_numbers(const std::string& text) {
-    std::string out;
-    for (std::size_t i = 0; i < text.size();) {
-        if (text[i] == '"' || text[i] == '\'') {
-            const std::size_t end = end_of_quoted(text, i);
-            out += text.substr(i, end - i);
-            i = end;
-        } else if (in_number(text[i])) {
-            std::size_t end = i + 1;
-            while (end < text.size() && in_number(text[end])) ++end;
-            out += plain_number(text.substr(i, end - i));
-            i = end;
-        } else {
-            out += text[i++];
-        }
-    }
-    return out;
+/// Numbers as people write them, .5 and 1., as TOML writes them.
+std::string with_zeros(const std::string& text) {
+    static const std::regex before("(^|[\\[,\\s+-])\\.(?=[0-9])"), after("([0-9])\\.(?=[\\],\\s]|$)");
+    return std::regex_replace(std::regex_replace(text, before, "$010."), after, "$01.0");
 }
 
 std::size_t offset_of(const std::string& text, const toml::source_position& place) {
@@ -312,8 +283,13 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     Value value;
     try {
         check_nesting(change.value, change.source);
-        value = *converted(toml::parse("value = " + with_plain_numbers(change.value)), "").find("value");
+        const auto parsed = [](const std::string& text) { return *converted(toml::parse("value = " + text), "").find("value"); };
+        try {
+            value = parsed(change.value);
+        } catch (const toml::parse_error&) { value = parsed(with_zeros(change.value)); }
     } catch (const toml::parse_error& e) {
+        char* end = nullptr;
+        const double number = std::strtod(change.value.c_str(), &end);  // 1e999
         // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
         if (std::strchr("[{\"'", change.value[0]) != nullptr) {
             const bool list = change.value.front() == '[' && change.value.back() == ']';
@@ -321,7 +297,7 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
                 {place, "the value is not TOML: " + message_of(e), list ? "put strings and expressions in a list in quotes" : "", ""});
             return;
         }
-        value = Value(change.value);
+        value = *end == 0 ? Value(number) : Value(change.value);
     }
     set_place(value, place);
     put(root, steps, 0, value, problems);

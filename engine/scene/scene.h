@@ -130,7 +130,6 @@ struct PressureKeys {
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
     std::optional<PressureForm> form;                           ///< ppe; none: "auto"
     PressureSource source = PressureSource::velocity;           ///< projection
-    bool tension = false;                                       ///< projection: pressures below 0 may hold a body whose waves grow
     bool clamp = true;                                          ///< source density: p = max(0, p) after the solve
     MultigridCycle cycle = MultigridCycle::additive;            ///< source density
     int sweeps = 1;                                             ///< source density: of a multigrid cycle, before and after each correction

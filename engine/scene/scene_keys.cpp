@@ -129,9 +129,6 @@ KeyTable pressure_keys() {
           "projection: what the pressure takes away, the divergence of the velocity or the error of the density")
         .only_with(form, {"projection"});
     const std::string source = "pressure.source";
-    t.key("tension", &PressureKeys::tension, "",
-          "projection: run a body that turns without weight although pressures below that of the air hold it and waves on it grow")
-        .only_with(form, {"projection"});
     t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as printed; false: they pull")
         .only_with(source, {"density"});
     t.key("cycle", &PressureKeys::cycle, "",

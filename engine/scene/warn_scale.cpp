@@ -37,11 +37,9 @@ public:
         if (g > strongest_gravity) add("domain.gravity", " = {:g} is {:.3g} times the earth's; it is in m/s^2", g, g / 9.81);
         if (has_units()) properties();
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
-        speeds();
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) solid(entry_name("solid", i), i);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
             size(entry_name("block", i), scene_.blocks[i].shape, shapes_.block_extent[i]);
-        for (std::size_t i = 0; i < scene_.drains.size(); ++i) drain(entry_name("drain", i), i);
         return std::move(found_);
     }
 
@@ -77,39 +75,8 @@ private:
                         : e.width >= e.thickness ? ".width"
                                                  : ".thickness"),
                 ": the nozzle is {} across; lengths are in metres", length(across));
-    }
-
-    /// Maximum over the run of every speed.
-    void speeds() {
-        const double end = scene_.time.end, room = longest_side(scene_.domain),
-                     frame = 1 / (std::max(24.0, scene_.time.fps) * scene_.time.slow_motion);
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) {
-            const std::string key = entry_name("emitter", i) + ".speed";
-            const double u = fastest_of(scene_.emitters[i], end);
-            speed(key, "fluid", u);
-            if (u > 1 && u <= fastest_fluid && u * frame > room)
-                add(key, ": {:.4g} m/s crosses the whole domain of {} in less than a frame; speeds are in m/s", u, length(room));
-        }
-        for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
-            speed(entry_name("block", i) + ".velocity", "fluid",
-                  fastest_of(scene_.blocks[i], shapes_.block_extent[i].min, shapes_.block_extent[i].max));
-        for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
-            double most = 0;
-            for (const double t : sample_times(0, end)) most = std::max(most, scene_.streams[i].velocity(t).norm());
-            speed(entry_name("stream", i) + ".velocity", "fluid", most);
-        }
-        for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
-            const SolidKeys& s = scene_.solids[i];
-            const bool free = s.density > 0, turns = !free && !s.position.depends_on_time();
-            speed(entry_name("solid", i) + (free    ? ".velocity"
-                                            : turns ? ".rotation"
-                                                    : ".position"),
-                  "solid", free ? s.velocity.norm() : fastest_of(s, shapes_.solid_extent[i], end));
-        }
-    }
-    void speed(const std::string& key, const char* what, double u) {
-        if (u > fastest_fluid && std::isfinite(u))
-            add(key, ": the {} moves at {:.4g} m/s, {:.0f} km/h; speeds are in m/s, rotations in rad/s", what, u, 3.6 * u);
+        if (const double u = fastest_of(e, scene_.time.end); u > fastest_fluid && std::isfinite(u))
+            add(name + ".speed", ": the fluid moves at {:.4g} m/s; speeds are in m/s", u);
     }
 
     /// A floor may be much wider than what flows on it.
@@ -136,17 +103,6 @@ private:
         const double across = longest_side(e, scene_.domain.dimensions);
         add(name + "." + size_key(s.shape), ": this container is {} across and holds the whole domain of {}, so it holds nothing back; {}",
             length(across), length(longest_side(scene_.domain)), size_hint(s.shape, across));
-    }
-
-    void drain(const std::string& name, std::size_t i) {
-        const DrainKeys& d = scene_.drains[i];
-        // Beside an emitter, `after` limits the age of the fluid.
-        const bool limits_age = d.after > 0 && !scene_.emitters.empty();
-        if (limits_age || d.after >= scene_.time.end) return;
-        if (!holds_domain(*shapes_.drains[i], Vec3d::Zero(), -0.5 * scene_.fluid.spacing)) return;
-        const double across = longest_side(shapes_.drain_extent[i], scene_.domain.dimensions);
-        add(name + "." + size_key(d.shape), ": the drain is {} across and holds the whole domain of {}: no fluid is left after {:g} s; {}",
-            length(across), length(longest_side(scene_.domain)), d.after, size_hint(d.shape, across));
     }
     /// Whether a shape that has moved holds all corners of the domain, and as much around it. Nothing stands beyond a periodic end.
     bool holds_domain(const Shape& shape, const Vec3d& moved, double around) const {

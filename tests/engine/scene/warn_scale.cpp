@@ -10,16 +10,6 @@ using namespace whorl;
 using test::messages_with;
 using test::plan_with;
 
-namespace {
-
-std::string without_emitter() {
-    const std::string& scene = test::poured_honey;
-    const std::size_t from = scene.find("[[emitter]]"), to = scene.find("[[solid]]");
-    return scene.substr(0, from) + scene.substr(to);
-}
-
-}  // namespace
-
 TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mistake", "[plan]") {
     const auto warned = [](const std::vector<std::string>& changes, const std::string& text) {
         const std::vector<std::string> all = plan_with(changes).warnings;
@@ -31,11 +21,9 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
                                          "emitter[0].position=[0,100,0]"};
     CHECK(warned(large, "domain.max: the domain is 240 m long; lengths are in metres"));
     CHECK(warned(large, "emitter[0].radius: the nozzle is 10 m across; lengths are in metres"));
-    const std::string fast = "emitter[0].speed: the fluid moves at 300 m/s, 1080 km/h; speeds are in m/s, rotations in rad/s";
+    const std::string fast = "emitter[0].speed: the fluid moves at 300 m/s; speeds are in m/s";
     CHECK(warned({"emitter[0].speed=300", "time.end=0.01"}, fast));
     CHECK(warned({"emitter[0].speed=300*min(1,1000*t)", "time.end=0.01"}, fast));
-    CHECK(warned({"emitter[0].speed=25"},
-                 "emitter[0].speed: 25 m/s crosses the whole domain of 0.2 m in less than a frame; speeds are in m/s"));
     CHECK(messages_with({"emitter[0].speed=1/t"}) == "--set emitter[0].speed=1/t: emitter[0].speed is inf m/s at t = 0 s");
     const std::string gas = "fluid.density = 1: liquids have 100 to 25000 kg/m^3 (water 1000, air 1.2)";
     CHECK(warned({"fluid.density=1.3"}, "fluid.density = 1.3: liquids have 100 to 25000 kg/m^3 (water 1000, air 1.2)"));
@@ -43,10 +31,6 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
     CHECK(!warned({"fluid.density=1", "domain.gravity=[0,0,0]"}, gas));   // has no units
     CHECK(!warned({"fluid.density=1", "domain.gravity=[0,-1,0]"}, gas));  // also without units
     CHECK(warned({"fluid.surface_tension=72"}, "fluid.surface_tension = 72: liquids have up to 4 N/m (water 0.072)"));
-    CHECK(warned({"stream[0]={min=[0,0,0], max=[0.01,0.01,0.01], time=1, velocity=[0,'250*sin(9*t)',0]}", "models.pressure=ppe"},
-                 "stream[0].velocity: the fluid moves at 250 m/s, 900 km/h; speeds are in m/s, rotations in rad/s"));
-    CHECK(warned({"solid[0].position=[0,'-200*t',0]"},
-                 "solid[0].position: the solid moves at 200 m/s, 720 km/h; speeds are in m/s, rotations in rad/s"));
     CHECK(warned({"domain.gravity=[0,-9810,0]"}, "domain.gravity = 9810 is 1e+03 times the earth's; it is in m/s^2"));
     CHECK(warned({"time.end=1e-5", "time.fps=1e7"},
                  "time.fps = 1e+07: no player shows that many frames per second; use time.slow_motion to slow the video down"));
@@ -92,17 +76,12 @@ TEST_CASE("a shape larger than the domain is reported itself, not the shapes ins
         const std::vector<std::string> all = plan_with({change}).warnings;
         return all.size() == 1 ? all[0] : "none or several";
     };
-    CHECK(warned("drain[0]={shape=\"sphere\", radius=5}") ==
-          "drain[0].radius: the drain is 10 m across and holds the whole domain of 0.2 m: no fluid is left after 0 s; lengths are in "
-          "metres: "
-          "millimetres would be 0.01 m across");
     CHECK_THAT(warned("solid[1]={shape=\"sphere\", radius=5, inside=true}"),
                Catch::StartsWith("solid[1].radius: this container is 10 m across and holds the whole domain of 0.2 m"));
 }
 
-TEST_CASE("a container or drain as large as the domain is no slip where it leaves fluid", "[plan]") {
-    const std::string domain = "shape=\"box\", min=[-0.1,-0.01,-0.1], max=[0.1,0.1,0.1]",
-                      block = "block[0]={shape=\"box\", min=[-0.02,0.02,-0.02], max=[0.02,0.04,0.02]}";
+TEST_CASE("a container as large as the domain is no mistake if it holds fluid", "[plan]") {
+    const std::string domain = "shape=\"box\", min=[-0.1,-0.01,-0.1], max=[0.1,0.1,0.1]";
     const auto warnings = [](const std::vector<std::string>& changes) { return plan_with(changes).warnings; };
     CHECK(warnings({"solid[1]={" + domain + ", inside=true}"}).empty());
     CHECK(
@@ -111,23 +90,6 @@ TEST_CASE("a container or drain as large as the domain is no slip where it leave
     CHECK(
         warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-1,-1,-0.1], max=[1,1,0.1], inside=true}"}).size() ==
         1);
-    // Beside an emitter it limits the age of the fluid.
-    CHECK(warnings({"drain[0]={" + domain + ", after=2}"}).empty());
-    CHECK(warnings({"drain[0]={" + domain + "}"}).size() == 1);
-    CHECK_THAT(make_plan(test::scene_with({"drain[0]={" + domain + ", after=2}", block}, without_emitter())).warnings.at(0),
-               Catch::Contains("no fluid is left after 2 s"));
-}
-
-TEST_CASE("a rod that spins about its axis is as fast as its surface", "[plan]") {
-    const auto warnings = [](const std::string& rotation) {
-        return plan_with({"solid[1]={shape=\"cylinder\", from=[0,-0.5,0], to=[0,0.5,0], radius=0.02, position=[0.06,0,0.06], rotation=" +
-                          rotation + "}"})
-            .warnings;
-    };
-    CHECK(warnings("[0,209,0]").empty());
-    REQUIRE(warnings("[0,0,209]").size() == 1);
-    CHECK_THAT(warnings("[0,0,209]")[0], Catch::StartsWith("solid[1].rotation: the solid moves at 104.6 m/s"));
-    CHECK(warnings("['209*sin(t)','209*cos(t)',0]").size() == 1);  // its axis leaves its own
 }
 
 TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {

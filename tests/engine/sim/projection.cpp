@@ -311,15 +311,6 @@ TEST_CASE(
     set_threads(before);
 }
 
-TEST_CASE("a free body that does not start where it floats is refused under the projection", "[sim][projection][bodies]") {
-    std::string text = floating;
-    text.replace(text.find("density = 950"), 13, "density = 500");
-    try {
-        simulation_of(text);
-        FAIL("no error");
-    } catch (const InputError& e) { CHECK_THAT(e.what(), Catch::Contains("100 % of it is under the fluid, and it would float with 50 %")); }
-}
-
 TEST_CASE("a stone that lies on the floor stays there under the projection, and the water stays still", "[sim][projection][bodies]") {
     std::string text = floating;
     const auto from = text.find("[[solid]]\nshape = \"sphere\"");

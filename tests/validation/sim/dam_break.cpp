@@ -186,7 +186,6 @@ velocity = ["-y", "x"]
 pressure = "ppe"
 [pressure]
 form = "projection"
-tension = true
 )toml",
                                                       d));
     struct State {
