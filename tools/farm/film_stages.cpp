@@ -45,7 +45,7 @@ void add_panels(const std::string& threads, FarmFilm& film) {
     const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, true); };
     const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
     film.files.emplace_back(film.folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
-    FarmStage panels{"panels"};
+    FarmStage panels{"panels", {}};
     for (std::size_t k = 0; k < runs.size(); ++k) {
         const fs::path file = film.folder / "farm" / fmt::format("panel{}.toml", k + 1);
         film.files.emplace_back(file, resolved_toml(runs[k]));
@@ -55,7 +55,7 @@ void add_panels(const std::string& threads, FarmFilm& film) {
             e.film, e.memory, panels);
     }
     // If a panel diverged, the frames that it has are filmed.
-    FarmStage gather{"gather"};
+    FarmStage gather{"gather", {}};
     gather.after_failures = true;
     add({film.file.scene.name, {program(), "resume", film.folder.string(), "--quiet", "--threads", threads}, {}, {}},
         0.1 * frame_count(film.file.scene), 200e6, gather);
@@ -68,7 +68,7 @@ void add_one(const std::string& threads, int most_pieces, FarmFilm& film) {
     const OutputKeys& output = film.file.scene.output;
     const Estimate e = estimate(film.file);
     film.files = {{film.folder / "scene.resolved.toml", text}, {scene, text}};
-    FarmStage simulate{"simulate"}, draw{"draw"}, encode{"encode"};
+    FarmStage simulate{"simulate", {}}, draw{"draw", {}}, encode{"encode", {}};
     add(run_task(name, scene, film.folder, threads, output.frames ? std::vector<std::string>{"--no-draw"} : std::vector<std::string>{}),
         e.film, e.memory, simulate);
     film.stages = {simulate};
