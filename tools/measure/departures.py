@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 
-from . import theory
+from . import drawing, theory
 from .registry import markdown, percent, table
 from .runs import read_scene
 from .vortices import spinning
@@ -48,13 +48,17 @@ def pressure(m):
                     "| CPU s", rows)
 
 
-def micropolar(m):
-    rows, amended = [], "models.notes=amended"
+def free_ball(m, end):
+    """A ball of the third note's fluid that turns, free and without weight."""
     scene = read_scene(note_3)
-    ball = m.toml_file("departures/ball", {
-        **scene, "name": "ball", "time": {"end": 2, "fps": 10}, "fluid": {**scene["fluid"], "spacing": 0.2},
+    return m.toml_file(f"departures/ball-{end}", {
+        **scene, "name": "ball", "time": {"end": end, "fps": 10}, "fluid": {**scene["fluid"], "spacing": 0.2},
         "domain": {"min": [-3, -3, -3], "max": [3, 3, 3], "gravity": [0, 0, 0]}, "pressure": {**scene["pressure"], "background_pressure": 0},
         "block": [{"shape": "sphere", "position": [0, 0, 0], "radius": 1, "velocity": ["-0.2*y", "0.2*x", "0"]}]})
+
+
+def micropolar(m):
+    rows, amended, ball = [], "models.notes=amended", free_ball(m, 2)
     seen, damped = "micropolar.co_rotating=true", "pressure.sound_damping=1"
     for words, settings in (("as printed", []), ("lattice factors, symmetric weights, XSPH of the step's start", [amended]),
                             ("and no XSPH", [amended, "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0"]),
@@ -72,3 +76,35 @@ def micropolar(m):
 @table("departures", "what each departure from the notes as printed costs and brings: error, energy, time", "5 minutes")
 def departures(m):
     return "\n\n".join((viscosity(m), pressure(m), micropolar(m)))
+
+
+@table("energy_budget", "the energy of a free ball that turns: as printed, with the safe form, with eringen", "1 minute",
+       files="docs/pictures/energy_budget.svg")
+def energy_budget(m):
+    safe = ["models.notes=amended", "micropolar.co_rotating=true", "pressure.sound_damping=1", "viscosity.laplacian=auto"]
+    forms = {"as printed": [], "seed, safe form (default)": safe, "eringen": [*safe, "models.micropolar=eringen"]}
+    runs = {words: m.render(free_ball(m, 6), f"departures/budget-{k}", *forms[words]).table() for k, words in enumerate(forms)}
+    rows = []
+
+    def parts(d):
+        """Flow, spin, what viscosity, exchange and XSPH have taken, and other work, over the energy at the start."""
+        taken = d["viscous_dissipation"] + d["exchange_dissipation"] + d["smoothing_dissipation"]
+        work = d["pressure_work"] + d["moves_work"]
+        return [part / d["kinetic_energy"][0] for part in (d["kinetic_energy"], d["spin_energy"], taken, work)]
+
+    def draw(axes):
+        for colour, width, (words, d) in zip(("C3", "C0", "C2"), (1.5, 3, 1.5), runs.items()):
+            flow, spin, taken, work = parts(d)
+            for line, values in (("-", flow + spin), ("--", taken), (":", flow + spin + taken - work)):
+                axes.plot(d["time"], values, line, color=colour, linewidth=width, label=words if line == "-" else None)
+        for line, words in (("-", "flow + spin"), ("--", "dissipated"), (":", "their sum less other work")):
+            axes.plot([], [], line, color="black", label=words)
+        axes.set(xlabel="t [s]", ylabel="over the energy at the start", ylim=(-4, 5))
+        axes.legend(frameon=False)
+
+    for words, d in runs.items():
+        rows.append([words, *(f"{part[-1]:.3f}" for part in parts(d)), f"{(d['energy_error'] / d['kinetic_energy'][0])[-1]:.0e}"])
+    if not m.dry:
+        m.write("docs/pictures/energy_budget.svg", drawing.figure(6.4, 3.9, draw))
+    return "![Energy of a free ball over time](../pictures/energy_budget.svg)\n\n" + markdown(
+        "form | flow after 6 s | spin | dissipated | other work | what does not close", rows)
