@@ -104,7 +104,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(scene.solids[0].inside);
     CHECK(scene.solids[0].shape.max == Vec3d(1, 3, 1));
     CHECK(scene.solids[2].density == 400);
-    CHECK(scene.solids[1].shape.file.filename() == "scene_body_1.obj");  // so that several scenes can be imported into one folder
+    CHECK(scene.solids[1].shape.file.filename() == "tank_body_1.obj");  // so that several scenes can be imported into one folder
     // The mesh's own file holds it turned about y and half as high.
     const TriangleMesh wedge = read_mesh(scratch / scene.solids[1].shape.file.filename());
     Vec3f low = wedge.position[0], high = low;

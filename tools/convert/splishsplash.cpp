@@ -14,7 +14,6 @@
 
 #include "engine/core/utf8.h"
 #include "engine/geometry/mesh_file.h"
-#include "engine/scene/read.h"
 #include "render/surface/surface.h"
 #include "tools/convert/json_tree.h"
 
@@ -128,7 +127,7 @@ const JsonNode& section_of(const JsonNode& node, std::string_view method) {
 
 class Converter {
 public:
-    explicit Converter(const std::filesystem::path& file) : file_(file), root_(read_json(file)) {
+    Converter(const std::filesystem::path& file, std::string name) : file_(file), name_(std::move(name)), root_(read_json(file)) {
         for (const char* list : {"Configuration", "Materials"}) find_sections(root_.find(list));
     }
 
@@ -194,6 +193,7 @@ private:
     std::string head() const;
 
     std::filesystem::path file_;
+    std::string name_;  ///< begins the names of the mesh files
     JsonNode root_;
     ConvertedScene made_;
     std::string time_, fluid_, models_, pressure_, viscosity_, micropolar_, shapes_, camera_, look_;  // of the scene file
@@ -464,7 +464,7 @@ TriangleMesh Converter::mesh_at(const JsonNode& node, const char* key) const {
     } catch (const InputError& error) { throw InputError(node.find(key)->place, node.path + "." + key + ": " + error.what()); }
 }
 
-/// Turns and scales a mesh as the other program does, and adds it as a file whose name begins with the scene's name.
+/// Turns and scales a mesh as the other program does, and adds it as a file of its own.
 void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const std::string& name) {
     TriangleMesh placed = mesh;
     for (Vec3f& x : placed.position) {
@@ -474,7 +474,7 @@ void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const 
     }
     if (at.scale.prod() < 0)
         for (auto& triangle : placed.triangle) std::swap(triangle[1], triangle[2]);
-    made_.meshes.emplace_back(fmt::format("{}_{}.obj", scene_name(file_), name), std::move(placed));
+    made_.meshes.emplace_back(fmt::format("{}_{}.obj", name_, name), std::move(placed));
     shapes_ += fmt::format("shape = \"mesh\"\nfile = \"{}\"\n", made_.meshes.back().first);
 }
 
@@ -502,6 +502,6 @@ std::string Converter::head() const {
 
 }  // namespace
 
-ConvertedScene convert_splishsplash(const std::filesystem::path& file) { return Converter(file).convert(); }
+ConvertedScene convert_splishsplash(const std::filesystem::path& file, const std::string& name) { return Converter(file, name).convert(); }
 
 }  // namespace whorl

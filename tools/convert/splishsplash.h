@@ -17,7 +17,8 @@ struct ConvertedScene {
     std::vector<Problem> notes;                                ///< a line each: what was taken as what, and what has no equivalent
 };
 
+/// @param name begins the names of the mesh files
 /// @throws InputError with file, line and column where the file is no such scene, or a mesh that it needs cannot be read
-ConvertedScene convert_splishsplash(const std::filesystem::path& file);
+ConvertedScene convert_splishsplash(const std::filesystem::path& file, const std::string& name = "scene");
 
 }  // namespace whorl

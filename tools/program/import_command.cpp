@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "engine/core/whole_file.h"
+#include "engine/scene/read.h"
 #include "render/export/ply.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/program/command.h"
@@ -30,8 +31,8 @@ std::vector<std::string> remarks_on(const fs::path& scene) try {
 }
 
 int import_scene(const ImportOptions& options) {
-    const ConvertedScene made = convert_splishsplash(options.file);
     const fs::path out = options.out.empty() ? fs::path(options.file.stem().string() + ".toml") : options.out;
+    const ConvertedScene made = convert_splishsplash(options.file, scene_name(out));
     std::vector<fs::path> files{out};
     for (const auto& [name, mesh] : made.meshes) files.push_back(out.parent_path() / name);
     for (const fs::path& file : files)
