@@ -120,7 +120,7 @@ std::string messages(const std::vector<std::string>& changes, const std::string&
 
 }  // namespace
 
-TEST_CASE("as printed, two steps of the third note's system are its printed sums within 1e-4", "[micropolar][printed]") {
+TEST_CASE("two steps of the third note's system are its printed sums within 1e-4", "[micropolar][printed]") {
     for (const bool second : {false, true}) {
         CAPTURE(second);
         const Scene scene = scene_with({std::string("viscosity.laplacian=") + (second ? "monaghan" : "brookshaw")}, cloud);
