@@ -1,6 +1,7 @@
 // Pictures drawn again from a run's frames.
 #include <array>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -8,7 +9,8 @@
 #include "render/image/image.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
-#include "tools/film/first_pass.h"
+#include "tools/cost/choices.h"
+#include "tools/film/contact_sheet.h"
 #include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 
@@ -187,6 +189,40 @@ TEST_CASE("ranges that a new look leaves open use the whole film, whichever fram
     const std::string one = draw("one", look, {"--frames", "2"});
     CHECK((one == draw("all", look, {})));
     CHECK((one == draw("given", given, {})));
+}
+
+TEST_CASE("draw follows a run that goes on, beside its own images or in its folder if it makes none") {
+    const test::ScratchFolder folder;
+    const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
+    std::ofstream(scene) << puddle;
+    const bool draws_itself = GENERATE(true, false);
+    std::vector<std::string> words{"render", scene.string(), "--out", run.string(),        "--quiet",
+                                   "--set",  "time.fps=200", "--set", "fluid.spacing=2e-3"};
+    if (!draws_itself) words.emplace_back("--no-draw");
+    test::Program program(words);
+    REQUIRE(program.wait_until([&] { return fs::exists(run / "raw/000001.frame"); }));
+    program.signal(SIGSTOP);  // so that it does go on
+    std::vector<std::string> draw{"draw", run.string(), "--quiet", "--set", "look.style=particles"};
+    if (draws_itself) {
+        const Outcome refused = test::whorl(draw);
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.err, Catch::Contains("the run goes on and draws its own images here; draw into another folder, as in --out " +
+                                                run.string() + "_drawn"));
+        draw.insert(draw.end(), {"--out", other.string()});
+    }
+    const fs::path drawn = draws_itself ? other : run;
+    test::Program follower(draw);
+    REQUIRE(follower.wait_until([&] { return fs::exists(drawn / "frames/000001.png"); }));
+    if (!draws_itself) CHECK_THAT(test::whorl(draw).err, Catch::Contains("another run is at work in this folder"));
+    program.signal(SIGCONT);
+    CHECK(program.wait().code == 0);
+    const Outcome done = follower.wait();
+    CHECK(done.code == 0);
+    CHECK_THAT(done.err, Catch::Contains("the run goes on: its frames are drawn as they come, until it ends"));
+    const std::vector<int> frames = exported_frames(run);
+    CHECK(frames.size() == 21);
+    for (const int n : frames) CHECK(has_picture(drawn, n));
+    CHECK(fs::exists(drawn / "contact.png"));
 }
 
 TEST_CASE("draw warns of a camera that shows nothing") {

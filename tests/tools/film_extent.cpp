@@ -4,7 +4,7 @@
 #include "engine/io/snapshot.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
-#include "tools/film/first_pass.h"
+#include "tools/cost/choices.h"
 #include "tools/film/panel_scenes.h"
 
 using namespace whorl;
@@ -49,11 +49,11 @@ SceneFile read(const std::string& text, const std::vector<std::string>& set = {}
     const test::FilmScratch scratch(text);
     return read_scene_file(scratch.scene(), set);
 }
-Extent foreseen(const std::string& text, const std::vector<std::string>& set = {}) {
+SeenBox foreseen(const std::string& text, const std::vector<std::string>& set = {}) {
     const SceneFile file = read(text, set);
     return foreseen_extent(Simulation(file.scene, make_plan(file.scene)));
 }
-Extent shown_by(const std::filesystem::path& run) {
+SeenBox shown_by(const std::filesystem::path& run) {
     const CameraOptions camera = read_scene_file(run / "scene.resolved.toml").camera;
     REQUIRE(camera.min.has_value());
     return {*camera.min, *camera.max};
@@ -66,8 +66,8 @@ TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run
     const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--threads", "1"});
     INFO(done.err);
     REQUIRE(done.code == 0);
-    CHECK(done.err.find("first pass with larger particles, for the camera") != std::string::npos);
-    const Extent seen = shown_by(scratch.run());
+    CHECK(done.err.find("coarse run of the whole film") != std::string::npos);
+    const SeenBox seen = shown_by(scratch.run());
     // The opening, and the board, which is little larger than the thread is long; nothing of the hall.
     CHECK(seen.contains(Vec3f(0.006f, 0.04f, 0)));
     CHECK(seen.contains(Vec3f(0.029f, -0.005f, -0.029f)));
@@ -83,7 +83,7 @@ TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run
     CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
 }
 
-TEST_CASE("the first pass makes a scene's changes") {
+TEST_CASE("the coarse run makes a scene's changes") {
     const test::FilmScratch scratch(
         std::string(hall) +
         "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[[block]]\nshape = \"sphere\"\nposition = [0.1, 0.1, 0]\nradius = 0.012\n"
@@ -91,16 +91,53 @@ TEST_CASE("the first pass makes a scene's changes") {
     const Outcome done = test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run(), "--no-video"});
     INFO(done.err);
     REQUIRE(done.code == 0);
-    CHECK(done.err.find("first pass with larger particles, for the camera") != std::string::npos);
+    CHECK(done.err.find("coarse run of the whole film") != std::string::npos);
     // It flies sideways for .15 s: 20 t^2 = .45 m.
     CHECK(shown_by(scratch.run()).max().x() == Approx(0.55).margin(0.05));
+}
+
+TEST_CASE("a coarse run is made once, and none for the camera of a room that is full, nor without images") {
+    const test::FilmScratch scratch(hall);
+    const auto runs_coarsely = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"render", scratch.scene(), "--frames", "1", "--overwrite", "--out", scratch.run(), "--no-video"});
+        const Outcome done = test::whorl(words);
+        INFO(done.err);
+        CHECK(done.code == 0);
+        return done.err.find("coarse run") != std::string::npos;
+    };
+    const std::vector<std::string> until{"--until", "0.03"};
+    const auto with = [&](std::vector<std::string> more) { return more.insert(more.end(), until.begin(), until.end()), more; };
+    CHECK_FALSE(runs_coarsely(with({"--no-images"})));
+    CHECK(runs_coarsely(until));
+    CHECK_FALSE(runs_coarsely(until));
+    std::ofstream(scratch.scene())
+        << "name = \"full\"\n[time]\nend = 0.1\n[domain]\nmin = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\n[fluid]\n"
+           "spacing = 5e-3\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\n[[solid]]\nshape = \"box\"\n"
+           "min = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\ninside = true\n[output]\nsize = [64, 36]\n";
+    CHECK_FALSE(runs_coarsely({}));
+    CHECK(shown_by(scratch.run()).sizes().isApprox(Vec3f::Constant(0.05f), 0.1f));
+}
+
+TEST_CASE("panels make one coarse run for the same flow, and one each if what is poured differs") {
+    for (const auto& [set, runs] : {std::pair{"pressure.tolerance=1e-3", 1}, std::pair{"emitter[0].position=[0, 0.2, 0]", 2}}) {
+        CAPTURE(set);
+        const SceneFile file = read(std::string(hall) + "[[panel]]\n[[panel]]\nset = [\"" + set + "\"]\n");
+        int made = 0;
+        const auto panels = panel_scenes(file, [&](const SceneFile& run, const Simulation& start) {
+            ++made;
+            return with_estimates(run, start);
+        });
+        CHECK(made == runs);
+        CHECK(panels[0].camera.max == panels[1].camera.max);
+        CHECK((panels[0].camera.max->y() > 0.15f) == (runs == 2));
+    }
 }
 
 TEST_CASE("a camera of the scene's own stays, and so does the box that it gives an automatic one") {
     const test::FilmScratch scratch(std::string(hall) + "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n");
     const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--until", "0.05"});
     REQUIRE(done.code == 0);
-    CHECK(done.err.find("first pass") == std::string::npos);
+    CHECK(done.err.find("coarse run") == std::string::npos);
     const CameraOptions used = read_scene_file(std::filesystem::path(scratch.run()) / "scene.resolved.toml").camera;
     CHECK(used.position == Vec3f(0, 0.1f, 0.5f));
     CHECK_FALSE(used.min.has_value());
@@ -112,18 +149,18 @@ TEST_CASE("a camera of the scene's own stays, and so does the box that it gives 
 
 TEST_CASE("a box is written in round numbers that enclose the extent") {
     CameraOptions camera;
-    look_at(camera, Extent());
+    look_at(camera, SeenBox());
     CHECK_FALSE(camera.min.has_value());
-    look_at(camera, Extent(Vec3f(-0.1, 0, 0), Vec3f(0.1234f, 0.5f, 0.5f)));
+    look_at(camera, SeenBox(Vec3f(-0.1, 0, 0), Vec3f(0.1234f, 0.5f, 0.5f)));
     CHECK(*camera.min == Vec3f(-0.1f, 0, 0));
     CHECK(*camera.max == Vec3f(0.124f, 0.5f, 0.5f));  // to a hundredth of the size's power of ten, outwards
 }
 
 TEST_CASE("moving solids count with their whole path, and parts outside the domain do not") {
     CHECK(foreseen(hall).sizes().maxCoeff() < 0.2f);
-    const Extent wide = foreseen(hall + flying);  // from x = .2 to .3, with its radius
+    const SeenBox wide = foreseen(hall + flying);  // from x = .2 to .3, with its radius
     CHECK(wide.max().x() == Approx(0.32).margin(2e-3));
-    const Extent cut = foreseen(hall + flying, {"domain.max=[0.25, 3, 4]"});
+    const SeenBox cut = foreseen(hall + flying, {"domain.max=[0.25, 3, 4]"});
     CHECK(cut.max().x() == 0.25f);
 }
 
@@ -131,13 +168,13 @@ TEST_CASE("a jet counts as far as it flies, and without gravity as far as it get
     // From 1 m up, 2 m/s to the side: it lands 2 sqrt(2/9.81) = .903 m away.
     const std::vector<std::string> jet{"emitter[0].position=[0, 1, 0]", "emitter[0].direction=[1, 0, 0]", "emitter[0].speed=2",
                                        "time.end=2", "domain.min=[-4, 0, -4]"};
-    const Extent fall = foreseen(hall, jet);
+    const SeenBox fall = foreseen(hall, jet);
     CHECK(fall.max().x() > 0.85f);
     CHECK(fall.max().x() < 1.2f);
     CHECK(fall.min().y() < 0.05f);
     std::vector<std::string> weightless = jet;
     weightless.emplace_back("domain.gravity=[0, 0, 0]");
-    const Extent flight = foreseen(hall, weightless);
+    const SeenBox flight = foreseen(hall, weightless);
     CHECK(flight.max().x() == Approx(4).margin(0.1));
     CHECK(flight.min().y() > 0.95f);
 }
@@ -149,7 +186,7 @@ TEST_CASE("frames of two scenes are seen together, whatever solids they have") {
     Frame other = frame, without_mesh = frame;
     other.solids.clear();
     for (FrameSolid& solid : without_mesh.solids) solid.mesh.reset(), solid.translation.x() += 1;
-    Extent extent;
+    SeenBox extent;
     add_seen(extent, frame, other);
     add_seen(extent, frame, without_mesh);
     CHECK(extent.max().x() < 0.1f);
@@ -161,7 +198,7 @@ TEST_CASE("a few drops far away do not widen the picture") {
     frame.domain_min = Vec3f(-5, -5, -5), frame.domain_max = Vec3f(5, 5, 5);
     for (int n = 0; n < 1000; ++n) frame.position.emplace_back(0.001f * float(n), 0.5f, 0.5f);
     for (int n = 0; n < 4; ++n) frame.position.emplace_back(4.0f, 4.0f, 4.0f);
-    Extent extent;
+    SeenBox extent;
     add_seen(extent, frame, frame);
     CHECK(extent.max().x() <= 1.01f);
     CHECK(extent.max().y() == Approx(0.505));

@@ -432,7 +432,7 @@ TEST_CASE("a film without a range uses the 99th percentile of a coarse run") {
         test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--set", "look.field=speed", "--set", "look.colour_map=viridis"});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    CHECK_THAT(outcome.err, Catch::Contains("first pass with larger particles"));
+    CHECK_THAT(outcome.err, Catch::Contains("coarse run of the whole film"));
     const SceneFile used = read_scene_file(fs::path(scratch.run()) / "scene.resolved.toml");
     CHECK(used.look.range[0] == 0);
     CHECK(used.look.range[1] >= 0.1f);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/sim/simulation.h"
-#include "tools/cost/calibration.h"
+#include "tools/cost/coarse_run.h"
 
 namespace whorl {
 
@@ -26,37 +26,13 @@ struct Estimate {
 };
 
 /// @param simulation of the scene, at its start
-Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& simulation, const Calibration& calibration);
-/// The same, with costs that are measured now where they are not known.
+Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& simulation, const CoarseRun& run);
+/// The same, from a coarse run that is made now if there is none.
 Estimate estimate(const SceneFile& file);
 
+/// Bytes that runs in one process share, of those that estimate() counts.
+double shared_bytes(const Scene& scene);
 /// A warning where the run needs more memory than there is, pictures included; "" where it does not.
 std::string memory_warning(const Estimate& estimate, double free_bytes);
-
-/// The speed of the fastest fluid over the time of a film, and the time steps that it allows.
-///   Fluid that is poured hangs on a thread that its weight draws out; where that parts a drop falls freely and the rest hangs on; an end
-///   that has reached the floor makes it a steady thread (engine/theory/falling_thread.h). Fluid that can fall is as fast as the free fall
-///   since the start, up to one through its whole height; after six times of such a fall (a broken dam: steps measured) half as fast. A
-///   pool that fills its container already does not fall.
-class Pace {
-public:
-    /// @param simulation of the scene, at its start
-    Pace(const Scene& scene, const Plan& plan, const Simulation& simulation);
-    /// m/s, at a time [s] of the film.
-    double speed(double time) const;
-    /// The time step [s] there: what every model allows at that speed.
-    double step(double time) const;
-
-private:
-    const Scene& scene_;
-    const Simulation& simulation_;
-    double given_ = 0;               ///< m/s, of blocks, emitters and solids
-    double free_ = 0, gravity_ = 0;  ///< m/s, of a free fall to the floor; m/s^2
-    double creeping_ = 0;            ///< m/s, of blocks that viscosity holds back; 0: nothing does
-    double pressing_ = 0;            ///< m/s, sqrt(g depth) of what lies at the start
-    double tension_step_ = 0;        ///< s, what surface tension allows the scene's fluid
-    bool falls_ = false;             ///< fluid of blocks
-    std::vector<double> threads_;    ///< m/s, fastest of what emitters let out, ends and drops at even times from 0 to the end
-};
 
 }  // namespace whorl

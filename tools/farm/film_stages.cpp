@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "engine/scene/scene.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/cost/estimate.h"
 #include "tools/farm/stages.h"
-#include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/camera_warnings.h"
@@ -42,7 +42,7 @@ FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path
 }
 
 void add_panels(const std::string& threads, FarmFilm& film) {
-    const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, true); };
+    const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_choices(run, start); };
     const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
     film.files.emplace_back(film.folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
     FarmStage panels{"panels", {}};

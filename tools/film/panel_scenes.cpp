@@ -7,8 +7,8 @@
 #include <map>
 
 #include "engine/probes/comparison.h"
+#include "tools/cost/choices.h"
 #include "tools/film/exports.h"
-#include "tools/film/first_pass.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
@@ -27,16 +27,29 @@ void check_chart(const std::string& chart, const Place& place, const Simulation&
                      "the name of a [[probe]], a point, and one of its columns");
 }
 
+/// Whether fluid goes the same way in two panels, as far as a box and a range show it: they differ in how it is drawn or computed.
+bool flow_alike(const SceneFile& a, const SceneFile& b) {
+    const std::vector<std::string> alike{"look", "camera", "output", "surface", "models", "pressure", "viscosity", "micropolar"};
+    const std::vector<KeyDifference> all = differences(a, b);
+    return std::all_of(all.begin(), all.end(), [&](const KeyDifference& d) {
+        return std::find(alike.begin(), alike.end(), d.name.substr(0, d.name.find('.'))) != alike.end() || d.name == "fluid.spacing";
+    });
+}
+
 /// One range for each map that several panels draw with, and one box for all automatic cameras, that hold what each panel needs. Places the
 /// fluid of every panel for it. @throws InputError where a panel's scene is impossible
 void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     std::map<std::pair<std::string, std::string>, std::array<float, 2>> shared;
-    Extent extent;
+    SeenBox extent;
+    std::vector<const SceneFile*> seen;
     for (const SceneFile& panel : panels) {
         const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
         check_probes(start);
-        const bool ranged = !wants_range(panel.look) || (choose && shared.count({panel.look.field, panel.look.colour_map}) > 0);
-        if (ranged && (!wants_extent(panel) || (choose && !extent.isEmpty()))) continue;
+        const bool known =
+            choose && std::any_of(seen.begin(), seen.end(), [&](const SceneFile* other) { return flow_alike(*other, panel); });
+        const bool ranged = !wants_range(panel.look) || (known && shared.count({panel.look.field, panel.look.colour_map}) > 0);
+        if (ranged && (!wants_extent(panel) || (known && !extent.isEmpty()))) continue;
+        seen.push_back(&panel);
         const SceneFile chosen = choose ? choose(panel, start) : with_estimates(panel, start);
         const auto range = chosen.look.range;
         if (wants_range(panel.look)) {

@@ -12,9 +12,9 @@
 #include "render/flow/plate.h"
 #include "render/image/image.h"
 #include "render/video/encoder.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/curves.h"
-#include "tools/film/first_pass.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/film/run.h"
@@ -74,8 +74,9 @@ public:
 private:
     Choose choice() const {
         if (!scene_.output.frames) return {};
-        return
-            [this](const SceneFile& run, const Simulation& start) { return with_first_pass(run, start, request_.quiet || request_.json); };
+        return [watch = watch_coarse_run(request_.quiet || request_.json)](const SceneFile& run, const Simulation& start) {
+            return with_choices(run, start, watch);
+        };
     }
 
     fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }
@@ -300,7 +301,7 @@ private:
 }  // namespace
 
 int run_panels(const RunRequest& request, PanelRuns how) {
-    if (how == PanelRuns::fresh) RunFolder::check_fresh(request.folder);  // not only after the first passes
+    if (how == PanelRuns::fresh) RunFolder::check_fresh(request.folder);  // not only after the coarse runs
     if (wants_pictures(request) && request.file.scene.output.video)
         check_video_rate(request.file.scene), check_encoder(without_video(how == PanelRuns::resumed));
     return PanelFilm(request, how).go();

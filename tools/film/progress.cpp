@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/clock.h"
@@ -53,6 +54,18 @@ PartProgress::PartProgress(std::string what, bool quiet) : what_(std::move(what)
 void PartProgress::done(double part) {
     const double spent = wall_seconds() - began_;
     if (part > 0 && line_.due()) line_.show(fmt::format("{}: {:.0f} %  {} left", what_, 100 * part, duration(spent * (1 - part) / part)));
+}
+
+std::function<void(double)> watch_coarse_run(bool quiet) {
+    return [quiet, progress = std::shared_ptr<PartProgress>()](double part) mutable {
+        if (!progress) {
+            if (!quiet)
+                fmt::print(stderr,
+                           "coarse run of the whole film with larger particles: where the fluid goes, and what steps and images cost\n");
+            progress = std::make_shared<PartProgress>("coarse run", quiet);
+        }
+        progress->done(part);
+    };
 }
 
 Progress::Progress(int first_frame, int last_frame, bool quiet, bool json)

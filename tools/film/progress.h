@@ -1,5 +1,6 @@
 #pragma once
 /// What a run says while it runs.
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,7 @@ private:
     double iterations_ = 0;
 };
 
-/// The same of work without frames: "first pass: 40 %  12 s left".
+/// The same of work without frames: "coarse run: 40 %  12 s left".
 class PartProgress {
 public:
     PartProgress(std::string what, bool quiet);
@@ -69,6 +70,9 @@ private:
     StatusLine line_;
     double began_;
 };
+
+/// What to call with the part of a coarse run that is done (tools/cost/coarse_run.h): says at its beginning what it is for, then shows it.
+std::function<void(double)> watch_coarse_run(bool quiet);
 
 /// What nobody must miss: on standard error, or as an event on standard output.
 void tell_note(const std::string& text, bool json);

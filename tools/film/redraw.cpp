@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "engine/core/errors.h"
 #include "render/video/encoder.h"
+#include "tools/cost/choices.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
-#include "tools/film/first_pass.h"
 #include "tools/film/progress.h"
 #include "tools/film/run.h"
 #include "tools/film/run_folder.h"
@@ -45,11 +47,13 @@ void share_meshes(std::vector<FrameSolid>& solids, const std::vector<FrameSolid>
             solids[k].mesh = before[k].mesh;
 }
 
-/// Pictures of one film have one size. @param numbers of those that are drawn @throws InputError where those that stay have another
-void check_size_of_others(const RedrawRequest& request, const std::vector<int>& numbers) {
+bool in_range(const RedrawRequest& request, int number) { return number >= request.first && (request.last == 0 || number <= request.last); }
+
+/// Images of one film have one size. @throws InputError if those that stay have another
+void check_size_of_others(const RedrawRequest& request) {
     const std::array<int, 2>& size = request.file.scene.output.size;
     for (const int number : exported_frames(request.run)) {
-        if (std::binary_search(numbers.begin(), numbers.end(), number) || !has_picture(request.out, number)) continue;
+        if (in_range(request, number) || !has_picture(request.out, number)) continue;
         Image other;
         try {
             other = read_picture(request.out, number);
@@ -60,6 +64,64 @@ void check_size_of_others(const RedrawRequest& request, const std::vector<int>& 
                                      other.height, size[0], size[1]),
                          "draw all frames, or into another folder with --out");
     }
+}
+
+/// Frames to draw: all that the run has, or those that it has so far, then each new one until the run ends.
+class Exported {
+public:
+    /// @throws InputError if there is none, and none to wait for
+    explicit Exported(const RedrawRequest& request) : request_(request), over_(!request.goes_on) {
+        all_ = exported_frames(request.run);
+        if (!over_ && request.file.scene.exported("raw")) return;
+        const std::string raw = (request.run / "raw").string();
+        if (all_.empty()) throw InputError({raw, 0, 0}, "there are no frames to draw from", "render the scene with --export raw");
+        if (!ready().empty()) return;
+        throw InputError({raw, 0, 0}, fmt::format("there are no frames {} to {}", request.first, last()), "",
+                         fmt::format("{} to {}{}", all_.front(), all_.back(), has_gaps() ? ", with gaps" : ""));
+    }
+    const std::vector<int>& all() const { return all_; }
+    /// Numbers of those in the range that are there and that next() has not returned.
+    std::vector<int> ready() const {
+        std::vector<int> numbers;
+        for (const int n : all_)
+            if (n > newest_ && in_range(request_, n)) numbers.push_back(n);
+        return numbers;
+    }
+    /// Whether the range holds every frame of the run.
+    bool whole() const {
+        return over_ ? !all_.empty() && in_range(request_, all_.front()) && in_range(request_, all_.back())
+                     : request_.first == 1 && request_.last == 0;
+    }
+    /// The next frame's number, once it is there; 0: there is none. @throws InputError if the run was resumed to draw the same images
+    int next() {
+        for (;;) {
+            if (const std::vector<int> numbers = ready(); !numbers.empty()) return newest_ = numbers.front();
+            if (over_ || (request_.last > 0 && newest_ >= request_.last)) return 0;
+            held_.emplace(RunFolder::existing(request_.run, RunFolder::Hold::looking));  // waits for two seconds while the run goes on
+            over_ = held_->is_held();
+            if (!over_) check_images_free(request_.run, request_.out);
+            all_ = exported_frames(request_.run);
+        }
+    }
+
+private:
+    int last() const { return request_.last > 0 ? request_.last : all_.back(); }
+    bool has_gaps() const { return all_.back() - all_.front() >= static_cast<int>(all_.size()); }
+
+    const RedrawRequest& request_;
+    bool over_;
+    std::vector<int> all_;
+    int newest_ = 0;  ///< that next() returned
+    std::optional<RunFolder> held_;
+};
+
+/// With what the look leaves open. The frames so far do not show the whole film of a run that goes on: then a coarse run does.
+SceneFile with_choices_for(const RedrawRequest& request, const std::vector<int>& exported) {
+    if (!request.goes_on) return with_choices_from(request.file, request.run, exported);
+    const Simulation start(request.file.scene, make_plan(request.file.scene));
+    SceneFile file = with_choices(request.file, start, watch_coarse_run(request.quiet));
+    file.look.streak_time = film_streak_time(file.look, start);
+    return file;
 }
 
 }  // namespace
@@ -78,24 +140,39 @@ std::vector<int> exported_frames(const fs::path& run_folder) {
     return numbers;
 }
 
+SceneFile with_choices_from(SceneFile file, const fs::path& run, const std::vector<int>& frames) {
+    constexpr int moments = 24;
+    const int count = static_cast<int>(frames.size()), looked_at = std::min(count, moments);
+    Seen seen(file.look);
+    if (measures_range(file.look) || wants_extent(file))
+        for (int n = 0; n < looked_at; ++n) seen.add(exported_frame(run, frames[n * (count - 1) / std::max(1, looked_at - 1)]));
+    choose(file, seen.extent(), seen.size());
+    if (!wants_range(file.look) && !wants_extent(file) && !wants_streak_time(file.look)) return file;
+    try {
+        const Simulation start(file.scene, make_plan(file.scene));
+        file.look.streak_time = film_streak_time(file.look, start);
+        return with_estimates(file, start);
+    } catch (const InputError&) {  // this machine can draw what it has too little memory to simulate: each frame goes by itself
+        return file;
+    }
+}
+
+void check_images_free(const fs::path& run, const fs::path& out) {
+    std::error_code none;
+    if (!fs::equivalent(run, out, none) || !report_of(run).value("draws", true)) return;
+    throw InputError({run.string(), 0, 0}, "the run goes on and draws its own images here",
+                     "draw into another folder, as in --out " + out.string() + "_drawn, or wait for its end");
+}
+
 int redraw(const RedrawRequest& request) {
-    std::vector<int> numbers = exported_frames(request.run);
-    if (numbers.empty())
-        throw InputError({(request.run / "raw").string(), 0, 0}, "there are no frames to draw from", "render the scene with --export raw");
-    const int all = static_cast<int>(numbers.size()), last = request.last > 0 ? request.last : numbers.back();
-    const std::vector<int> exported = numbers;
-    std::erase_if(numbers, [&](int n) { return n < request.first || n > last; });
-    if (numbers.empty())
-        throw InputError(
-            {(request.run / "raw").string(), 0, 0}, fmt::format("there are no frames {} to {}", request.first, last), "",
-            fmt::format("{} to {}{}", exported.front(), exported.back(), exported.back() - exported.front() < all ? "" : ", with gaps"));
-    const bool whole = static_cast<int>(numbers.size()) == all;
-    const SceneFile file = with_choices_from(request.file, request.run, exported);
+    Exported frames(request);
+    const SceneFile file = with_choices_for(request, frames.all());
     Replay replay(file);
     const auto options_now = [&] {
         const SceneFile& now = replay.now();
         return std::make_shared<const PictureOptions>(PictureOptions{now.surface, now.camera, now.look});
     };
+    const bool whole = frames.whole();
     const FilmOptions options = film_options(request, whole);
     if (!options.video.empty()) check_video_rate(file.scene), check_encoder(without_video(false));
     std::optional<RunFolder> held;
@@ -104,29 +181,29 @@ int redraw(const RedrawRequest& request) {
             RunFolder::drawing(request.out, request.run, resolved_toml(file), whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
         if (!held->note().empty()) tell_note(held->note(), false);
     }
-    if (!whole) check_size_of_others(request, numbers);
-    const auto replaced = std::count_if(numbers.begin(), numbers.end(), [&](int n) { return has_picture(request.out, n); });
+    check_size_of_others(request);
+    const std::vector<int> ready = frames.ready();
+    const auto replaced = std::count_if(ready.begin(), ready.end(), [&](int n) { return has_picture(request.out, n); });
     if (replaced > 0 && !request.quiet) fmt::print(stderr, "pictures that stand in {} are replaced: {}\n", request.out.string(), replaced);
     fs::create_directories(request.out / "frames");
     Film film(options);
     auto how = options_now();
     std::vector<FrameSolid> before;
-    for (const int number : numbers) {
+    std::vector<fs::path> pictures;
+    while (const int number = frames.next()) {
         Frame frame = exported_frame(request.run, number);
         share_meshes(frame.solids, before);
         before = frame.solids;
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
         film.add(std::move(frame), how, nullptr, false);
-        if (!request.quiet) fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), numbers.size()), std::fflush(stderr);
+        pictures.push_back(picture_file(request.out, number, options.format));
+        if (!request.quiet)
+            fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), pictures.size() + frames.ready().size()), std::fflush(stderr);
     }
-    film.finish(true);
-    if (whole) {
-        std::vector<fs::path> pictures;
-        for (const int number : numbers) pictures.push_back(picture_file(request.out, number, options.format));
-        write_contact_sheet(request.out, pictures);
-    }
+    film.finish(!pictures.empty());
+    if (whole && !pictures.empty()) write_contact_sheet(request.out, pictures);
     if (!request.quiet)
-        fmt::print(stderr, "\r{} drawn: {}\n", counted(static_cast<int>(numbers.size()), "frame"),
+        fmt::print(stderr, "\r{} drawn: {}\n", counted(static_cast<int>(pictures.size()), "frame"),
                    whole && !options.video.empty() ? options.video.string() : request.out.string());
     return exit_done;
 }

@@ -29,6 +29,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
             {"scene", simulation.scene().name},
             {"status", report.status},
             {"message", report.message},
+            {"draws", report.draws},
             {"machine",
              {{"processor", processor_name()},
               {"cores", omp_get_num_procs()},

@@ -44,6 +44,7 @@ struct RunReport {
     double wall = 0, cpu = 0;            ///< s, over all parts of the run
     double predicted_wall = 0;           ///< s, for the whole run, before it began; 0: its costs were not known
     int resumed = 0;
+    bool draws = false;        ///< images of its own, now
     double first_picture = 0;  ///< s after the start of this part
     std::string gl_device, encoder;
     StageTimes stages;  ///< over all parts of the run

@@ -20,7 +20,6 @@
 #include "tools/cost/estimate.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
-#include "tools/film/first_pass.h"
 #include "tools/film/frame_loop.h"
 #include "tools/film/progress.h"
 #include "tools/film/report.h"
@@ -70,7 +69,7 @@ public:
     int finish() override;
 
 private:
-    SceneFile with_choices() const;
+    SceneFile chosen() const;
     void make_folders();
     void resume();
     void greet(const Plan& plan);
@@ -123,7 +122,7 @@ private:
 
 Run::Run(const RunRequest& request, const Plan& plan, std::string encoder)
     : request_(request), scene_(request.file.scene), last_(request.frames.value_or(frame_count(scene_))), simulation_(scene_, plan),
-      file_(with_choices()), replay_(file_),
+      file_(chosen()), replay_(file_),
       folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
       scene_text_(resolved_toml(file_)), encoder_(std::move(encoder)) {
     make_folders();
@@ -156,10 +155,10 @@ void Run::greet(const Plan& plan) {
 
 /// What the scene will take, where that was measured.
 std::optional<Estimate> Run::foreseen(SceneFile file, const Plan& plan) const {
-    const auto costs = find_calibration(file);
+    const auto costs = find_coarse_run(file);
     if (!costs) return std::nullopt;
     // When the film is resumed its scene is this one.
-    if (!request_.from) keep_calibration(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
+    if (!request_.from) keep_coarse_run(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
     if (request_.no_draw) file.scene.output.frames = false;
     return estimate(file, plan, simulation_, *costs);
 }
@@ -173,9 +172,9 @@ std::vector<double> Run::foreseen_frames(const Plan& plan) const {
 }
 
 /// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
-SceneFile Run::with_choices() const {
+SceneFile Run::chosen() const {
     check_probes(simulation_);
-    SceneFile file = with_first_pass(request_.file, simulation_, request_.quiet || request_.json);
+    SceneFile file = with_choices(request_.file, simulation_, watch_coarse_run(request_.quiet || request_.json));
     file.look.streak_time = film_streak_time(file.look, simulation_);
     return file;
 }
@@ -265,6 +264,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     RunReport report;
     report.status = status, report.message = message;
     report.frames = frames_written();
+    report.draws = film_options(request_, file_, 0).images;
     report.frames_planned = last_;
     report.wall = times_.wall(), report.cpu = times_.cpu(), report.resumed = times_.resumed(), report.predicted_wall = predicted_;
     report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - times_.began() : 0;
@@ -380,7 +380,7 @@ void check_video_rate(const Scene& scene) {
 
 std::unique_ptr<FramedRun> begin_run(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
-    if (!request.from) RunFolder::check_fresh(request.folder);  // not only after a first pass
+    if (!request.from) RunFolder::check_fresh(request.folder);  // not only after a coarse run
     std::string encoder;
     if (!film_options(request, request.file, 0).video.empty()) {
         check_video_rate(request.file.scene);

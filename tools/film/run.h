@@ -84,11 +84,19 @@ struct RedrawRequest {
     std::filesystem::path out;      ///< where frames/ and the video go; may be the run folder, which is held then
     std::vector<std::string> made;  ///< exports that stand there already, of all frames
     int first = 1, last = 0;        ///< frames; last 0: all that there are
+    bool goes_on = false;           ///< another process still makes frames: each is drawn once it is there
     bool quiet = false;
 };
 
-/// Draws what render draws, to the bit where the look is the same. What the look leaves open goes by all frames. The video is encoded where
-/// all frames are drawn.
+/// What the look leaves open, from the frames that a run exported: all of them whichever are drawn, so that pieces agree. Also the time
+/// that streaks show. @param frames their numbers, rising @throws InputError where one is damaged
+SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames);
+
+/// @throws InputError if a run that goes on draws its own images where others are to go
+void check_images_free(const std::filesystem::path& run, const std::filesystem::path& out);
+
+/// Draws what render draws, to the bit where the look is the same. What the look leaves open goes by all frames, or by a coarse run while
+/// the run goes on. The video is encoded where all frames are drawn.
 /// @return an ExitCode @throws InputError where a frame is missing or damaged
 int redraw(const RedrawRequest& request);
 

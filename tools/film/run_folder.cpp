@@ -135,6 +135,7 @@ nlohmann::json report_of(const fs::path& path) {
         if (run.contains(text) && !run[text].is_string()) run.erase(text);
     for (const char* const count : {"frames", "frames_planned", "frames_of_scene"})
         if (run.contains(count) && !run[count].is_number_unsigned()) run.erase(count);
+    if (run.contains("draws") && !run["draws"].is_boolean()) run.erase("draws");
     return run;
 }
 

@@ -11,7 +11,7 @@
 #include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
-#include "tools/film/first_pass.h"
+#include "tools/cost/choices.h"
 #include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {

@@ -1,6 +1,8 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
@@ -49,9 +51,18 @@ int draw(const DrawOptions& options) {
     std::error_code none;
     const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, options.folder, none);
     const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
-    const RunFolder held = RunFolder::existing(options.folder, elsewhere ? RunFolder::Hold::looking : hold);
-    if (!held.note().empty()) tell_note(held.note(), false);
-    if (!held.is_held()) tell_note("the run goes on: the frames that it has so far are drawn", false);
+    std::optional<RunFolder> held(RunFolder::existing(options.folder, RunFolder::Hold::looking));
+    const std::string status = report_of(options.folder).value("status", "running");
+    const bool goes_on = !held->is_held() && status == "running";
+    if (goes_on && !elsewhere) {
+        check_images_free(options.folder, options.folder);
+        held.emplace(RunFolder::any(options.folder / "frames"));
+    } else if (!elsewhere) {
+        held.reset();
+        held.emplace(RunFolder::existing(options.folder, hold));
+    }
+    if (!held->note().empty()) tell_note(held->note(), false);
+    if (goes_on) tell_note("the run goes on: its frames are drawn as they come, until it ends", false);
     Options own = options.shared;
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
@@ -70,7 +81,7 @@ int draw(const DrawOptions& options) {
     request.run = options.folder;
     request.out = elsewhere ? options.shared.out : options.folder;
     if (!elsewhere) request.made = before.scene.output.exports;
-    request.quiet = options.shared.quiet;
+    request.goes_on = goes_on, request.quiet = options.shared.quiet;
     read_frames(options.frames, request);
     request.file.scene.output.frames = true;  // also of a run that made none
     if (!request.quiet)

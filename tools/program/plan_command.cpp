@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <memory>
 
 #include "engine/core/parallel.h"
@@ -10,6 +9,7 @@
 #include "engine/sim/simulation.h"
 #include "tools/cost/estimate.h"
 #include "tools/film/panel_scenes.h"
+#include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
 #include "tools/scene_file/camera_warnings.h"
@@ -17,19 +17,20 @@
 namespace whorl {
 namespace {
 
-/// A scene with panels is run once for each, one after the other.
-std::vector<Estimate> estimates_of_runs(const SceneFile& file, const Estimate& alone) {
-    if (file.scene.panels.empty()) return {alone};
-    std::vector<Estimate> runs;
-    for (const SceneFile& panel : panel_scenes(file)) runs.push_back(estimate(panel));
-    return runs;
-}
-
-FilmCost film_cost(const std::vector<Estimate>& runs) {
-    FilmCost sum;
-    for (const Estimate& e : runs)
-        sum.wall += e.film, sum.simulate += e.film_simulate, sum.surface += e.film_surface, sum.draw += e.film_draw;
-    return sum;
+/// Of each panel, which are run side by side, or of the scene.
+PreviewCost cost_of(const SceneFile& file, const Watch& watch) {
+    PreviewCost cost;
+    double memory = 0;
+    for (const SceneFile& run : file.scene.panels.empty() ? std::vector{file} : panel_scenes(file)) {
+        const Plan plan = make_plan(run.scene);
+        const Simulation simulation(run.scene, plan);
+        cost.run = coarse_run(run, simulation, watch);
+        const Estimate e = cost.estimate = estimate(run, plan, simulation, cost.run);
+        cost.film.wall += e.film, cost.film.simulate += e.film_simulate, cost.film.surface += e.film_surface, cost.film.draw += e.film_draw;
+        memory += e.memory - (memory > 0 ? shared_bytes(run.scene) : 0);
+    }
+    cost.estimate.memory = memory;
+    return cost;
 }
 
 int plan(const Options& options) {
@@ -38,16 +39,10 @@ int plan(const Options& options) {
     Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
     check_probes(simulation);
-    if (!options.json && (!find_calibration(file) || !file.scene.panels.empty()))
-        fmt::print(stderr, "measuring the cost of steps and pictures: some moments of the film with larger particles ...\n");
-    const Calibration calibration = calibrate(file, plan, simulation);
-    const Estimate cost = estimate(file, plan, simulation, calibration);
-    const std::vector<Estimate> runs = estimates_of_runs(file, cost);
+    const PreviewCost cost = cost_of(file, watch_coarse_run(options.json));
     if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of what is run
-    const auto less = [](const Estimate& a, const Estimate& b) { return a.memory < b.memory; };
-    const Estimate& largest = *std::max_element(runs.begin(), runs.end(), less);
-    if (const std::string warning = memory_warning(largest, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
-    const Preview preview{file, plan, simulation, PreviewCost{calibration, cost, film_cost(runs)}};
+    if (const std::string warning = memory_warning(cost.estimate, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
+    const Preview preview{file, plan, simulation, cost};
     options.json ? print_json(preview) : print_text(preview);
     return exit_done;
 }

@@ -45,8 +45,9 @@ double expected_particles(const Preview& p) {
 
 void print_cost(const PreviewCost& p) {
     const Estimate& e = p.estimate;
-    fmt::print("\ncost on this machine with {} threads, from {:.0f} particles of the same models {}\n", threads(), p.calibration.particles,
-               p.calibration.kept ? "measured earlier" : "measured now");
+    fmt::print("\ncost on this machine with {} threads, from a run {} that took {:.2g} s, {}\n", threads(),
+               p.run.coarser > 1 ? fmt::format("with {} times the spacing", p.run.coarser) : "of its beginning", p.run.seconds,
+               p.run.kept ? "made earlier" : "made now");
     fmt::print("  iterations             about {:.0f} a step\n", e.iterations);
     fmt::print("  steps                  about {:.0f} a frame, of {:.3g} s\n", e.steps_a_frame, e.step);
     fmt::print("  the last frame         {:.0f} ms: simulate {:.0f}", 1e3 * e.frame, 1e3 * e.simulate);
@@ -58,13 +59,13 @@ void print_cost(const PreviewCost& p) {
     fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(p.film.wall), e.frames,
                p.film.wall > e.film ? " of every panel" : "", e.drawn ? "" : ", without pictures");
     fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory,
-               p.calibration.bytes_a_particle);
+               p.run.bytes_a_particle);
 }
 
 Json cost_json(const PreviewCost& p) {
     const Estimate& e = p.estimate;
     return {{"threads", threads()},
-            {"calibration_particles", p.calibration.particles},
+            {"coarse_run", {{"spacing", p.run.coarser}, {"particles", p.run.particles}, {"cpu_seconds", p.run.seconds}}},
             {"step", e.step},
             {"steps_per_frame", e.steps_a_frame},
             {"iterations_per_step", e.iterations},
@@ -76,7 +77,7 @@ Json cost_json(const PreviewCost& p) {
             {"film_cpu_seconds", Json{{"simulate", p.film.simulate}, {"surface", p.film.surface}, {"draw", p.film.draw}}},
             {"frames", e.frames},
             {"memory_bytes", e.memory},
-            {"bytes_a_particle", p.calibration.bytes_a_particle}};
+            {"bytes_a_particle", p.run.bytes_a_particle}};
 }
 
 void print_models(const Preview& p) {

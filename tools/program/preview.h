@@ -9,15 +9,15 @@
 
 namespace whorl {
 
-/// Cost of all panels, run one after the other.
+/// Cost of all panels together.
 struct FilmCost {
     double wall = 0;                             ///< s
     double simulate = 0, surface = 0, draw = 0;  ///< CPU seconds
 };
 
 struct PreviewCost {
-    Calibration calibration;
-    Estimate estimate;
+    CoarseRun run;      ///< of the last panel
+    Estimate estimate;  ///< of the last panel, but the memory of all
     FilmCost film;
 };
 

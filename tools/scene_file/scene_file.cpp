@@ -109,7 +109,7 @@ void check_look(const SceneFile& file) {
     if (file.camera.min.has_value() != file.camera.max.has_value()) {
         const auto [given, missing] = file.camera.min ? std::pair("camera.min", "camera.max") : std::pair("camera.max", "camera.min");
         throw InputError(file.scene.place(given), fmt::format("{} is missing, the corner opposite to {}", missing, given),
-                         "give both corners of the box, or neither: then the film's first pass finds it");
+                         "give both corners of the box, or neither: then a coarse run of the film finds it");
     }
     if (file.camera.kind == "auto" && file.camera.min)
         for (int a = 0; a < file.scene.domain.dimensions; ++a)

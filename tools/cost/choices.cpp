@@ -1,20 +1,12 @@
-#include "tools/film/first_pass.h"
-
-#include <fmt/format.h>
+#include "tools/cost/choices.h"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "engine/core/errors.h"
 #include "engine/io/snapshot.h"
 #include "render/flow/marks.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
-#include "tools/cost/sample_run.h"
-#include "tools/film/contact_sheet.h"
-#include "tools/film/progress.h"
-#include "tools/process/process.h"
 
 namespace whorl {
 namespace {
@@ -29,110 +21,55 @@ float usual_size(std::vector<float> values) {
     return *usual;
 }
 
-/// Density keeps to an estimate, inks have no range.
-bool measures_range(const LookOptions& look) { return wants_range(look) && look.field != "density" && look.field != "ink"; }
-
-/// What frames of a film show, the first of them first.
-class Seen {
-public:
-    explicit Seen(const LookOptions& look) : look_(look) {}
-    void add(const Frame& frame) {
-        if (!start_) start_ = frame;
-        if (shows_field(look_)) size_ = std::max(size_, usual_size(field_values(frame, look_)));
-        add_seen(extent_, frame, *start_);
-    }
-    /// Puts them into what the scene leaves open.
-    void choose(SceneFile& file) {
-        if (start_) add_still_solids(extent_, *start_);
-        if (wants_extent(file)) look_at(file.camera, extent_);
-        if (!measures_range(file.look) || !(size_ > 0)) return;
-        const auto high = static_cast<float>(round_number_above(size_));
-        file.look.range = {is_diverging(file.look.colour_map) ? -high : 0.0f, high};
-    }
-
-private:
-    LookOptions look_;
-    std::optional<Frame> start_;
-    float size_ = 0;  ///< of the look's field
-    Extent extent_;
-};
-
-std::array<float, 2> density_range(const Scene& scene) {
-    const double rest = scene.fluid.density;
-    return {static_cast<float>(0.97 * rest), static_cast<float>(1.03 * rest)};
+/// From 0 to `high` [m/s, 1/s, ...] in a number that is easy to read; symmetric about zero on a diverging map.
+std::array<float, 2> range_up_to(double high, const LookOptions& look) {
+    const auto round = static_cast<float>(high > 0 && std::isfinite(high) ? round_number_above(high) : 1);
+    return {is_diverging(look.colour_map) ? -round : 0.0f, round};
 }
 
-/// An estimate from the scene, rounded to a number that is easy to read: speeds and pressures of the fastest expected fluid; rates of the
-/// start, or else that speed over eight spacings; density 3 % about rest. Symmetric about zero on a diverging map.
+/// An estimate from the scene: speeds and pressures of the fastest expected fluid; rates of the start, or else that speed over eight
+/// spacings; inks up to 1.
 std::array<float, 2> estimated_range(const LookOptions& look, const Simulation& start) {
+    if (look.field == "ink") return range_up_to(1, look);
     const Scene& scene = start.scene();
-    if (look.field == "density") return density_range(scene);
     double first = 0;
     for (const float v : field_values(Snapshots(start, {look.field}).take(start, 1), look))
         if (std::isfinite(v)) first = std::max(first, static_cast<double>(std::abs(v)));
-    const double speed = start.plan().expected_speed, rate = first > 0 ? first : speed / (8 * scene.fluid.spacing);
-    double high = look.field == "speed"      ? speed
-                  : look.field == "pressure" ? std::max(first, 0.5 * scene.fluid.density * speed * speed)
-                  : look.field == "ink"      ? 1
-                                             : rate;
-    high = high > 0 && std::isfinite(high) ? round_number_above(high) : 1;
-    return {is_diverging(look.colour_map) ? static_cast<float>(-high) : 0.0f, static_cast<float>(high)};
+    const double speed = start.plan().expected_speed;
+    if (look.field == "speed") return range_up_to(speed, look);
+    if (look.field == "pressure") return range_up_to(std::max(first, 0.5 * scene.fluid.density * speed * speed), look);
+    return range_up_to(first > 0 ? first : speed / (8 * scene.fluid.spacing), look);
 }
-
-bool wants_streak_time(const LookOptions& look) {
-    return look.style == "slice" && (look.streaks || look.arrows > 0) && !(look.streak_time > 0);
-}
-
-constexpr int moments = 24;
 
 }  // namespace
 
+void Seen::add(const Frame& frame) {
+    if (!start_) start_ = frame;
+    if (shows_field(look_)) size_ = std::max(size_, usual_size(field_values(frame, look_)));
+    add_seen(extent_, frame, *start_);
+}
+
+SeenBox Seen::extent() const {
+    SeenBox all = extent_;
+    if (start_) add_still_solids(all, *start_);
+    return all;
+}
+
+bool measures_range(const LookOptions& look) { return wants_range(look) && look.field != "density" && look.field != "ink"; }
+
+void choose(SceneFile& file, const SeenBox& extent, float size) {
+    if (wants_extent(file)) look_at(file.camera, extent);
+    if (!wants_range(file.look)) return;
+    const auto rest = static_cast<float>(file.scene.fluid.density);
+    if (file.look.field == "density") file.look.range = {0.97f * rest, 1.03f * rest};
+    else if (measures_range(file.look) && size > 0) file.look.range = range_up_to(size, file.look);
+}
+
 SceneFile with_estimates(SceneFile file, const Simulation& start) {
+    choose(file, {}, 0);
     if (wants_range(file.look)) file.look.range = estimated_range(file.look, start);
     if (wants_extent(file)) look_at(file.camera, foreseen_extent(start));
     return file;
-}
-
-SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet) {
-    const bool measure = file.scene.output.frames && measures_range(file.look),
-               watch = file.scene.output.frames && wants_extent(file) && !starts_full(start.scene());  // a full room is seen whole
-    if (measure || watch) {
-        const char* what = measure && watch ? "colours' range and the camera" : measure ? "colours' range" : "camera";
-        if (!quiet) fmt::print(stderr, "first pass with larger particles, for the {}\n", what);
-        const std::vector<std::string> fields = shows_field(file.look) ? std::vector{file.look.field} : std::vector<std::string>{};
-        PartProgress progress("first pass", quiet);
-        const InterruptGuard guard;
-        const auto done = [&](double part) {
-            if (guard.interrupted()) throw Interrupted();
-            progress.done(part);
-        };
-        for (const int coarser : {3, 4}) {  // whole numbers, which a period can be divided by
-            Seen seen(file.look);
-            const auto show = [&](const Frame& frame, const Simulation&) { seen.add(frame); };
-            if (!run_coarsely(file, coarser, moments, fields, show, done)) continue;  // impossible, or it diverges
-            seen.choose(file);
-            break;
-        }
-    }
-    return with_estimates(std::move(file), start);
-}
-
-SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames) {
-    const int count = static_cast<int>(frames.size()), looked_at = std::min(count, moments);
-    if (measures_range(file.look) || wants_extent(file)) {
-        Seen seen(file.look);
-        for (int n = 0; n < looked_at; ++n) seen.add(exported_frame(run, frames[n * (count - 1) / std::max(1, looked_at - 1)]));
-        seen.choose(file);
-    }
-    if (wants_range(file.look) && file.look.field == "density") file.look.range = density_range(file.scene);
-    if (!wants_range(file.look) && !wants_extent(file) && !wants_streak_time(file.look)) return file;
-    try {
-        const Simulation start(file.scene, make_plan(file.scene));
-        file.look.streak_time = film_streak_time(file.look, start);
-        return with_estimates(file, start);
-    } catch (const InputError&) {  // this machine can draw what it has too little memory to simulate: each frame goes by itself
-        return file;
-    }
 }
 
 double round_number_above(double value) {
@@ -143,6 +80,10 @@ double round_number_above(double value) {
 }
 
 bool wants_range(const LookOptions& look) { return shows_field(look) && look.range[0] == look.range[1]; }
+
+bool wants_streak_time(const LookOptions& look) {
+    return look.style == "slice" && (look.streaks || look.arrows > 0) && !(look.streak_time > 0);
+}
 
 float film_streak_time(const LookOptions& look, const Simulation& simulation) {
     const Scene& scene = simulation.scene();
@@ -156,16 +97,16 @@ float film_streak_time(const LookOptions& look, const Simulation& simulation) {
 
 namespace {
 
-Extent domain_of(const Frame& frame) { return {frame.domain_min, frame.domain_max}; }
+SeenBox domain_of(const Frame& frame) { return {frame.domain_min, frame.domain_max}; }
 
 /// Grows by the part that lies in the domain.
-void extend_inside(Extent& extent, const Extent& part, const Extent& domain) {
-    const Extent inside = part.intersection(domain);
+void extend_inside(SeenBox& extent, const SeenBox& part, const SeenBox& domain) {
+    const SeenBox inside = part.intersection(domain);
     if (!inside.isEmpty()) extent.extend(inside);
 }
 
 /// What lies between the lowest and the highest half per cent along each axis, with the room of a particle.
-Extent usual_extent(const std::vector<Vec3f>& position, float spacing) {
+SeenBox usual_extent(const std::vector<Vec3f>& position, float spacing) {
     std::vector<float> along;
     Vec3f low, high;
     for (int a = 0; a < 3; ++a) {
@@ -182,16 +123,16 @@ Extent usual_extent(const std::vector<Vec3f>& position, float spacing) {
     return {low - Vec3f::Constant(0.5f * spacing), high + Vec3f::Constant(0.5f * spacing)};
 }
 
-Extent opening(const FrameEmitter& e) {
+SeenBox opening(const FrameEmitter& e) {
     const Vec3f across = 0.5f * e.width * e.width_axis, other = 0.5f * e.thickness * e.direction.cross(e.width_axis);
-    Extent extent;
+    SeenBox extent;
     for (const float s : {-1.0f, 1.0f})
         for (const float t : {-1.0f, 1.0f}) extent.extend(e.position + s * across + t * other);
     return extent;
 }
 
-Extent of_solid(const TriangleMesh& mesh, const Mat3f& rotation, const Vec3f& translation) {
-    Extent extent;
+SeenBox of_solid(const TriangleMesh& mesh, const Mat3f& rotation, const Vec3f& translation) {
+    SeenBox extent;
     for (const Vec3f& x : mesh.position) extent.extend(rotation * x + translation);
     return extent;
 }
@@ -220,24 +161,24 @@ Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
     return x;
 }
 
-Extent around(const Vec3d& x, const Vec3d& reach) { return {(x - reach).cast<float>(), (x + reach).cast<float>()}; }
+SeenBox around(const Vec3d& x, const Vec3d& reach) { return {(x - reach).cast<float>(), (x + reach).cast<float>()}; }
 
 }  // namespace
 
-void add_still_solids(Extent& extent, const Frame& frame) {
+void add_still_solids(SeenBox& extent, const Frame& frame) {
     constexpr float most = 1.5f;
-    const Extent domain = domain_of(frame);
+    const SeenBox domain = domain_of(frame);
     const float size = extent.isEmpty() ? 0 : extent.sizes().maxCoeff();
     for (const FrameSolid& solid : frame.solids) {
         if (!solid.mesh || solid.ground) continue;
-        const Extent own = of_solid(*solid.mesh, solid.rotation, solid.translation).intersection(domain);
+        const SeenBox own = of_solid(*solid.mesh, solid.rotation, solid.translation).intersection(domain);
         if (own.isEmpty() || !own.intersects(extent) || extent.merged(own).sizes().maxCoeff() > most * size) continue;
         extent.extend(own);
     }
 }
 
-void add_seen(Extent& extent, const Frame& frame, const Frame& start) {
-    const auto add = [&](const Extent& part) { extend_inside(extent, part, domain_of(frame)); };
+void add_seen(SeenBox& extent, const Frame& frame, const Frame& start) {
+    const auto add = [&](const SeenBox& part) { extend_inside(extent, part, domain_of(frame)); };
     add(usual_extent(frame.position, frame.spacing));
     for (const FrameEmitter& e : frame.emitters) add(opening(e));
     for (std::size_t k = 0; k < std::min(frame.solids.size(), start.solids.size()); ++k) {
@@ -248,12 +189,12 @@ void add_seen(Extent& extent, const Frame& frame, const Frame& start) {
     }
 }
 
-Extent foreseen_extent(const Simulation& start) {
+SeenBox foreseen_extent(const Simulation& start) {
     const Scene& scene = start.scene();
     const World& world = start.world();
     const Frame frame = Snapshots(start, {}).take(start, 1);
-    Extent extent;
-    const auto add = [&](const Extent& part) { extend_inside(extent, part, domain_of(frame)); };
+    SeenBox extent;
+    const auto add = [&](const SeenBox& part) { extend_inside(extent, part, domain_of(frame)); };
     add_seen(extent, frame, frame);
 
     const Vec3d g = scene.domain.gravity(0), down = g.norm() > 0 ? Vec3d(g / g.norm()) : Vec3d::Zero();
@@ -285,7 +226,7 @@ Extent foreseen_extent(const Simulation& start) {
 
 bool wants_extent(const SceneFile& file) { return file.camera.kind == "auto" && !file.camera.min && file.look.style != "slice"; }
 
-void look_at(CameraOptions& camera, const Extent& extent) {
+void look_at(CameraOptions& camera, const SeenBox& extent) {
     if (extent.isEmpty()) return;
     const double size = extent.sizes().cast<double>().maxCoeff(), step = std::pow(10.0, std::floor(std::log10(size)) - 2);
     Vec3f low, high;

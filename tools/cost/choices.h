@@ -1,6 +1,7 @@
 #pragma once
-/// The camera box and the colour range of a whole film, found before it: from the scene alone, or from a coarse run.
+/// The camera's box and the range of the colours for a whole film: from its scene alone, or from frames.
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "engine/io/frame.h"
 #include "engine/sim/simulation.h"
@@ -9,26 +10,26 @@
 
 namespace whorl {
 
-using Extent = Eigen::AlignedBox3f;  ///< m, in the world's axes
+using SeenBox = Eigen::AlignedBox3f;  ///< m, in the world's axes
 
 /// Grows by what a frame shows: 99 % of the fluid along each axis, so that a few drops do not widen the picture; the openings that fluid
 /// comes from; the solids that stand elsewhere than at the start. Nothing outside of the domain counts.
-void add_seen(Extent& extent, const Frame& frame, const Frame& start);
+void add_seen(SeenBox& extent, const Frame& frame, const Frame& start);
 
 /// Grows by the solids that reach into it, where that makes it less than half larger: the plate under honey is seen whole, a floor is not.
 /// @param frame the start
-void add_still_solids(Extent& extent, const Frame& frame);
+void add_still_solids(SeenBox& extent, const Frame& frame);
 
 /// All of this for a whole film, from its scene alone: the fluid at the start and in the openings, where it lands when it falls or flies
 /// freely until a solid or the domain stops it, and the way of solids with a motion of their own. Fluid that lands spreads about as far as
 /// the edge of a cube that holds all of it.
-Extent foreseen_extent(const Simulation& start);
+SeenBox foreseen_extent(const Simulation& start);
 
 /// Whether the film has an automatic camera that still wants its box. A slice that fills the picture has no camera.
 bool wants_extent(const SceneFile& file);
 
 /// Gives an automatic camera the extent as its box, in numbers rounded outwards. An empty one changes nothing.
-void look_at(CameraOptions& camera, const Extent& extent);
+void look_at(CameraOptions& camera, const SeenBox& extent);
 
 /// Whether the look shows a field and leaves the range of its colours open.
 bool wants_range(const LookOptions& look);
@@ -36,6 +37,8 @@ bool wants_range(const LookOptions& look);
 /// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. @param value above 0
 double round_number_above(double value);
 
+/// Whether the look has streaks or arrows and leaves open what time they show.
+bool wants_streak_time(const LookOptions& look);
 /// The way that streaks and arrows of a slice show [s], the same for every frame of the film: as the look says, else as long as a frame
 /// lasts, or what the fastest fluid takes for a few hundredths of the domain.
 float film_streak_time(const LookOptions& look, const Simulation& simulation);
@@ -44,16 +47,26 @@ float film_streak_time(const LookOptions& look, const Simulation& simulation);
 /// automatic camera. @param start the run at its beginning
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
-/// The same from the flow itself: the scene is run to
-/// its end at three times its spacing (a 27th of the time in the plane, an 81st in space). The range then holds 99 % of the particles at
-/// each of 24 moments, the box what is seen at them (add_seen()). If that cannot be run, and without images, both are estimates from the
-/// scene alone. So are the range of density and the box of a room that is full at the start.
-/// @param start the run at its beginning @param quiet say nothing on the terminal
-/// @throws Interrupted
-SceneFile with_first_pass(SceneFile file, const Simulation& start, bool quiet);
+/// What frames of a film show, the first of them first.
+class Seen {
+public:
+    explicit Seen(const LookOptions& look) : look_(look) {}
+    void add(const Frame& frame);
+    SeenBox extent() const;
+    /// The largest, over the frames, of what 99 % of the look's field stays below in size.
+    float size() const { return size_; }
 
-/// The same from the frames that a run exported, all of them whichever are drawn, so that pieces agree. Also the time that streaks show.
-/// @param frames their numbers, rising @throws InputError where one is damaged
-SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames);
+private:
+    LookOptions look_;
+    std::optional<Frame> start_;
+    float size_ = 0;
+    SeenBox extent_;
+};
+
+/// Whether the range of the colours goes by the flow: density keeps to 3 % about rest, inks to 1.
+bool measures_range(const LookOptions& look);
+
+/// Puts what frames showed into what the scene leaves open. An empty extent and a size of 0 leave it open.
+void choose(SceneFile& file, const SeenBox& extent, float size);
 
 }  // namespace whorl

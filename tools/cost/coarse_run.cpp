@@ -1,0 +1,435 @@
+#include "tools/cost/coarse_run.h"
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/clock.h"
+#include "engine/core/whole_file.h"
+#include "engine/io/checkpoint.h"
+#include "engine/io/snapshot.h"
+#include "render/gl/renderer.h"
+#include "render/image/exr.h"
+#include "render/look/camera.h"
+#include "render/look/field_values.h"
+#include "tools/process/process.h"
+#include "tools/scene_file/scene_changes.h"
+
+namespace whorl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr double share =
+    0.03;                     ///< of a film's work that simulating it coarsely may take; images and steps longer than foreseen come on top
+constexpr double enough = 3;  ///< rough_seconds() of a coarse run, where a coarser one can show the film, too
+constexpr int coarsest = 8, most_moments = 64;
+constexpr int frames_a_picture = 60, most_pictures = 5;  ///< images drawn: one for so many frames of the film, at least one
+
+/// The run does not depend on the colours' range, nor on what is made of the images, nor on the box that an automatic camera was given
+/// for the film: only one of the scene's own counts.
+std::string key_of(SceneFile file) {
+    file.look.range = {0, 0}, file.look.streak_time = 0;
+    file.scene.output.exports.clear(), file.scene.output.video = true;
+    if (file.scene.places.count("camera.min") == 0) file.camera.min.reset(), file.camera.max.reset();
+    std::error_code none;  // a program that was built again makes its own runs
+    std::string text = resolved_toml(file) + std::to_string(fs::last_write_time(program_path(), none).time_since_epoch().count());
+    for (const auto& [name, sum] : input_checksums(file)) text += fmt::format("{} {:x}\n", name, sum);
+    return fmt::format("{} | {} | {} threads | {:x}", build_id(), processor_name(), threads(), std::hash<std::string>()(text));
+}
+
+Json read_cache() {
+    std::ifstream in(cost_file());
+    return in ? Json::parse(in, nullptr, false) : Json();
+}
+
+double bytes_in_use() {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+/// Draws moments of a coarse run of the whole film, with its camera, solids and size, and as many particles as the film has: what a picture
+/// costs hangs on how much of it the fluid covers.
+class PictureCosts {
+public:
+    PictureCosts(const SceneFile& file, int coarser) : file_(file), coarser_(coarser), draws_(file.scene.output.frames) {}
+
+    void measure(const Frame& frame, CoarseRun& run) {
+        if (!draws_) return;
+        try {
+            draw(frame, run);
+        } catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells
+            draws_ = false, run.pictures.clear();
+        }
+    }
+
+private:
+    /// CPU seconds of work that a film does time and again: done twice where it takes much longer than at the moment before. The driver
+    /// compiles a shader when it is first used, or first with other textures, and memory is new; a film pays that once.
+    static double usual_seconds(double before, const std::function<void()>& work) {
+        double least = std::numeric_limits<double>::infinity();
+        for (int times = 0; times == 0 || (times == 1 && least > 1.3 * before); ++times) {
+            const double cpu = cpu_seconds();
+            work();
+            least = std::min(least, cpu_seconds() - cpu);
+        }
+        return least;
+    }
+
+    void draw(const Frame& coarse, CoarseRun& run) {
+        const SceneFile& f = file_;
+        const OneThread alone;  // two would cost more here than in a film, where both cores are busy
+        const Frame frame = parted(coarse, coarser_);
+        if (!renderer_) renderer_.emplace(f.scene.output.size[0], f.scene.output.size[1]);
+        const CoarseRun::Picture last = run.pictures.empty() ? CoarseRun::Picture{} : run.pictures.back();
+        CoarseRun::Picture picture{coarse.time / std::max(f.scene.time.end, 1e-300)};
+        Surface surface;
+        if (!shows_field(f.look)) picture.surface = usual_seconds(last.surface, [&] { surface = build_surface(frame, f.surface); });
+        const View view = view_at(f.camera, frame.time, frame.domain_min, frame.domain_max);
+        const bool exr = f.scene.output.format == "exr";
+        Image image;
+        PictureLayers layers;
+        picture.draw = usual_seconds(last.draw, [&] {
+            if (exr) layers = renderer_->draw_layers(frame, surface, f.look, view, {view, 0});
+            else image = renderer_->draw(frame, surface, f.look, view);
+        });
+        run.pictures.push_back(picture);
+        const double cpu = cpu_seconds();
+        if (exr) pack(layers);
+        else encode_png(image);
+        run.write = cpu_seconds() - cpu;
+    }
+
+    /// EXR files can be packed on disk only.
+    static void pack(const PictureLayers& layers) {
+        std::error_code gone;
+        fs::path folder = fs::temp_directory_path(gone);
+        if (gone) folder = "/tmp";  // $TMPDIR is that of a job that is over, say
+        const fs::path packed = folder / fmt::format("whorl-{}.exr", getpid());
+        write_exr(packed, layers, {});
+        fs::remove(packed);
+    }
+
+    const SceneFile& file_;
+    int coarser_;
+    bool draws_;
+    std::optional<Renderer> renderer_;
+};
+
+/// Rough CPU seconds on a core of today: of systems that are solved, and of sums over neighbours.
+double seconds_a_particle_step(const Plan& plan) {
+    return plan.facts.pressure.solves_viscosity || plan.pressure == PressureModel::ppe ? 5e-6 : 2e-6;
+}
+
+template <class T>
+void repeat_each(std::vector<T>& values, std::size_t times) {
+    std::vector<T> all;
+    all.reserve(times * values.size());
+    for (const T& value : values) all.insert(all.end(), times, value);
+    values = std::move(all);
+}
+
+double iterations_a_step(const RunTotals& totals) {
+    return (totals.pressure_iterations + totals.viscosity_iterations) / static_cast<double>(std::max(1L, totals.steps));
+}
+
+double column_bytes(const Simulation& simulation) {
+    double bytes = 0;
+    for (const ParticleStore::Entry* e : simulation.world().fluid.entries()) bytes += static_cast<double>(e->info->bytes);
+    return bytes;
+}
+
+/// The film with larger particles, and with the models that its plan chose.
+SceneFile with_larger_particles(const SceneFile& file, const Plan& plan, int coarser) {
+    SceneFile own = file;
+    own.scene.models = plan.chosen_models(own.scene.models);
+    if (plan.preconditioner == Preconditioner::multigrid) own.scene.pressure.preconditioner = plan.preconditioner;
+    return changed(own, {read_change(parse_change(fmt::format("fluid.spacing={:.9g}", coarser * file.scene.fluid.spacing)))});
+}
+
+/// Puts what a run saw into what the scene leaves open.
+void choose_from(SceneFile& file, const CoarseRun& run) {
+    const std::vector<float>& e = run.extent;
+    choose(file, e.size() == 6 ? SeenBox(Vec3f(e[0], e[1], e[2]), Vec3f(e[3], e[4], e[5])) : SeenBox(), run.size);
+}
+
+class Coarse {
+public:
+    /// @throws InputError if larger particles cannot show the scene
+    Coarse(const SceneFile& file, const Simulation& film, int coarser, const Watch& watch)
+        : film_file_(file), film_(film), watch_(watch), file_(with_larger_particles(file, film.plan(), coarser)), replay_(file_),
+          seen_(file.look), simulation_(file_.scene, make_plan(file_.scene)), snapshots_(simulation_, shown_fields(file.look)) {
+        run_.coarser = coarser;
+        bytes_ = bytes_in_use() - column_bytes(simulation_) * count();  // what the solids hold does not grow
+    }
+    const Simulation& simulation() const { return simulation_; }
+
+    /// Up to the film's end, or to so many seconds of rough_seconds(). @return false if it diverges before the end
+    bool go(double seconds) {
+        const Scene& scene = film_.scene();
+        const int frames = frame_count(scene), moments = std::clamp(frames - 1, 1, most_moments);
+        const double first = frame_time(scene, 1), length = std::max(frame_time(scene, frames) - first, 1e-300);
+        const double most = seconds / seconds_a_particle_step(film_.plan());
+        const int drawn = std::clamp(frames / frames_a_picture, 1, most_pictures);
+        look();
+        for (int k = 1; k <= moments; ++k) {
+            const double time = first + k * length / moments;
+            meter_.begin(simulation_);
+            const bool sound = step_to(time, most, first, length);
+            meter_.end(simulation_);
+            if (!sound) return false;
+            Frame frame = look();
+            const bool over = simulation_.time() < time;
+            if (over || 2 * drawn * k >= moments * (2 * static_cast<int>(drawn_.size()) + 1)) drawn_.push_back(std::move(frame));
+            if (over) return true;
+        }
+        whole_ = true;
+        return true;
+    }
+
+    /// Without images.
+    const CoarseRun& measured() {
+        run_.stages = meter_.costs(), run_.particle_steps = simulation_.totals().particle_steps;
+        run_.iterations = iterations_a_step(simulation_.totals());
+        run_.particles = std::max(1.0, run_.particles);  // all may fall out of the domain
+        run_.bytes_a_particle = std::max(column_bytes(simulation_), (bytes_in_use() - bytes_) / run_.particles);
+        if (!whole_) run_.pace.clear();
+        const SeenBox extent = whole_ ? seen_.extent() : SeenBox();
+        if (!extent.isEmpty())
+            for (const Vec3f& corner : {extent.min(), extent.max()}) run_.extent.insert(run_.extent.end(), corner.begin(), corner.end());
+        run_.size = whole_ ? seen_.size() : 0;
+        return run_;
+    }
+
+    CoarseRun drawn() {
+        measured();
+        SceneFile shown = film_file_;
+        choose_from(shown, run_);
+        PictureCosts costs(shown, run_.coarser);
+        for (const Frame& frame : drawn_) {
+            if (interrupt_.interrupted()) throw Interrupted();
+            costs.measure(frame, run_);
+        }
+        return run_;
+    }
+
+private:
+    double count() const { return static_cast<double>(simulation_.world().fluid.size()); }
+
+    bool step_to(double time, double most, double first, double length) {
+        while (simulation_.time() < time && simulation_.totals().particle_steps < most) {
+            if (simulation_.step(time).diverged) return false;
+            replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double when) { simulation_.change(s, p, when); });
+            if (interrupt_.interrupted()) throw Interrupted();
+            if (watch_) watch_(std::max((simulation_.time() - first) / length, simulation_.totals().particle_steps / most));
+        }
+        return true;
+    }
+
+    Frame look() {
+        run_.pace.push_back(step_rate(film_, simulation_.world(), largest_speed(simulation_.world())));
+        run_.particles = std::max(run_.particles, count());
+        Frame frame = snapshots_.take(simulation_, 1);
+        seen_.add(frame);
+        return frame;
+    }
+
+    const SceneFile& film_file_;
+    const Simulation& film_;
+    const Watch& watch_;
+    SceneFile file_;
+    Replay replay_;
+    Seen seen_;
+    std::vector<Frame> drawn_;  ///< whose images are drawn
+    double bytes_ = 0;          ///< beside the particles
+    Simulation simulation_;
+    Snapshots snapshots_;
+    StepMeter meter_;
+    InterruptGuard interrupt_;
+    bool whole_ = false;
+    CoarseRun run_;
+};
+
+/// Iterations a step over those with particles `coarser` times as large (dam break, paddle, pours: measured from 2 to 4 times). A thread
+/// has as many particles less across, which the coupled solve needs more iterations for; without a coarse level, those of the pressure
+/// equation grow with the particles across.
+double more_iterations(const Plan& plan, int coarser) {
+    if (plan.facts.pressure.solves_viscosity) return std::pow(coarser, -0.6);
+    return plan.pressure == PressureModel::ppe && plan.preconditioner != Preconditioner::multigrid ? std::pow(coarser, 0.6) : 1;
+}
+
+/// What the first steps of the film itself cost, where all of its fluid is there then and some steps are cheap: fewer particles have more
+/// boundary around them, and more of what a step costs whatever their number. If the flow of the coarse run needs more iterations, the
+/// solves cost more.
+void use_first_steps(const SceneFile& file, const Simulation& film, double most, CoarseRun& run) {
+    constexpr int least = 4, enough_steps = 12;
+    const double step = static_cast<double>(film.world().fluid.size()) * seconds_a_particle_step(film.plan());
+    const int steps = static_cast<int>(std::min<double>(enough_steps, most / std::max(step, 1e-300)));
+    if (!file.scene.emitters.empty() || steps < least) return;
+    const Watch unseen;
+    Coarse start(file, film, 1, unseen);
+    if (!start.go((steps + 0.5) * step)) return;
+    const CoarseRun& first = start.measured();
+    run.stages = first.stages, run.bytes_a_particle = first.bytes_a_particle;
+    if (first.iterations > 0) run.stages["pressure"].particle *= std::max(1.0, run.iterations / first.iterations);
+}
+
+/// The film with particles as little larger as what it may take allows; its beginning if none of these runs to the end.
+CoarseRun made_now(const SceneFile& file, const Simulation& film, const Watch& watch) {
+    const double film_seconds = rough_film_seconds(file, film), most = share * film_seconds, wanted = std::max(enough, 0.1 * most);
+    // Whole numbers, which a period can be divided by.
+    for (int coarser = 2; coarser <= coarsest; ++coarser) {
+        const double least = rough_seconds(film) / std::pow(coarser, 1 + film.plan().dimensions());  // steps as long as cfl makes them
+        if (least > most || (least > wanted && coarser < coarsest)) continue;
+        try {
+            Coarse coarse(file, film, coarser, watch);
+            const double seconds = rough_seconds(coarse.simulation());
+            if (seconds > most || (seconds > wanted && coarser < coarsest)) continue;
+            if (!coarse.go(std::numeric_limits<double>::infinity())) continue;
+            CoarseRun run = coarse.drawn();
+            run.iterations *= more_iterations(film.plan(), coarser);
+            use_first_steps(file, film, std::min(most, 0.3 * enough), run);
+            return run;
+        } catch (const InputError&) {  // larger particles cannot show it
+        }
+    }
+    Coarse beginning(file, film, 1, watch);
+    beginning.go(std::min(most, wanted));
+    CoarseRun run = beginning.drawn();
+    for (CoarseRun::Picture& picture : run.pictures) picture.surface *= std::max(1.0, film.plan().estimated_particles / run.particles);
+    return run;
+}
+
+}  // namespace
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StepCost, particle, waits)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CoarseRun::Picture, part, surface, draw)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CoarseRun, coarser, extent, size, particles, particle_steps, iterations, stages, bytes_a_particle, pace,
+                                   pictures, write, seconds)
+
+fs::path cost_file() {
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "whorl" / "costs.json";
+    if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "whorl" / "costs.json";
+    return {};
+}
+
+double step_rate(const Simulation& film, const World& flow, double fastest) {
+    double step = film.scene().time.frame_interval();
+    if (film.scene().time.fixed_step > 0) step = std::min(step, film.scene().time.fixed_step);
+    else
+        for (const StepLimit& limit : film.assembly().limits)
+            if (const double dt = limit.dt(flow, fastest); dt > 0) step = std::min(step, dt);
+    return 1 / step;
+}
+
+double rough_seconds(const Simulation& start) {
+    const Plan& plan = start.plan();
+    const double at_start = static_cast<double>(start.world().fluid.size());
+    const double particles = start.scene().emitters.empty() ? at_start : 0.5 * (at_start + plan.estimated_particles);
+    return particles * step_rate(start, start.world(), plan.expected_speed) * start.scene().time.end * seconds_a_particle_step(plan);
+}
+
+double rough_film_seconds(const SceneFile& file, const Simulation& start) {
+    const std::array<int, 2>& size = file.scene.output.size;
+    const double image = file.scene.output.frames ? 1.5e-7 * size[0] * size[1] : 0;
+    return rough_seconds(start) + frame_count(file.scene) * image;
+}
+
+std::optional<CoarseRun> find_coarse_run(const SceneFile& file) try {
+    CoarseRun run = read_cache().at(key_of(file));
+    run.kept = true;
+    return run;
+} catch (const Json::exception&) { return std::nullopt; }
+
+CoarseRun coarse_run(const SceneFile& file, const Simulation& start, const Watch& watch) {
+    if (auto known = find_coarse_run(file)) return *known;
+    const double began = cpu_seconds();
+    CoarseRun run = made_now(file, start, watch);
+    run.seconds = cpu_seconds() - began;
+    keep_coarse_run(file, run);
+    return run;
+}
+
+void keep_coarse_run(const SceneFile& file, const CoarseRun& run) try {
+    const Json before = read_cache();
+    Json all = before.is_object() && before.size() <= 400 ? before : Json::object();
+    all[key_of(file)] = run;
+    if (all == before) return;
+    fs::create_directories(cost_file().parent_path());
+    // Under a name of its own: another run may write at the same time.
+    const fs::path own = fmt::format("{}.{}", cost_file().string(), getpid());
+    write_text(own, all.dump(1) + "\n");
+    fs::rename(own, cost_file());
+} catch (const std::exception&) {  // it is made again next time
+}
+
+SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch) {
+    if (!file.scene.output.frames) return file;
+    if (measures_range(file.look) || (wants_extent(file) && !starts_full(start.scene()))) choose_from(file, coarse_run(file, start, watch));
+    return with_estimates(std::move(file), start);
+}
+
+Frame parted(const Frame& coarse, int coarser) {
+    Frame frame = coarse;
+    frame.spacing /= static_cast<float>(coarser);
+    std::vector<Vec3f> offsets;
+    const float first = -0.5f * static_cast<float>(coarser - 1);
+    const int layers = frame.dimensions == 3 ? coarser : 1;
+    for (int i = 0; i < coarser; ++i)
+        for (int j = 0; j < coarser; ++j)
+            for (int k = 0; k < layers; ++k)
+                offsets.push_back(frame.spacing * Vec3f(first + static_cast<float>(i), first + static_cast<float>(j),
+                                                        layers > 1 ? first + static_cast<float>(k) : 0));
+    repeat_each(frame.position, offsets.size());
+    for (std::size_t i = 0; i < frame.position.size(); ++i) {
+        Vec3f& x = frame.position[i];
+        x += offsets[i % offsets.size()];
+        for (int a = 0; a < frame.dimensions; ++a) {
+            const float length = frame.domain_max[a] - frame.domain_min[a];
+            if (frame.periodic[a]) x[a] += x[a] < frame.domain_min[a] ? length : x[a] >= frame.domain_max[a] ? -length : 0;
+        }
+    }
+    repeat_each(frame.velocity, offsets.size());
+    for (auto& [name, values] : frame.scalar) repeat_each(values, offsets.size());
+    for (auto& [name, values] : frame.vector) repeat_each(values, offsets.size());
+    for (auto& [name, values] : frame.whole) repeat_each(values, offsets.size());
+    return frame;
+}
+
+void StepMeter::begin(const Simulation& simulation) {
+    with_all_ = !with_all_ && threads() > 1;
+    if (!with_all_) alone_.emplace();
+    times_ = simulation.times(), totals_ = simulation.totals();
+}
+
+void StepMeter::end(const Simulation& simulation) {
+    alone_.reset();
+    Sum& sum = with_all_ ? all_ : one_;
+    for (const auto& [name, t] : simulation.times()) {
+        const auto before = times_.find(name);
+        sum.cpu[name] += t.cpu - (before == times_.end() ? 0 : before->second.cpu);
+    }
+    sum.particle_steps += simulation.totals().particle_steps - totals_.particle_steps;
+    sum.steps += simulation.totals().steps - totals_.steps;
+}
+
+StepCosts StepMeter::costs() const {
+    StepCosts costs;
+    const Sum& own = one_.particle_steps > 0 ? one_ : all_;
+    for (const auto& [name, cpu] : own.cpu) costs[name].particle = cpu / std::max(1.0, own.particle_steps);
+    if (one_.particle_steps > 0 && all_.particle_steps > 0)
+        for (const auto& [name, cpu] : all_.cpu)
+            costs[name].waits =
+                std::max(0.0, cpu - costs[name].particle * all_.particle_steps) / static_cast<double>(std::max(1L, all_.steps));
+    return costs;
+}
+
+}  // namespace whorl
