@@ -24,10 +24,9 @@ struct CoupledOptions {
     double gate = 1.6;    ///< longer pairs count only with a common neighbour closer than `bridge` to both:
     double bridge = 1.7;  ///< turns of a coil must not feel each other through the air
 
-    double push = 0.1;  ///< compressed particles part at the rate push (n/n0 - 1)/dt
-    double no_surface =
-        0.0125;  ///< in the plane loose ones under pressure meet up to this Neighbourhood::surface; from twice this on no more
-    double no_surface_in_space = 0;  ///< the same in space, 0: they stay; disorder alone has up to 3 % more than a lattice there
+    double push = 0.1;               ///< compressed particles part at the rate push (n/n0 - 1)/dt
+    double no_surface = 0.0125;      ///< loose ones under pressure meet up to this Neighbourhood::surface; from twice this on no more
+    double meeting_in_space = 0.15;  ///< at this part of the rate there (1 in the plane): at rest more are loose than compressed
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
     double memory = 0.98, weight_memory = 0.999;  ///< from step to step, of the multiplier; of its part from 0 to the fluid's weight

@@ -436,9 +436,10 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
     const std::size_t before = block.walls.size();
     constexpr Real no_lattice = Real(0.0119);  // so much less has a lattice that touches a flat wall, in each of its layers
     Real open = 1;
+    const auto count = [&](const Solid& solid, const Vec3& normal, Real height) {
+        open *= 1 - std::max(Real(0), filled(walls.dimensions, solid, at, normal, height, support) - no_lattice);
+    };
     const auto add = [&](const Solid& solid, Index k, const Vec3& normal, Real height) {
-        const Real share = std::max(Real(0), filled(walls.dimensions, solid, at, normal, height, support) - no_lattice);
-        open *= 1 - share;
         if (!held || !solid.sticks() || !(height < reach) || block.walls.size() - before == most_walls) return;
         WallPoint wall;
         wall.row = static_cast<Index>(row_first.size()) - 1;
@@ -461,8 +462,12 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         const Real height = solid.distance(at);
         if (!(height < support)) continue;
         const Vec3 normal = solid.normal(at);
+        if (!(height < reach)) {
+            count(solid, normal, height);
+            continue;
+        }
         add(solid, static_cast<Index>(k), normal, height);
-        if (!(height < reach)) continue;
+        Real bend = 0;  // of a curved surface: how much farther than `height` it is a reach away to the sides
         // Other faces of the same solid that meet the nearest one in a hollow edge.
         int along = 0;
         const Vec3 in_own_axes = solid.pose.rotation.transpose() * normal;
@@ -470,13 +475,21 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         const Vec3 axis = solid.pose.rotation.col(along), t = (axis - normal * normal.dot(axis)).normalized(), s = normal.cross(t);
         for (const Vec3& way : {t, Vec3(-t), s, Vec3(-s)}) {
             Vec3 there = at + reach * way;
-            if (!(solid.distance(there) < 0)) there = at + reach / 2 * way;  // it may be thin
-            const Real beyond_it = solid.distance(there);
+            Real beyond_it = solid.distance(there);
+            if (std::abs(beyond_it - height) > Real(1e-3) * d && (walls.dimensions == 3 || way.z() == 0) &&
+                solid.normal(there).dot(normal) > Real(0.7))
+                bend += beyond_it - height;
+            if (!(beyond_it < 0)) beyond_it = solid.distance(there = at + reach / 2 * way);  // it may be thin
             if (!(beyond_it < 0)) continue;
             const Vec3 face = solid.normal(there);
             if (face.dot(normal) > Real(0.7)) continue;
-            add(solid, static_cast<Index>(k), face, beyond_it - (there - at).dot(face));
+            const Real face_height = beyond_it - (there - at).dot(face);
+            add(solid, static_cast<Index>(k), face, face_height);
+            count(solid, face, face_height);
         }
+        // Over the kernel's section by the wall the squares of lengths along it have the mean (R^2 - h^2)/10, in the plane (R^2 - h^2)/9.
+        const Real section = (support * support - height * height) / (reach * reach);
+        count(solid, normal, height + bend * section / (walls.dimensions == 2 ? 18 : 20));
     }
     n.density += 1 - open;
 }

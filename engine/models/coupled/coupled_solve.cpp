@@ -200,12 +200,12 @@ void CoupledStep::set_curvature() {
 void CoupledStep::set_divergence() {
     divergence.resize(n);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
-    const double no_surface = system.rows.dimensions() == 2 ? options.no_surface : options.no_surface_in_space;
+    const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
     parallel_for(n, [&](Index i) {
         const Neighbourhood& around = system.rows.neighbourhood[i];
         double compressed = around.density - 1;
         // Fluid under tension is never drawn together: a thread would creep without end.
-        if (compressed < 0) compressed *= no_surface > 0 && p[i] > 0 ? std::clamp(2 - around.surface / no_surface, 0.0, 1.0) : 0;
+        if (compressed < 0) compressed *= p[i] > 0 ? meeting * std::clamp(2 - around.surface / options.no_surface, 0.0, 1.0) : 0;
         const double pushed = std::clamp(options.push * compressed / dt, -fastest_push, fastest_push);
         divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
     });
