@@ -38,7 +38,7 @@ pressure.tolerance = 2e-3
 /// Everything that a request could change.
 std::string wanted(LiveProgram& live) {
     const json s = live.state();
-    return s.at("values").dump() + s.at("playing").dump() + s.at("frame").dump() + s.at("scene").dump() + s.at("recorded_pictures").dump();
+    return s.at("values").dump() + s.at("playing").dump() + s.at("frame").dump() + s.at("scene").dump();
 }
 
 std::vector<std::string> cells(const std::string& line) {
@@ -436,23 +436,6 @@ TEST_CASE("a viewer that does not read, or disconnects, blocks no other", "[tool
     CHECK(live.wait_for([&](const json& s) { return s.at("frame") > before + 3; }));
     ::close(silent);
     CHECK(live.end().code == 0);
-}
-
-TEST_CASE("the shown images can be recorded as images and a video", "[tools][live]") {
-    LiveProgram live(honey);
-    CHECK(live.order("record").status == 200);
-    live.step(), live.step(), live.step();
-    const Reply stop = live.order("stop_recording");
-    CHECK(stop.json().at("pictures") == 3);
-    CHECK(live.order("stop_recording").status == 400);
-    const fs::path folder = live.run() / "recording_1";
-    CHECK(read_png(folder / "frames" / "000003.png").width == 160);
-    CHECK(fs::file_size(folder / "recording_1.mp4") > 500);
-    // Ended while it records, it completes what it has.
-    CHECK(live.order("record").status == 200);
-    live.step();
-    CHECK(live.end().code == 0);
-    CHECK(fs::exists(live.run() / "recording_2" / "recording_2.mp4"));
 }
 
 TEST_CASE("a live run keeps its budget, reports each frame's reductions, and reverts them without a budget", "[tools][live][governor]") {

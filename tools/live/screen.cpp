@@ -1,7 +1,5 @@
 #include "tools/live/screen.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -51,8 +49,7 @@ void Screen::close() {
 
 void Screen::show(Frame frame, std::uint64_t revision) {
     auto shared = std::make_shared<const State>(std::move(frame), revision);
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return closed_ || !recorder_ || (!waiting_ && !busy_); });
+    const std::lock_guard lock(mutex_);
     waiting_ = std::move(shared);
     order_.frame_came(revision);
     changed_.notify_all();
@@ -60,7 +57,7 @@ void Screen::show(Frame frame, std::uint64_t revision) {
 
 bool Screen::wants_state_within(double seconds) const {
     const std::lock_guard lock(mutex_);
-    return !recorder_ && order_.wants_frame_within(seconds, wall_seconds());
+    return order_.wants_frame_within(seconds, wall_seconds());
 }
 
 void Screen::expect(std::uint64_t revision) {
@@ -117,11 +114,9 @@ std::shared_ptr<const Screen::State> Screen::next(bool& is_new) {
         if (closed_) return nullptr;
         constexpr double longest = 3600;  // s
         const double now = wall_seconds();
-        PictureOrder::Next next = order_.next(now);
-        if (recorder_ && waiting_) next.what = What::frame;
+        const PictureOrder::Next next = order_.next(now);
         is_new = next.what == What::frame;
         if (look_ && (is_new || (next.what == What::look && drawn_))) {
-            busy_ = true;
             order_.began(next.what, now);
             return is_new ? std::exchange(waiting_, nullptr) : drawn_;
         }
@@ -150,7 +145,7 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State
     Image image = renderer->draw(frame, surface_, look->how.look, view);
     const double drawn = wall_seconds();
 
-    std::unique_lock lock(mutex_);
+    const std::lock_guard lock(mutex_);
     drawn_ = state;
     if (look == look_) order_.look_drawn();
     newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
@@ -159,33 +154,6 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State
     times_["draw"] = {drawn - surfaced, 0, 1};
     if (is_new) order_.pace.took(drawn - began);
     changed_.notify_all();
-    if (is_new && recorder_) recorder_->add(newest_->image);  // show() and stop_recording() wait meanwhile, which is meant
-    busy_ = false;
-    changed_.notify_all();
-}
-
-void Screen::record(const std::filesystem::path& folder, double fps) {
-    auto recorder = std::make_unique<Recorder>(folder, width_, height_, fps);
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return closed_ || (!waiting_ && !busy_); });  // what was shown before is not recorded
-    recorder_ = std::move(recorder);
-}
-
-std::optional<Recorded> Screen::stop_recording() {
-    std::unique_ptr<Recorder> recorder;
-    {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return closed_ || !recorder_ || (!waiting_ && !busy_); });
-        recorder = std::move(recorder_);
-        changed_.notify_all();
-    }
-    if (!recorder) return std::nullopt;
-    return recorder->finish();
-}
-
-std::optional<int> Screen::recording() const {
-    const std::lock_guard lock(mutex_);
-    return recorder_ ? std::optional(recorder_->pictures()) : std::nullopt;
 }
 
 StageTimes Screen::times() const {
@@ -225,41 +193,6 @@ const std::string& Picture::jpeg() const {
 const std::string& Picture::png() const {
     std::call_once(png_made_, [&] { png_ = text_of(encode_png(image)); });
     return png_;
-}
-
-namespace fs = std::filesystem;
-
-Recorder::Recorder(fs::path folder, int width, int height, double fps) {
-    std::error_code error;
-    fs::create_directories(folder / "frames", error);
-    if (error) throw EnvironmentError("cannot make the folder " + folder.string() + ": " + error.message());
-    recorded_.folder = folder;
-    try {
-        encoder_.emplace(folder / (folder.filename().string() + ".mp4"), width, height, VideoOptions{fps, 18});
-        recorded_.video = folder / (folder.filename().string() + ".mp4");
-    } catch (const EnvironmentError& missing) { recorded_.problem = missing.what(); }
-}
-
-void Recorder::add(const Image& image) {
-    if (ended_) return;
-    try {
-        write_png(recorded_.folder / "frames" / fmt::format("{:06}.png", recorded_.pictures + 1), image);
-        if (encoder_) encoder_->add(image);
-        ++recorded_.pictures;
-    } catch (const EnvironmentError& error) {
-        recorded_.problem = error.what();
-        ended_ = true;
-    }
-}
-
-Recorded Recorder::finish() {
-    try {
-        if (encoder_ && recorded_.pictures > 0) encoder_->finish();
-    } catch (const EnvironmentError& error) { recorded_.problem = error.what(); }
-    encoder_.reset();
-    std::error_code none;
-    if (recorded_.pictures == 0 || !fs::exists(recorded_.video, none)) recorded_.video.clear();
-    return recorded_;
 }
 
 }  // namespace whorl

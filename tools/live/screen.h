@@ -1,12 +1,11 @@
 #pragma once
 /// Makes images of frames on its own thread: surface -> draw -> latest image. Images begin at even intervals (PicturePace), each
 /// of the latest frame; earlier frames are dropped, and the simulation never waits. A change of the look and the first frame
-/// after a change of the fluid are drawn immediately. While images are recorded, each frame is drawn, and the simulation waits for it.
+/// after a change of the fluid are drawn immediately.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -14,34 +13,10 @@
 #include <thread>
 
 #include "render/image/image.h"
-#include "render/video/encoder.h"
 #include "tools/film/film.h"
 #include "tools/live/pace.h"
 
 namespace whorl {
-
-// The shown images on disk: frames/000001.png ... and a video, in their own folder.
-
-struct Recorded {
-    std::filesystem::path folder, video;  ///< video: empty where there is no encoder
-    int pictures = 0;
-    std::string problem;  ///< why there is no video, or why it ended early
-};
-
-class Recorder {
-public:
-    /// @throws EnvironmentError where the folder cannot be made
-    Recorder(std::filesystem::path folder, int width, int height, double fps);
-    /// A disk that is full ends the recording, not the run.
-    void add(const Image& image);
-    Recorded finish();
-    int pictures() const { return recorded_.pictures; }
-
-private:
-    Recorded recorded_;
-    std::optional<VideoEncoder> encoder_;
-    bool ended_ = false;
-};
 
 /// The newest change of the scene (Controls::revision) that a picture shows: of the fluid, and of how it is drawn.
 struct Revisions {
@@ -96,13 +71,6 @@ public:
     /// Ends after() for all who wait in it.
     void close();
 
-    /// Writes each new frame's picture from now on. @throws EnvironmentError where the folder cannot be made
-    void record(const std::filesystem::path& folder, double fps);
-    /// @return what was recorded; nothing where nothing was
-    std::optional<Recorded> stop_recording();
-    /// Number of recorded images; empty without a recording.
-    std::optional<int> recording() const;
-
     /// Wall seconds of the last image by stage: surface, draw.
     StageTimes times() const;
     std::string device() const;
@@ -127,14 +95,13 @@ private:
     mutable std::condition_variable changed_;
     std::shared_ptr<const State> waiting_, drawn_;
     std::shared_ptr<const Look> look_;
-    bool closed_ = false, busy_ = false;
+    bool closed_ = false;
     PictureOrder order_;
     std::shared_ptr<const Picture> newest_;
     std::uint64_t pictures_ = 0;
     StageTimes times_;
     std::string device_;
     std::exception_ptr error_;
-    std::unique_ptr<Recorder> recorder_;
     Surface surface_;  ///< of drawn_; the thread's own
     SurfaceOptions surface_of_;
     std::thread thread_;  ///< last: it uses all of the above

@@ -94,11 +94,8 @@ struct LiveServer::Http {
     int port = 0;
     std::optional<AccessRules> access;
     std::function<std::string()> recording;
-    std::filesystem::path folder;
     std::atomic<bool> ending{false};
-    std::atomic<int> recordings{0};
     Viewers pictures{controls}, events{controls};
-    std::mutex recorder_mutex;  ///< starting and stopping
     std::thread thread;
     std::map<std::string, std::string> methods;  ///< GET or POST, by path
 
@@ -148,14 +145,11 @@ struct LiveServer::Http {
     Json keys() const;
     void show_look();
     void restart(const nlohmann::json& order, Response& response);
-    void record(Response& response);
-    void stop_recording(Response& response);
 };
 
 Json LiveServer::Http::state() const {
     Json json = status.get();
     for (const auto& [name, t] : screen.times()) json["ms"][name] = 1e3 * t.wall;
-    const auto recorded = screen.recording();
     const auto newest = screen.newest();
     const auto notice = controls.newest_notice();
     json["playing"] = controls.playing();
@@ -166,7 +160,6 @@ Json LiveServer::Http::state() const {
     json["can_undo"] = controls.can_undo();
     json["picture"] = newest ? Json(newest->number) : Json();
     json["picture_frame"] = newest ? Json(newest->frame) : Json();
-    json["recorded_pictures"] = recorded ? Json(*recorded) : Json();
     json["viewers"] = pictures.count();
     json["device"] = screen.device();
     json["memory_bytes"] = resident_memory();
@@ -236,12 +229,11 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
     if (!place) return refuse(response, 503, "too many viewers");
     struct Sent {
         std::string state;
-        std::array<std::uint64_t, 4> orders{};
+        std::array<std::uint64_t, 3> orders{};
     };
     const auto orders = [this] {
         const auto notice = controls.newest_notice();
-        return std::array<std::uint64_t, 4>{controls.revision(), controls.playing(), notice ? notice->number : 0,
-                                            screen.recording() ? 1u : 0u};
+        return std::array<std::uint64_t, 3>{controls.revision(), controls.playing(), notice ? notice->number : 0};
     };
     auto sent = std::make_shared<Sent>();
     response.set_chunked_content_provider(
@@ -268,32 +260,6 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
         [place](bool) {});
 }
 
-void LiveServer::Http::record(Response& response) {
-    const std::lock_guard lock(recorder_mutex);
-    if (screen.recording()) return done(response, {{"text", "is recording already"}});
-    std::filesystem::path where;
-    do where = folder / fmt::format("recording_{}", ++recordings);
-    while (std::filesystem::exists(where));
-    screen.record(where, controls.file().scene.time.fps);
-    done(response, {{"folder", where.string()}});
-}
-
-void LiveServer::Http::stop_recording(Response& response) {
-    const std::lock_guard lock(recorder_mutex);
-    const auto recorded = screen.stop_recording();
-    if (!recorded) return refuse(response, 400, "nothing is being recorded");
-    recording();
-    controls.tell(
-        !recorded->problem.empty(),
-        fmt::format("{} pictures in {}{}{}; for a film of this run at any quality: whorl render {} --quality fine", recorded->pictures,
-                    recorded->folder.string(), recorded->video.empty() ? "" : ", video " + recorded->video.string(),
-                    recorded->problem.empty() ? "" : "; " + recorded->problem, (folder / "recording.toml").string()));
-    done(response, {{"folder", recorded->folder.string()},
-                    {"pictures", recorded->pictures},
-                    {"video", recorded->video.string()},
-                    {"problem", recorded->problem}});
-}
-
 void LiveServer::Http::restart(const nlohmann::json& order, Response& response) {
     Controls::Restart how;
     if (order.contains("set")) how.set = changes_of(order["set"], controls.file());
@@ -317,15 +283,13 @@ void LiveServer::Http::restart(const nlohmann::json& order, Response& response) 
 }
 
 void LiveServer::Http::post_control(const nlohmann::json& order, Response& response) {
-    const std::string allowed = "allowed: {\"do\": \"pause | play | step | restart | undo | record | stop_recording\"}";
+    const std::string allowed = "allowed: {\"do\": \"pause | play | step | restart | undo\"}";
     if (!order.is_object() || !order.contains("do") || !order["do"].is_string())
         return refuse(response, 400, "the order has no \"do\"; " + allowed);
     const std::string what = order["do"].get<std::string>();
     for (const auto& [key, value] : order.items())
         if (key != "do" && !(what == "restart" && (key == "set" || key == "scene" || key == "quality" || key == "forget")))
             return refuse(response, 400, "\"" + what.substr(0, 40) + "\" takes no \"" + key.substr(0, 40) + "\"");
-    if (what == "record") return record(response);
-    if (what == "stop_recording") return stop_recording(response);
     if (what == "restart") return restart(order, response);
     if (what == "pause") controls.pause();
     else if (what == "play") controls.play();
@@ -466,9 +430,8 @@ void LiveServer::stop() {
     if (http_->thread.joinable()) http_->thread.join();
 }
 
-void LiveServer::start(std::function<std::string()> recording, std::filesystem::path folder) {
+void LiveServer::start(std::function<std::string()> recording) {
     http_->recording = std::move(recording);
-    http_->folder = std::move(folder);
     http_->add_routes();
     http_->thread = std::thread([this] {
         name_thread("server");

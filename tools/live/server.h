@@ -21,9 +21,8 @@ public:
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;
 
-    /// Starts answering. @param recording writes the current recording.toml and returns its text @param folder for pictures and videos
-    /// that are recorded
-    void start(std::function<std::string()> recording, std::filesystem::path folder);
+    /// Starts answering. @param recording writes the current recording.toml and returns its text
+    void start(std::function<std::string()> recording);
     /// Answers no longer: open streams end within a fraction of a second.
     void stop();
     /// "http://127.0.0.1:8080/", with the token where one is needed.

@@ -89,7 +89,7 @@ int live(LiveOptions options) {
         LiveServer& server;
         ~Serving() { server.stop(); }
     };
-    server.start([&] { return loop.save_recording(); }, folder.path());
+    server.start([&] { return loop.save_recording(); });
     const Serving serving{server};
     const FileWatch watch([&] { return controls.scene_path(); }, [&] { controls.file_edited(); });
 
@@ -100,7 +100,6 @@ int live(LiveOptions options) {
     loop.run([&] { return interrupt.interrupted(); });
 
     server.stop();
-    screen.stop_recording();
     screen.close();
     write_report(folder.path(), loop.simulation(), "done");
     if (!options.shared.quiet)
@@ -119,7 +118,7 @@ const char* const endpoints =
     "  GET  /state           time, frame, particles, every live key's value, ms by stage, energies, iterations, probes and their plots\n"
     "  GET  /keys            every key with unit, range and meaning; whether it may change while the run goes on; the models and why\n"
     "  POST /set             {\"fluid.viscosity\": 500, \"emitter[0].speed\": \"0.2+0.1*sin(6*t)\"}: all or nothing; 400 with the reason\n"
-    "  POST /control         {\"do\": \"pause\"}, play, step, undo, record, stop_recording, restart\n"
+    "  POST /control         {\"do\": \"pause\"}, play, step, undo, restart\n"
     "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}: "
     "all but \"do\" optional\n"
     "  GET  /history         time, frame, ms by stage, energies, iterations and probes of the newest 600 frames, oldest first\n"

@@ -117,9 +117,6 @@ function show(now) {
   $('play').textContent = playing ? 'Pause' : now.state === 'running' ? 'Play' : 'Again';
   $('step').disabled = now.state !== 'running';
   $('undo').disabled = !now.can_undo;
-  const recording = now.recorded_pictures !== null;
-  $('record').textContent = recording ? 'Stop (' + now.recorded_pictures + ')' : 'Record';
-  $('record').classList.toggle('on', recording);
   write($('pace'), now.state === 'ended' ? 'The scene ends at ' + Plots.short(now.end) + ' s: Again starts it anew, a larger end (search for end) continues it.' :
     playing && now.pace ? now.pace + '.' : '');
   // A problem is shown as long as the run has it, a notice once.
@@ -391,7 +388,6 @@ const actions = {
   step: () => control({do: 'step'}),
   restart: () => control({do: 'restart'}).then(reply => reply.ok && say('')),
   undo: async () => { await sending; control({do: 'undo'}); },  // what has just been moved counts, too
-  record: () => control({do: state && state.recorded_pictures !== null ? 'stop_recording' : 'record'}),
 };
 for (const [name, act] of Object.entries(actions)) $(name).onclick = act;
 const restart = more => control({do: 'restart', ...more}).then(loadKeys);
@@ -412,7 +408,7 @@ document.addEventListener('keydown', event => {
   const types = tag === 'TEXTAREA' || tag === 'SELECT' || tag === 'INPUT' && kind !== 'range' && kind !== 'checkbox';
   const presses = event.key === ' ' && (['BUTTON', 'A', 'SUMMARY'].includes(tag) || kind === 'checkbox');
   const busy = types || presses;
-  const name = {' ': 'play', '.': 'step', 'r': 'restart', 'u': 'undo', 'c': 'record'}[event.key];
+  const name = {' ': 'play', '.': 'step', 'r': 'restart', 'u': 'undo'}[event.key];
   if (name && !busy) { event.preventDefault(); actions[name](); }
 });
 
