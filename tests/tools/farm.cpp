@@ -188,7 +188,7 @@ TEST_CASE("while jobs of a farm run, another farm in its folder is refused", "[t
         std::ofstream(scratch / name) << "#!/bin/sh\n" << does << "\n";
         fs::permissions(scratch / name, fs::perms::owner_all);
     };
-    program("sbatch", "echo 7");  // takes jobs, and does not run them yet
+    program("sbatch", "echo \"$@\" >>'" + (scratch / "asked").string() + "'\necho 7");  // takes jobs, and does not run them yet
     program("squeue", "echo 7");
     const std::string run = (scratch / "run").string();
     const auto farm = [&] {
@@ -201,6 +201,7 @@ TEST_CASE("while jobs of a farm run, another farm in its folder is refused", "[t
     CHECK(other.code == 2);
     first.signal(SIGINT);
     CHECK(first.wait().code == 130);
+    CHECK_THAT(read_whole(scratch / "asked"), Catch::Contains("--dependency=afterok:7 --kill-on-invalid-dep=yes"));
     const Outcome second = test::Program(farm(), "bash").wait();
     CHECK(second.code == 2);
     CHECK(second.err.find("jobs of an earlier farm are at work in this folder: 7") != std::string::npos);
