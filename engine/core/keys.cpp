@@ -75,12 +75,12 @@ std::string why_no_number(const Value& v, const std::string& unit, const std::fu
     char* end = nullptr;
     std::strtod(text->c_str(), &end);
     if (end == text->c_str()) return "";
-    if (*end == ',') return "decimals stand behind a point";
+    if (*end == ',') return "use a decimal point, not a comma";
     const std::string number = text->substr(0, static_cast<std::size_t>(end - text->c_str()));
     while (*end == ' ') ++end;
     if (std::isalpha(static_cast<unsigned char>(*end)) == 0) return "";
-    if (const std::string product = number + "*" + end; reads(product)) return "products have their sign: " + product;
-    return unit.empty() ? "" : "a number stands alone, in " + unit;
+    if (const std::string product = number + "*" + end; reads(product)) return "write the product with *: " + product;
+    return unit.empty() ? "" : "omit the unit; the value is in " + unit;
 }
 
 }  // namespace

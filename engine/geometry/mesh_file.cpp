@@ -161,7 +161,8 @@ Polygons read_obj(const std::string& file, std::string_view text) {
             const long long count = static_cast<long long>(mesh.position.size());
             long long index = words.whole<long long>(corner.substr(0, corner.find('/')));
             if (index < 0) index += count + 1;  // counted from the last vertex
-            if (index < 1 || index > count) words.fail(fmt::format("face refers to vertex {}, there are {} so far", corner, count));
+            if (index < 1 || index > count)
+                words.fail(fmt::format("face refers to vertex {}, only {} are defined before it", corner, count));
             mesh.corner.push_back(static_cast<Corner>(index - 1));
         }
         if (mesh.corner.size() < begin + 3) words.fail("a face needs at least three vertices");

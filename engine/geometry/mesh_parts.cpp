@@ -86,7 +86,7 @@ std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::stri
         throw InputError({name}, fmt::format("the mesh is not closed: {} of its {} edges are open", open, edges.size()),
                          "inside and outside need a closed surface: fill the holes in a mesh editor");
     if (turned > 0)
-        throw InputError({name}, fmt::format("the faces beside {} edges are turned against each other", turned),
+        throw InputError({name}, fmt::format("faces at {} edges have opposite orientations", turned),
                          "make all faces look outward in a mesh editor");
 
     std::vector<std::uint32_t> part(mesh.triangle.size());

@@ -103,7 +103,7 @@ namespace {
 
 [[noreturn]] void fail(const std::string& what, const std::filesystem::path& file, int error) {
     throw EnvironmentError(what + " " + file.string() + ": " + std::strerror(error), "",
-                           error == ENOSPC ? "free some disk space, then go on with: whorl resume RUN_FOLDER" : "");
+                           error == ENOSPC ? "free some disk space, then continue with: whorl resume RUN_FOLDER" : "");
 }
 
 void write_all(int descriptor, std::string_view content, const std::filesystem::path& file) {
@@ -135,12 +135,11 @@ Table::Table(std::filesystem::path file, std::string_view header) : file_(std::m
 
 Table::Table(std::filesystem::path file, std::uint64_t bytes) : file_(std::move(file)), bytes_(bytes) {
     descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
-    if (descriptor_ < 0) fail("cannot go on with", file_, errno);
+    if (descriptor_ < 0) fail("cannot continue", file_, errno);
     const off_t end = ::lseek(descriptor_, 0, SEEK_END);
     if (end < static_cast<off_t>(bytes)) {
         ::close(descriptor_);
-        throw EnvironmentError(file_.string() + " is shorter than it was at the checkpoint", "",
-                               "put the file back, or start the run anew");
+        throw EnvironmentError(file_.string() + " is shorter than it was at the checkpoint", "", "put the file back, or restart the run");
     }
     if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0) fail("cannot cut back", file_, errno);
     ::lseek(descriptor_, static_cast<off_t>(bytes), SEEK_SET);

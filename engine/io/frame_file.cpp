@@ -110,7 +110,7 @@ Frame read_frame(const std::filesystem::path& file) try {
     check(frame);
     return frame;
 } catch (const EnvironmentError& error) {
-    throw InputError({file.string(), 0, 0}, std::string("is no whole frame: ") + error.what(), "export the frames anew");
+    throw InputError({file.string(), 0, 0}, std::string("is not a complete frame: ") + error.what(), "export the frames again");
 }
 
 }  // namespace whorl

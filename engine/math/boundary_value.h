@@ -180,7 +180,7 @@ SolveReport Collocation<Problem>::solve(const Problem& problem, Curve<n>& curve,
         else if (!report.converged) return report.why_not = "no part of Newton's step lessens the residual", report;
         if (report.converged) return report;
     }
-    report.why_not = "not converged after so many steps";
+    report.why_not = "not converged within the allowed steps";
     return report;
 }
 

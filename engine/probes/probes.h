@@ -63,7 +63,7 @@ public:
 
 /// @throws EnvironmentError if what a probe has loaded is not its own
 inline void check_saved(bool sound, const std::string& kind) {
-    if (!sound) throw EnvironmentError("the saved state is none of a " + kind + " probe", "", "resume from an older checkpoint");
+    if (!sound) throw EnvironmentError("the saved state is not valid for a " + kind + " probe", "", "resume from an older checkpoint");
 }
 
 /// State of each particle: free, stuck to a solid, in a nozzle (field::role); empty if the fluid has no such column.

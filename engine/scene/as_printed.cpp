@@ -58,17 +58,17 @@ void check_printed(const Scene& scene, const Plan& plan, std::vector<Problem>& p
             report(name, name + " = " + found + " is not what the notes print, " + one.value.toml(), "remove it, or models.notes");
     }
     const auto refuse = [&](const char* key, const std::string& what, const char* remedy) {
-        report(key, what + " is in none of the notes, and models.notes = \"as_printed\"", remedy);
+        report(key, what + " is not in the notes, and models.notes = \"as_printed\"", remedy);
     };
     if (plan.facts.pressure.solves && plan.facts.pressure.source != PressureSource::density)
-        refuse("models.pressure", "models.pressure = " + described(plan.facts.pressure), "take \"ppe\" or \"wcsph\"");
+        refuse("models.pressure", "models.pressure = " + described(plan.facts.pressure), "use \"ppe\" or \"wcsph\"");
     if (plan.viscosity == ViscosityModel::full)
         refuse("models.viscosity", "the matrix-free models.viscosity = \"full\", whose gradients have the volume V_i,",
-               "take \"full_assembled\", or \"explicit\"");
+               "use \"full_assembled\", or \"explicit\"");
     if (plan.facts.micropolar.spins && plan.micropolar != MicropolarModel::seed)
-        refuse("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"", "take \"seed\"");
+        refuse("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"", "use \"seed\"");
     if (scene.viscosity.laplacian == LaplacianForm::split)
-        refuse("viscosity.laplacian", "viscosity.laplacian = \"split\"", "take \"brookshaw\" or \"monaghan\"");
+        refuse("viscosity.laplacian", "viscosity.laplacian = \"split\"", "use \"brookshaw\" or \"monaghan\"");
 }
 
 }  // namespace whorl

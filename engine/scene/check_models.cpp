@@ -36,7 +36,7 @@ void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& repo
                    fmt::format("{} = {:g}: with {}{} drops {}", name, wetting, setting("models.pressure", pressure.name),
                                no_angle && pressure.solves_viscosity ? " and a slip other than \"no\"" : "",
                                no_angle ? "do not meet solids at the angle asked" : "spread farther than to the angle asked"),
-                   "take models.pressure = \"ppe\", or leave wetting out", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
+                   "use models.pressure = \"ppe\", or leave wetting out", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
     }
 }
 
@@ -53,11 +53,11 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
             "pressure.form",
             "pressure.form = \"constraint\" gains energy in fluid without viscosity that fills the space between solids: where nothing can "
             "give way, what it corrects in every step sets the fluid in motion",
-            "take pressure.form = \"projection\" or \"auto\", or models.viscosity = \"xsph\"");
+            "use pressure.form = \"projection\" or \"auto\", or models.viscosity = \"xsph\"");
     if (pressure.has_sound && plan.free_surface && scene.pressure.gradient == GradientForm::difference)
         report("pressure.gradient",
                "pressure.gradient = \"difference\" does not hold a free surface: fluid at rest in a tank starts to move",
-               "take \"symmetric\"", "allowed with a free surface: symmetric");
+               "use \"symmetric\"", "allowed with a free surface: symmetric");
     if (!pressure.solves_viscosity) return;
     if (plan.viscosity != ViscosityModel::none)
         report("models.viscosity", chosen + " solves for the viscosity itself",
@@ -92,7 +92,7 @@ void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& rep
             pairs += fmt::format("{} with {}, ", name_of(row.boundary), row.name);
     report("models.boundary",
            setting("models.boundary", name_of(plan.boundary)) + " does not go with " + setting("models.pressure", pressure.name),
-           "take \"auto\"", "allowed: " + pairs + "none with any");
+           "use \"auto\"", "allowed: " + pairs + "none with any");
 }
 
 void check_assembled(const Plan& plan, double viscous_number, const KeyProblems& report) {
@@ -102,19 +102,19 @@ void check_assembled(const Plan& plan, double viscous_number, const KeyProblems&
         bytes > most_assembled_bytes)
         report("models.viscosity",
                fmt::format("the matrix of {} would take {:.1f} GB ({:.0f} particles)", chosen, bytes / 1e9, plan.estimated_particles),
-               "take \"full\", the same without a matrix, or a larger fluid.spacing",
+               "use \"full\", the same without a matrix, or a larger fluid.spacing",
                fmt::format("allowed: up to {:g} GB", most_assembled_bytes / 1e9));
     if (viscous_number > most_assembled_viscous_number)
         report("models.viscosity", fmt::format("the solver of {} does not converge where nu dt/d^2 = {:.2g}", chosen, viscous_number),
-               "take \"full\", whose iterations do not grow with it, or smaller steps",
+               "use \"full\", whose iterations do not grow with it, or smaller steps",
                fmt::format("allowed: up to {:g}", most_assembled_viscous_number));
 }
 
 void check_viscous_solver(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (!plan.facts.viscosity.correction.value_or(true) && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
         report("viscosity.preconditioner",
-               "viscosity.preconditioner = \"two_level\" needs viscosity.correction: without it a rotation is no rigid motion",
-               "take \"block_jacobi\"", "allowed: auto, none or block_jacobi");
+               "viscosity.preconditioner = \"two_level\" needs viscosity.correction: without it a rotation is not a rigid motion",
+               "use \"block_jacobi\"", "allowed: auto, none or block_jacobi");
 }
 
 void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report) {
@@ -124,24 +124,24 @@ void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report)
         const std::string key = entry_name("solid", k) + ".slip";
         if (plan.facts.micropolar.spins)
             report(key, "micropolar fluids stick to a solid or slide along it freely: slip = \"navier\" is for others",
-                   "take \"no\" or \"free\", or models.micropolar = \"none\"", "allowed: no or free");
+                   "use \"no\" or \"free\", or models.micropolar = \"none\"", "allowed: no or free");
         if (viscosity.viscous && !viscosity.knows_slip_length)
             report(key,
-                   "the viscosity without corrected gradients has half of the shear where neighbours are missing: it knows "
-                   "no slip length",
-                   "take models.viscosity = " + described(viscosity_models(), &ViscosityFacts::knows_slip_length), "allowed: no or free");
+                   "the viscosity without corrected gradients has half of the shear where neighbours are missing: it does "
+                   "not support slip lengths",
+                   "use models.viscosity = " + described(viscosity_models(), &ViscosityFacts::knows_slip_length), "allowed: no or free");
     }
 }
 
 void check_streams(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (plan.facts.pressure.solves_viscosity && !scene.streams.empty())
-        report(entry_name("stream", 0), "models.pressure = " + described(plan.facts.pressure) + " knows no streams",
-               "take models.pressure = \"ppe\" or \"wcsph\"");
+        report(entry_name("stream", 0), "models.pressure = " + described(plan.facts.pressure) + " does not support streams",
+               "use models.pressure = \"ppe\" or \"wcsph\"");
 }
 
 void check_ink(const Scene& scene, const KeyProblems& report) {
     if (scene.fluid.ink_diffusion > 0 && !scene.any_ink())
-        report("fluid.ink_diffusion", "there is no ink that could spread", "give a [[block]], [[emitter]] or [[stream]] ink");
+        report("fluid.ink_diffusion", "the scene has no ink", "give a [[block]], [[emitter]] or [[stream]] ink");
 }
 
 }  // namespace
@@ -171,13 +171,13 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
             continue;
         }
         if (solid.shape.kind == "plane")
-            report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "take a box");
+            report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "use a box");
         if (solid.inside)
             report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body",
                    "make a hollow body from a mesh");
         if (solid.slip == Slip::navier)
             report(name + ".slip", "along free bodies the fluid sticks or slides freely: a slip length does not push back on them",
-                   "take \"no\" or \"free\"");
+                   "use \"no\" or \"free\"");
         if (solid.position.depends_on_time() || solid.rotation.depends_on_time())
             report(name + ".density", name + " has a density, so forces move it, and position or rotation, which depend on t, cannot",
                    "give where it starts, and its velocity");
@@ -186,15 +186,15 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     if (!plan.facts.pressure.moves_bodies)
         report("models.pressure",
                "models.pressure = " + described(plan.facts.pressure) + " does not move free bodies (solids with a density)",
-               "take " + described(pressure_models(), &PressureFacts::moves_bodies));
+               "use " + described(pressure_models(), &PressureFacts::moves_bodies));
     else if (plan.boundary == BoundaryModel::none)
         report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none",
-               "take \"auto\"");
+               "use \"auto\"");
     if (!plan.facts.viscosity.moves_bodies)
         report("models.viscosity", "models.viscosity = " + described(plan.facts.viscosity) + " does not move free bodies",
-               "take " + described(viscosity_models(), &ViscosityFacts::moves_bodies));
-    if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "take 0");
-    if (plan.facts.micropolar.spins) report("models.micropolar", "micropolar fluids do not move free bodies", "take \"none\"");
+               "use " + described(viscosity_models(), &ViscosityFacts::moves_bodies));
+    if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "use 0");
+    if (plan.facts.micropolar.spins) report("models.micropolar", "micropolar fluids do not move free bodies", "use \"none\"");
 }
 
 void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
@@ -202,17 +202,16 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
     const KeyProblems report(scene, problems);
     const std::string here = " in two dimensions (domain.dimensions = 2)";
     if (scene.fluid.surface_tension > 0 && plan.facts.pressure.source != PressureSource::velocity)
-        report("fluid.surface_tension", "particles that pull at each other make no surface tension" + here,
-               "take 0, or pressure.form = \"projection\"", "allowed: 0");
+        report("fluid.surface_tension", "cohesion between particles is not supported" + here, "use 0, or pressure.form = \"projection\"",
+               "allowed: 0");
     if (!scene.vortices.empty())
-        report(entry_name("vortex", 0), "a closed vortex line needs space: there is none" + here,
-               "give the velocity of [[block]] as expressions");
+        report(entry_name("vortex", 0), "closed vortex lines are not supported" + here, "give the velocity of [[block]] as expressions");
     for (std::size_t k = 0; k < scene.probes.size(); ++k)
         if (scene.probes[k].kind == ProbeKind::coil)
             report(entry_name("probe", k) + ".kind", "nothing coils" + here, "", "allowed: every other kind");
     for (const std::string what : {"mesh", "obj", "vdb"})
         if (scene.exported(what))
-            report("output.export", "there is no surface to export as \"" + what + "\"" + here, "", "allowed: points, vtk, scene or raw");
+            report("output.export", "no surface exists to export as \"" + what + "\"" + here, "", "allowed: points, vtk, scene or raw");
 }
 
 }  // namespace whorl

@@ -177,7 +177,7 @@ private:
         };
         look(name + ".velocity", "not finite", [&](const Vec3d& x) { return b.velocity(0, x).allFinite(); });
         if (plan_.facts.micropolar.spins) look(name + ".spin", "not finite", [&](const Vec3d& x) { return b.spin(0, x).allFinite(); });
-        look(name + ".ink", "no number", [&](const Vec3d& x) { return !ink(0, x).hasNaN(); });
+        look(name + ".ink", "not a number", [&](const Vec3d& x) { return !ink(0, x).hasNaN(); });
         const Expression& mu = scene_.fluid.viscosity;
         viscosity("fluid.viscosity", mu, oldest_of(scene_, 0), depends_on_place(mu) ? places : std::vector<Vec3d>{Vec3d::Zero()},
                   [&](const Vec3d& x) { return (depends_on_place(mu) ? point(x) + " in " : "") + name; });
@@ -236,10 +236,9 @@ private:
         if (known > enough * plan_.spacing)
             report(
                 name,
-                fmt::format(
-                    "{} reaches {:.2g} spacings away from the origin, where this program's numbers tell places apart by {:.2g} spacings",
-                    name, far / plan_.spacing, known / plan_.spacing),
-                sizeof(Real) == 4 ? "move the scene to the origin, or take the program of the preset \"double\""
+                fmt::format("{} reaches {:.2g} spacings away from the origin, where this program resolves positions to {:.2g} spacings",
+                            name, far / plan_.spacing, known / plan_.spacing),
+                sizeof(Real) == 4 ? "move the scene to the origin, or use the program of the preset \"double\""
                                   : "move the scene to the origin",
                 fmt::format("allowed: up to {:.2g} m", enough * plan_.spacing / static_cast<double>(std::numeric_limits<Real>::epsilon())));
     }
@@ -348,7 +347,7 @@ private:
 
     void memory() {
         if (n_.particles < 1 && scene_.emitters.empty() && report.none())
-            report("fluid.spacing", "the blocks are too small for a single particle", "take a smaller fluid.spacing");
+            report("fluid.spacing", "the blocks are too small for a single particle", "use a smaller fluid.spacing");
         const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_;
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
         if (need <= most || oversized_) return;
@@ -363,7 +362,7 @@ private:
                     fmt::format("{} lets {:.3g} m^3 out until the end at {:g} m/s: about {:.2g} particles, which need {:.2g} GB of "
                                 "memory, and {:.2g} GB are free",
                                 name, volume, u, n_.particles, need / 1e9, have / 1e9),
-                    fmt::format("speeds are in m/s: for mm/s take a thousandth, {:.3g}", u / 1000));
+                    fmt::format("speeds are in m/s: for mm/s use a thousandth, {:.3g}", u / 1000));
             source = fmt::format("; most of them come from {}, which lets {:.3g} m^3 out until the end", name, volume);
         }
         report("fluid.spacing",

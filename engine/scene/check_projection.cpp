@@ -17,19 +17,19 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
     if (plan.facts.viscosity.smooths)
         problem("models.viscosity",
                 "pressure.form = \"projection\" does not run with XSPH: a full box diverges, open tanks were not measured",
-                "take models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
+                "use models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
     if (!plan.free_surface) return;
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
         if (scene.fluid.surface_tension > 0 && scene.solids[k].wetting != 0.5)
             problem(entry_name("solid", k) + ".wetting",
-                    "with pressure.form = \"projection\" a surface stands at 90 degrees on solids, wetting = 0.5",
-                    "take 0.5, or pressure.form = \"constraint\"", "allowed: 0.5");
+                    "with pressure.form = \"projection\" a surface meets solids at 90 degrees, wetting = 0.5",
+                    "use 0.5, or pressure.form = \"constraint\"", "allowed: 0.5");
     for (std::size_t k = 0; k < scene.emitters.size(); ++k)
         if (pipe_in_fluid(shapes, scene.emitters[k], plan))
             problem("pressure.form",
                     "pressure.form = \"projection\" lets fluid flow into the pipe of " + entry_name("emitter", k) +
-                        " from behind, which stands in the fluid",
-                    "take pressure.form = \"constraint\", or \"auto\", which does so");
+                        " from behind, which is in the fluid",
+                    "use pressure.form = \"constraint\", or \"auto\", which does so");
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& s
         problem("pressure.source",
                 "pressure.source = \"density\" gains energy in fluid that fills its space and rests on nothing: only weight damps what its "
                 "density errors shake",
-                "take pressure.source = \"velocity\"");
+                "use pressure.source = \"velocity\"");
 }
 
 }  // namespace whorl

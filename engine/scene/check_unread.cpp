@@ -49,7 +49,7 @@ void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& repo
 
 void check_output(const Scene& scene, const KeyProblems& report) {
     if (!scene.output.chart.empty() && scene.panels.empty() && scene.places.count("output.chart") > 0)
-        report("output.chart", "a chart stands under a film of panels, and this scene has none", "add a [[panel]]");
+        report("output.chart", "charts need a film of panels, and this scene has no panel", "add a [[panel]]");
 }
 
 void check_forms(const Scene& scene, const Plan& plan, const KeyProblems& report) {

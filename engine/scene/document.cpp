@@ -151,7 +151,7 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
             std::string path = steps[0].name;
             for (std::size_t i = 1; i < depth; ++i) path += steps[i].is_index ? "[" + steps[i].name + "]" : "." + steps[i].name;
             const std::string wanted =
-                step.is_index ? "there is no " + path + "[" + step.name + "]" : path + " is a list, which has no " + step.name;
+                step.is_index ? "missing entry " + path + "[" + step.name + "]" : path + " is a list, which has no " + step.name;
             const std::string key = list->empty() || list->front().as<Value::Table>() ? "." + step.name : "";
             problems.push_back({value.place, wanted, step.is_index ? "" : "name an entry, as in " + path + "[0]" + key,
                                 list->empty() ? "" : path + " has the entries 0 to " + std::to_string(list->size() - 1)});

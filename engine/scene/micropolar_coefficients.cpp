@@ -158,8 +158,8 @@ std::pair<std::string, std::string> turning_text(const MicropolarNumbers& n, con
     return {fmt::format("where fluid can turn freely, at a free surface or along a round wall that it does not stick to, the coupling of "
                         "{:.3g} Pa s with a torque of the viscosity of {:.3g} Pa s makes it turn faster by exp({:.3g}) or more in the run",
                         n.coupling, n.pair_viscosity, n.turning_growth * scene.time.end),
-            n.grows() ? "take \"eringen\", or a fluid.viscosity of at least micropolar.transfer_viscosity with a model that applies it"
-                      : "take viscosity.laplacian = \"split\" or \"auto\""};
+            n.grows() ? "use \"eringen\", or a fluid.viscosity of at least micropolar.transfer_viscosity with a model that applies it"
+                      : "use viscosity.laplacian = \"split\" or \"auto\""};
 }
 
 }  // namespace
@@ -202,8 +202,9 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
     const KeyProblems report(scene, problems);
     if (!plan.facts.micropolar.spins) {
         if (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::split)
-            report("viscosity.laplacian", "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and there is none",
-                   "", "allowed: brookshaw or monaghan");
+            report("viscosity.laplacian",
+                   "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and the scene has no such model", "",
+                   "allowed: brookshaw or monaghan");
         return;
     }
     if (plan.spin.grows() && plan.spin.composed_coupling > 0)
@@ -211,7 +212,7 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
                fmt::format("viscosity.laplacian = \"split\" leaves {:.3g} Pa s for the strain (viscosity {:.3g} less half of the coupling "
                            "{:.3g}), and that feeds energy in",
                            plan.spin.effective_viscosity(), plan.spin.viscosity, plan.spin.coupling),
-               "take \"eringen\" or a smaller micropolar.transfer_viscosity", "allowed: auto, brookshaw or monaghan");
+               "use \"eringen\" or a smaller micropolar.transfer_viscosity", "allowed: auto, brookshaw or monaghan");
     if (std::exp(plan.spin.turning_growth * scene.time.end) > most_growth) {
         const auto [growth, remedy] = turning_text(plan.spin, scene);
         report(scene.viscosity.laplacian ? "viscosity.laplacian" : "models.micropolar", growth, remedy);
@@ -222,10 +223,10 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
             "micropolar.curl_spin",
             "micropolar.curl_velocity = \"symmetric\" turns particles at a free surface that only move along with it, and a difference as "
             "curl_spin does not take that energy from the flow: it tears fluid apart",
-            "take curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"");
+            "use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"");
     if (!plan.facts.pressure.has_micropolar)
         report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " has no micropolar terms",
-               "take \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");
+               "use \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");
     if (!scene.fluid.viscosity.is_constant())
         report("fluid.viscosity", "fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity", "give a number");
     const bool calibrates = scene.micropolar.effective_viscosity.has_value();

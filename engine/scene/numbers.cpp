@@ -51,7 +51,7 @@ double fastest_of(const EmitterKeys& e, double end) {
 
 double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) {
     double most = 0;
-    over_box(min, max, [&](const Vec3d& x) {  // where it is no number there may be no particle
+    over_box(min, max, [&](const Vec3d& x) {  // where it is not a number there may be no particle
         if (const double speed = block.velocity(0, x).norm(); std::isfinite(speed)) most = std::max(most, speed);
     });
     return most;

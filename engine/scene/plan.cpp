@@ -192,7 +192,7 @@ private:
         constexpr double enough = 0.1;
         double nu = n_.nu;
         std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
-        if (!plan_.facts.viscosity.viscous) nu = 0, reason = "no viscosity of its own: particles come to rest";
+        if (!plan_.facts.viscosity.viscous) nu = 0, reason = "no separate viscosity: particles come to rest";
         if (plan_.facts.viscosity.smooths)
             nu = xsph_viscosity(scene_.viscosity.alpha, plan_.support, step_), reason = fmt::format("what XSPH lacks to {:g}", enough);
         double own = 4 * (scene_.domain.dimensions + 2) * nu / (plan_.sound_speed * plan_.support);
@@ -308,7 +308,7 @@ private:
                                             n_.spun.edge, n_.spun.rim));
         if (plan_.facts.pressure.solves_viscosity)
             add_warning(turns +
-                        "with models.pressure = \"coupled\" the edge of the fluid stands one to two spacings too high; models.pressure "
+                        "with models.pressure = \"coupled\" the edge of the fluid is one to two spacings too high; models.pressure "
                         "= \"ppe\" with models.viscosity = \"full\" has it within half a spacing");
     }
 
@@ -324,7 +324,7 @@ private:
                                     rotation_taken()));
         warn_of_lattice();
         if (n_.across < 4)
-            add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, take a smaller fluid.spacing", n_.across,
+            add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, use a smaller fluid.spacing", n_.across,
                                     n_.narrowest));
         const bool viscous_walls =
             plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
@@ -349,7 +349,7 @@ private:
         if (plan_.pressure == PressureModel::none) add_warning("models.pressure is none: nothing keeps the particles apart");
         if (plan_.facts.pressure.source == PressureSource::density && scene_.pressure.damping == 0)
             add_warning(
-                "without pressure.damping, pressure.source = \"density\" shakes particles beside walls: fluid at rest trembles, and a full "
+                "without pressure.damping, pressure.source = \"density\" shakes particles at walls: fluid at rest trembles, and a full "
                 "closed box comes apart where pressure.correction is large");
         if (plan_.facts.pressure.source == PressureSource::velocity && plan_.free_surface)
             add_warning(

@@ -79,12 +79,12 @@ private:
         const std::vector<std::string> keys{"time.fps", "time.slow_motion", "time.end"};
         const double every = scene_.time.frame_interval(), pictures = scene_.time.end / every;
         if (every > longest)
-            reader_.disagree(keys, fmt::format("one picture every {:.3g} s", every), "take a larger time.fps or time.slow_motion",
+            reader_.disagree(keys, fmt::format("one picture every {:.3g} s", every), "use a larger time.fps or time.slow_motion",
                              fmt::format("allowed: one at least every {:g} s", longest));
         else if (!(pictures <= most))
             reader_.disagree(keys,
                              fmt::format("{:.3g} pictures until time.end = {:g} s: one every {:.3g} s", pictures, scene_.time.end, every),
-                             "take a smaller time.fps or time.slow_motion, or an earlier time.end", "allowed: at most a million pictures");
+                             "use a smaller time.fps or time.slow_motion, or an earlier time.end", "allowed: at most a million pictures");
     }
     void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b, int dimensions = 3) {
         for (int axis = 0; axis < dimensions; ++axis)
@@ -117,7 +117,7 @@ private:
         if (!fs::is_regular_file(found, unreachable))
             reader_.disagree({key}, key + ": no file \"" + file.string() + "\"", "", "it is looked for from the scene file's folder");
         else if (!is_utf8(found.native()))
-            reader_.disagree({key}, key + ": \"" + found.string() + "\" is no UTF-8, and the run's settings must be",
+            reader_.disagree({key}, key + ": \"" + found.string() + "\" is not UTF-8, and the run's settings must be",
                              "give the file or its folder another name");
         file = found.lexically_normal();
     }
@@ -140,7 +140,7 @@ private:
             if (p.kind == ProbeKind::region || p.kind == ProbeKind::flow)
                 ordered(name + ".min", p.min, name + ".max", p.max, scene_.domain.dimensions);
             if ((p.kind == ProbeKind::solid || p.kind == ProbeKind::gauge) && static_cast<std::size_t>(p.solid) >= scene_.solids.size())
-                reader_.disagree({name + ".solid"}, name + ".solid = " + std::to_string(p.solid) + " is no solid", "",
+                reader_.disagree({name + ".solid"}, name + ".solid = " + std::to_string(p.solid) + " is not a solid", "",
                                  "the scene has " + std::to_string(scene_.solids.size()) + ", counted from 0");
             if (p.kind == ProbeKind::coil || p.kind == ProbeKind::extent) direction(name + ".axis_direction", p.axis_direction);
             if (p.kind == ProbeKind::flux || p.kind == ProbeKind::extent) direction(name + ".direction", p.direction);

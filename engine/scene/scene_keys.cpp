@@ -46,7 +46,7 @@ KeyTable time_keys() {
 }
 
 KeyTable domain_keys() {
-    KeyTableOf<DomainKeys> t("the box that particles live in; one that leaves it is gone");
+    KeyTableOf<DomainKeys> t("the box of the particles; those that leave it are removed");
     t.key("dimensions", &DomainKeys::dimensions, "",
           "2: the flow in the plane z = 0, much faster; vectors have two numbers, shapes are cut by the plane, and masses, forces and "
           "energies "
@@ -77,11 +77,11 @@ KeyTable fluid_keys() {
         .at_least(0)
         .live();
     t.key("force", &FluidKeys::force, "m/s^2",
-          "force on every particle over its mass, besides gravity; the plan does not foresee the speeds that it makes")
+          "force on every particle over its mass, in addition to gravity; the plan does not predict the speeds that it causes")
         .of("txyz")
         .live();
     t.key("kernel", &FluidKeys::kernel, "",
-          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" (whose solve has a weight of its own) and with the projection, "
+          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" (whose solve has its own weight) and with the projection, "
           "else cubic");
     t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 2.4 with pressure \"coupled\", 3 with the projection, else 2")
         .at_least(1.2)
@@ -126,7 +126,7 @@ KeyTable pressure_keys() {
          "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
     t.key("source", &PressureKeys::source, "",
-          "projection: what the pressure takes away, the divergence of the velocity or the error of the density")
+          "projection: the error that the pressure removes, the divergence of the velocity or the error of the density")
         .only_with(form, {"projection"});
     const std::string source = "pressure.source";
     t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as printed; false: they pull")
@@ -198,7 +198,7 @@ KeyTable viscosity_keys() {
           "second, so that no energy is fed in; auto: split for spinning fluid with a free surface, else brookshaw")
         .only_with(model, {"explicit"})
         .live();
-    t.key("alpha", &ViscosityKeys::alpha, "", "share of the difference to the neighbours' mean velocity that a step takes away")
+    t.key("alpha", &ViscosityKeys::alpha, "", "share of the difference to the neighbours' mean velocity that a step removes")
         .above(0)
         .at_most(1)
         .only_with(model, {"xsph"})
@@ -249,7 +249,7 @@ KeyTable micropolar_keys() {
 KeyTable boundary_keys() {
     KeyTableOf<BoundaryKeys> t("of the boundary model");
     t.key("images", &BoundaryKeys::images, "",
-          "images of the fluid in flat walls, which make the pressure beside them right and take up to a quarter more time; auto: flat in "
+          "images of the fluid in flat walls, which make the pressure next to them right and cost up to a quarter more time; auto: flat in "
           "2D, "
           "and in 3D if a solid, gauge, point or line probe reports forces or pressures")
         .only_with("pressure.form", {"constraint"});
@@ -259,8 +259,8 @@ KeyTable boundary_keys() {
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
     t.key("volume_factor", &BoundaryKeys::volume_factor, "",
-          "volume of a solid's particle times the kernel sum over the solid; 1: as printed, and fluid hovers; auto: what a lattice that "
-          "goes on behind the surface would do")
+          "volume of a solid's particle times the kernel sum over the solid; 1: as printed, and fluid hovers; auto: that of a lattice that "
+          "continues behind the surface")
         .above(0)
         .at_most(2)
         .only_with("models.boundary", {"akinci"});
@@ -273,7 +273,7 @@ KeyTable block_keys() {
     t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
     t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
-    t.key("sampling", &BlockKeys::sampling, "", "how particles stand in it");
+    t.key("sampling", &BlockKeys::sampling, "", "arrangement of particles in it");
     return t;
 }
 
@@ -323,7 +323,7 @@ KeyTable solid_keys() {
         .at_least(0)
         .at_most(1);
     t.key("wetting", &SolidKeys::wetting, "",
-          "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 stands at 90 "
+          "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 meets it at 90 "
           "degrees, 0 repels; ppe takes all, coupled up to 0.5 where the fluid sticks, the projection and wcsph 0.5 alone")
         .at_least(0)
         .at_most(1)
@@ -339,7 +339,7 @@ KeyTable solid_keys() {
 KeyTable drain_keys() {
     KeyTableOf<DrainKeys> t("a place from which fluid is taken away");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
-    t.key("after", &DrainKeys::after, "s", "fluid that has been inside for this long is gone").at_least(0);
+    t.key("after", &DrainKeys::after, "s", "fluid that has been inside for this long is removed").at_least(0);
     return t;
 }
 
@@ -363,7 +363,7 @@ KeyTable vortex_keys() {
     t.key("core", &VortexKeys::core, "m", "radius of the core: a straight line turns fluid at r by circulation/(2 pi) r/(r^2 + core^2)")
         .required()
         .above(0);
-    t.key("ink", &VortexKeys::ink, "", "concentrations of up to three inks, 0 to 1, in the core; beside it they fall as exp(-(r/core)^4)")
+    t.key("ink", &VortexKeys::ink, "", "concentrations of up to three inks, 0 to 1, in the core; outside they fall as exp(-(r/core)^4)")
         .at_least(0)
         .at_most(1)
         .of("t");
@@ -409,15 +409,15 @@ KeyTable probe_keys() {
         .only_with("kind", {"flux"});
     t.key("thickness", &ProbeKeys::thickness, "m", "its other side").at_least(0).only_with("kind", {"flux"});
     t.key("compare", &ProbeKeys::compare, "",
-          "CSV file whose columns are drawn beside those of the same names, over its column time (of a line: s); found from the scene "
+          "CSV file whose columns are drawn with those of the same names, over its column time (of a line: s); found from the scene "
           "file's folder");
     return t;
 }
 
 KeyTable change_keys() {
     KeyTableOf<ChangeKeys> t(
-        "a key that takes another value while the run goes on, as whorl live records it; at time 0 any key, then those that may change");
-    t.key("time", &ChangeKeys::time, "s", "when; the first step that begins then or later goes by it").required().at_least(0);
+        "a key that changes its value during the run, as whorl live records it; at time 0 any key, then those that may change");
+    t.key("time", &ChangeKeys::time, "s", "time of the change; the first step that begins then or later uses it").required().at_least(0);
     t.key("key", &ChangeKeys::key, "", "as in emitter[0].speed").required();
     t.key("value", &ChangeKeys::value, "", "what it is from then on").required();
     return t;
@@ -425,11 +425,11 @@ KeyTable change_keys() {
 
 KeyTable panel_keys() {
     KeyTableOf<PanelKeys> t(
-        "one of several runs of this scene, side by side in one film, frame by frame; each is a run of its own in panels/1, panels/2, ...");
+        "one of several runs of this scene, side by side in one film, frame by frame; each is a separate run in panels/1, panels/2, ...");
     t.key("label", &PanelKeys::label, "", "written on it");
     t.key("difference", &PanelKeys::difference, "",
-          "labels of two other panels: no run of its own, but what the second has more of their slices' field than the first");
-    t.key("set", &PanelKeys::set, "", "what it has of its own, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
+          "labels of two other panels: not a run, but the second panel's field of the slice minus the first one's");
+    t.key("set", &PanelKeys::set, "", "its changes of the scene, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
     return t;
 }
 
@@ -452,7 +452,7 @@ KeyTable output_keys() {
 }
 
 KeyTable budget_keys() {
-    KeyTableOf<BudgetKeys> t("wall time that a frame may take, and what may be given up for it, in this order; budget.csv tells what was");
+    KeyTableOf<BudgetKeys> t("wall time that a frame may take, and what may be given up for it, in this order; budget.csv lists what was");
     t.key("seconds_per_frame", &BudgetKeys::seconds_per_frame, "s", "of wall time; 0: as long as it takes").at_least(0).live();
     t.key("seconds", &BudgetKeys::seconds, "s", "of wall time for the whole film; 0: as long as it takes").at_least(0).live();
     t.key("tolerance", &BudgetKeys::tolerance, "", "tolerances of the solvers grow up to this times the scene's")

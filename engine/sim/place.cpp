@@ -91,7 +91,7 @@ std::optional<Divergence> set_colours(const Scene& scene, World& world, Index fi
         for (std::size_t i = from; i < ink.size(); ++i) {
             const Vec3d at = x[i].cast<double>(), c = concentration(time, at);
             ink[i] = c.cwiseMax(0.0).cwiseMin(1.0).cast<Real>();
-            if (c.hasNaN() && !wrong) wrong = Divergence{"new fluid", "ink", time, at, key + " is no number"};
+            if (c.hasNaN() && !wrong) wrong = Divergence{"new fluid", "ink", time, at, key + " is not a number"};
         }
     }
     if (!fluid.has<field::grain>()) return wrong;

@@ -18,7 +18,7 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
 /// @param source 0: a block; k: emitter k - 1 @return a particle that has none
 std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index first, int source);
 /// Inks and grains of the particles from `first` on, which have just come in; nothing where the scene has none.
-/// @param key of the inks @return a particle whose ink is no number
+/// @param key of the inks @return a particle whose ink is not a number
 std::optional<Divergence> set_colours(const Scene& scene, World& world, Index first, const Inks& inks, const std::string& key, double time);
 /// Numbers of the particles from `first` on, which have just come in; nothing where no export asks for them.
 /// @param next of the next particle; counts on

@@ -29,7 +29,7 @@ constexpr long sort_every = 16;
 
 /// Values of a saved state that no run has would crash this one, or never let it end.
 void must_be_sound(bool is_sound) {
-    if (!is_sound) throw EnvironmentError("the saved state is none of this scene", "", "resume from an older checkpoint");
+    if (!is_sound) throw EnvironmentError("the saved state is not valid for this scene", "", "resume from an older checkpoint");
 }
 
 template <class T>

@@ -71,7 +71,7 @@ Mat3f camera_axes(const View& view) {
 }
 
 [[noreturn]] void not_ours(const std::filesystem::path& file, const std::string& why) {
-    throw InputError({file.string(), 0, 0}, "is no scene that Whorl exported: " + why, "delete it, or render the scene anew");
+    throw InputError({file.string(), 0, 0}, "is not a scene exported by Whorl:  " + why, "delete it, or render the scene again");
 }
 
 }  // namespace
@@ -93,7 +93,8 @@ GlbParts parts_of(const std::filesystem::path& file) {
         std::memcpy(&value, bytes.data() + at, 4);
         return std::size_t{value};
     };
-    if (number(0) != glb_magic || number(4) != glb_version || number(8) != bytes.size()) not_ours(file, "it is no whole glTF 2.0 file");
+    if (number(0) != glb_magic || number(4) != glb_version || number(8) != bytes.size())
+        not_ours(file, "it is not a complete glTF 2.0 file");
     GlbParts parts;
     const std::size_t text = number(12), second = 20 + text;
     if (number(16) != chunk_json || number(second + 4) != chunk_binary || second + 8 + number(second) > bytes.size())

@@ -47,7 +47,7 @@ private:
 
     void header() {
         if (rest_.rfind("#?RADIANCE", 0) != 0 && rest_.rfind("#?RGBE", 0) != 0)
-            throw InputError({file_.string()}, "is no Radiance picture", "", allowed);
+            throw InputError({file_.string()}, "is not a Radiance image", "", allowed);
         bool rgbe = false;
         for (std::string_view text = line(); !text.empty(); text = line()) rgbe = rgbe || text == "FORMAT=32-bit_rle_rgbe";
         if (!rgbe) refuse("the picture's colours are not of FORMAT=32-bit_rle_rgbe");

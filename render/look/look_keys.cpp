@@ -11,7 +11,7 @@ namespace {
 Vec3f colour_of(const Value& text) {
     Vec3f colour;
     if (!read_colour(*text.as<std::string>(), colour))
-        throw KeyFault(text.place, text.toml() + " is no colour; colours are written as in \"#1e50a0\": red, green, blue");
+        throw KeyFault(text.place, text.toml() + " is not a colour; colours are written as in \"#1e50a0\": red, green, blue");
     return colour;
 }
 
@@ -43,7 +43,7 @@ namespace {
 KeyTable make_camera_key_keys() {
     KeyTableOf<CameraKey> t("where the camera is at one moment; it moves smoothly from one to the next, and never beyond one");
     t.key("time", &CameraKey::time, "s", "simulated time").required().at_least(0);
-    t.key("position", &CameraKey::position, "m", "where it stands").required();
+    t.key("position", &CameraKey::position, "m", "where the camera is").required();
     t.key("target", &CameraKey::target, "m", "where it looks");
     t.key("fov", &CameraKey::fov, "degrees", "vertical angle of view").above(0).at_most(150);
     t.all_live();
@@ -55,7 +55,7 @@ KeyTable make_camera_keys() {
     const std::vector<std::string> orbit{"orbit"};
     t.key("kind", &CameraOptions::kind, "", "auto: shows where fluid and moving solids are over the film")
         .one_of({"auto", "fixed", "orbit", "keys"});
-    t.key("position", &CameraOptions::position, "m", "where it stands").required().only_with("kind", {"fixed"});
+    t.key("position", &CameraOptions::position, "m", "where the camera is").required().only_with("kind", {"fixed"});
     t.key("target", &CameraOptions::target, "m", "where it looks").only_with("kind", {"fixed", "orbit"});
     t.key("up", &CameraOptions::up, "", "what is up in the picture").only_with("kind", {"fixed", "orbit", "keys"});
     t.key("fov", &CameraOptions::fov, "degrees", "vertical angle of view").above(0).at_most(150).only_with("kind", {"fixed", "orbit"});
@@ -98,7 +98,7 @@ KeyTable make_look_keys() {
     t.key("cooling", &L::cooling, "s", "lava: time in which it loses most of its glow, where a viscosity depends on age; 0: never" + preset)
         .only_with("style", surface);
     t.key("background", &L::background, "",
-          "what stands behind; transparent: nothing, so that the picture can be laid over another (the studio still lights it)")
+          "what is behind the scene; transparent: nothing, so that the picture can be laid over another (the studio still lights it)")
         .one_of(background_names());
     t.key("ground", &L::ground, "", "a ground with shadow under the scene");
     t.key("table", &L::table, "", "what the ground is: the background's paper (none), or a table of this").one_of(table_names());
@@ -149,12 +149,12 @@ KeyTable make_look_keys() {
     t.key("line_length", &L::line_length, "m", "of a vortex line at most; 0: the domain's longest side")
         .at_least(0)
         .only_with("style", lines);
-    t.key("title", &L::title, "", "words on every picture; of a panel: its label, unless it has a title of its own");
+    t.key("title", &L::title, "", "text on every image; of a panel: its label, unless it has a title");
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     t.all_live();
     t.key("environment", &L::environment, "",
-          "a picture of all that stands round the scene (.hdr, found from the scene file's folder): it lights the scene and is mirrored in "
+          "a picture of the scene's surroundings (.hdr, found from the scene file's folder): it lights the scene and is mirrored in "
           "it; "
           "empty: the background's lamps");
     return t;

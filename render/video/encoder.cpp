@@ -14,7 +14,7 @@ namespace whorl {
 namespace {
 
 const char* const install = "apt-get install ffmpeg";
-const char* const once_it_works = "once ffmpeg can work: whorl resume goes on with a run, whorl video encodes pictures that are there";
+const char* const once_it_works = "once ffmpeg works: whorl resume continues a run, whorl video encodes existing images";
 
 ChildProcess start(const std::vector<std::string>& arguments) {
     try {
@@ -218,7 +218,7 @@ std::string check_encoder(const std::string& way_out) {
     std::string text;
     try {
         ChildProcess ffmpeg({"ffmpeg", "-version"});
-        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "mend that");
+        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "fix that");
         text = ffmpeg.output();
     } catch (const std::system_error& error) { refuse(error.what(), install); }
     return text.substr(0, text.find('\n'));

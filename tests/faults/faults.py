@@ -306,7 +306,7 @@ class Faults:
                 if done.returncode != 2 and "nan" in (out / "diagnostics.csv").read_text():
                     raise Lost("nan in the diagnostics")
 
-            self.case(f"{name} is no number", work)
+            self.case(f"{name} is not a number", work)
 
     def memory(self):
         """Less memory than the scene needs: refused before anything is written."""

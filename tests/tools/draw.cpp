@@ -79,7 +79,7 @@ TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps
     const auto mesh = [&](int n) { return read_whole(run / "mesh" / ("puddle.000" + std::to_string(n) + ".ply")); };
     const std::string first = mesh(1), second = mesh(2);
     const Outcome range = test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "surface.voxel=1"});
-    CHECK_THAT(range.err, Catch::StartsWith("pictures that stand in " + run.string() + " are replaced: 2\n"));
+    CHECK_THAT(range.err, Catch::StartsWith("existing images in " + run.string() + " are replaced: 2\n"));
     CHECK((read_whole(run / "scene/puddle.glb") == glb));
     CHECK(read_whole(run / "vtk/puddle.pvd") == pvd);
     CHECK((mesh(1) == first));
@@ -96,7 +96,7 @@ TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps
     CHECK(fs::exists(folder / "other.1/diagnostics.csv"));
     CHECK_FALSE(fs::exists(folder / "other.2"));
     CHECK(test::whorl({"video", other.string()}).code == 0);
-    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("holds pictures that were drawn of another run; go on with"));
+    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("holds pictures that were drawn of another run; continue"));
     {
         const RunFolder held = RunFolder::existing(other);
         const Outcome locked = test::whorl({"draw", run.string(), "--out", other.string()});
@@ -124,7 +124,7 @@ TEST_CASE("pictures of a run are kept aside where another one has taken its fold
             0);
     const Outcome other = draw();
     CHECK(other.code == 0);
-    CHECK_THAT(other.err, Catch::Contains("the run that stood in " + drawn.string() + " is now in " + drawn.string() + ".1"));
+    CHECK_THAT(other.err, Catch::Contains("the existing run in " + drawn.string() + " is now in " + drawn.string() + ".1"));
     CHECK_FALSE(fs::exists(drawn / "frames/000003.png"));
     CHECK(fs::exists(folder / "drawn.1/frames/000003.png"));
 }
@@ -139,10 +139,10 @@ TEST_CASE("a film with gaps gets its video and contact sheet, and existing files
     CHECK(fs::exists(run / "contact.png"));
     fs::remove(run / "raw/000001.frame");
     CHECK(test::whorl({"draw", run.string(), "--quiet"}).code == 0);
-    CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "1"}).err, Catch::EndsWith("there are no frames 1 to 1; 2 to 3\n"));
+    CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "1"}).err, Catch::EndsWith("missing frames 1 to 1; 2 to 3\n"));
     const std::string nowhere = (folder / "none/a.mp4").string();
     for (const auto& [option, value, why] : std::vector<std::array<std::string, 3>>{
-             {"--out", nowhere, "--out: there is no folder \"" + (folder / "none").string() + "\"; make it first"},
+             {"--out", nowhere, "--out: folder not found: \"" + (folder / "none").string() + "\"; make it first"},
              {"--fps", "1e-9", "--fps: 1e-09 frames a second are too few for a video; allowed: at least 0.0001"}}) {
         const Outcome refused = test::whorl({"video", run.string(), option, value});
         CHECK(refused.code == 2);
@@ -206,7 +206,7 @@ TEST_CASE("draw follows a run that goes on, beside its own images or in its fold
     if (draws_itself) {
         const Outcome refused = test::whorl(draw);
         CHECK(refused.code == 2);
-        CHECK_THAT(refused.err, Catch::Contains("the run goes on and draws its own images here; draw into another folder, as in --out " +
+        CHECK_THAT(refused.err, Catch::Contains("the run continues and draws its own images here; draw into another folder, as in --out " +
                                                 run.string() + "_drawn"));
         draw.insert(draw.end(), {"--out", other.string()});
     }
@@ -218,7 +218,7 @@ TEST_CASE("draw follows a run that goes on, beside its own images or in its fold
     CHECK(program.wait().code == 0);
     const Outcome done = follower.wait();
     CHECK(done.code == 0);
-    CHECK_THAT(done.err, Catch::Contains("the run goes on: its frames are drawn as they come, until it ends"));
+    CHECK_THAT(done.err, Catch::Contains("the run continues: its frames are drawn as they come, until it ends"));
     const std::vector<int> frames = exported_frames(run);
     CHECK(frames.size() == 21);
     for (const int n : frames) CHECK(has_picture(drawn, n));
@@ -257,14 +257,14 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     const Outcome part = test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()});
     CHECK(part.code == 0);
     CHECK(part.err == "the run has pictures of 1 of its 2 frames: the video is of these\n");
-    refused({"--frames", "3-4"}, "there are no frames 3 to 4; 1 to 2");
+    refused({"--frames", "3-4"}, "missing frames 3 to 4; 1 to 2");
     for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"}) refused({"--frames", frames}, "names no frames");
     fs::rename(run / "raw/000002.frame", run / "raw/000003.frame");
     fs::copy(run / "raw/000001.frame", run / "raw/000002.frame");
     refused({}, "000002.frame: holds frame 1, not 2");
     fs::rename(run / "raw/000003.frame", run / "raw/000002.frame");
     std::ofstream(run / "raw/000002.frame", std::ios::app) << "x";
-    refused({}, "000002.frame: is no whole frame");
+    refused({}, "000002.frame: is not a complete frame");
     fs::remove_all(run / "raw");
     refused({}, "render the scene with --export raw");
 }

@@ -147,8 +147,8 @@ TEST_CASE("one impossible film stops all at the start, and an interrupted farm p
     farm.signal(SIGINT);
     const Outcome stopped = farm.wait();
     CHECK(stopped.code == 130);
-    CHECK(stopped.err.find("whorl: little_honey was interrupted; go on with: whorl resume " + run + " --no-draw, then whorl draw " + run +
-                           "\n") != std::string::npos);
+    CHECK(stopped.err.find("whorl: little_honey was interrupted; continue with: whorl resume " + run + " --no-draw, then whorl draw " +
+                           run + "\n") != std::string::npos);
     const std::string short_film = std::to_string(exported_frames(run).size() + 2);
     CHECK(test::whorl({"resume", run, "--no-draw", "--frames", short_film, "--quiet"}).code == 0);
     CHECK(test::whorl({"draw", run, "--quiet"}).code == 0);
@@ -178,7 +178,7 @@ TEST_CASE("a task continues from its checkpoint, and fails instead of restarting
     CHECK(again() == 0);
     const Outcome none = test::Program({(scratch / "run/farm/simulate.sh").string(), "1"}, "bash").wait();
     CHECK(none.code == 2);
-    CHECK(none.err.find("there is no task 1: 0 to 0") != std::string::npos);
+    CHECK(none.err.find("unknown task 1: 0 to 0") != std::string::npos);
     CHECK(!fs::exists(scratch / "run/farm/simulate.1.code"));
 }
 

@@ -122,7 +122,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
 
     const test::Outcome again = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
     CHECK(again.code == 2);
-    CHECK(again.err.find("tank.toml: stands there already") != std::string::npos);
+    CHECK(again.err.find("tank.toml: already exists") != std::string::npos);
 }
 
 TEST_CASE("import reports file, line and column of a fault, and writes nothing", "[tools][import]") {
@@ -144,7 +144,7 @@ TEST_CASE("import reports file, line and column of a fault, and writes nothing",
     refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"" + std::string(256, 'a') + "\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
     refused("{\n \"RigidBodies\": [\n  {\"geometryFile\": \"/dev/zero\"}]\n}", ":3:4: RigidBodies[0].geometryFile: ");
     refused(std::string(200'000, '['), ":1:101: more than 100 brackets are open");
-    refused("[1, 2]", ":1:1: is no scene");
+    refused("[1, 2]", ":1:1: is not a scene");
     CHECK(test::whorl({"import", "nowhere.json"}).code == 2);
     const test::ScratchFolder folder;
     const test::Outcome of_folder = test::whorl({"import", folder.path().string()});

@@ -225,7 +225,7 @@ TEST_CASE("a panel whose checkpoints cannot be read is kept, and the film that w
     const std::string rows = read_whole(panel / "diagnostics.csv");
     const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.05", "--quiet"});
     CHECK(longer.code == 2);
-    CHECK_THAT(longer.err, Catch::Contains(".whorl is damaged") && Catch::Contains("panels/2: there is no sound checkpoint to go on from"));
+    CHECK_THAT(longer.err, Catch::Contains(".whorl is damaged") && Catch::Contains("panels/2: no valid checkpoint to continue from"));
     CHECK(read_whole(panel / "diagnostics.csv") == rows);
     CHECK(run_json(fs::path(scratch.run()) / "panels/1").at("frames") == 2);
 }

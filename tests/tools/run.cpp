@@ -197,7 +197,7 @@ TEST_CASE("a film with images left to draw continues when they are drawn, or wit
     const Outcome refused = test::whorl(longer);
     CHECK(refused.code == 2);
     CHECK(refused.err.find("the run has no picture of its frame 1; draw it first: whorl draw " + scratch.run() +
-                           "; or go on with --no-draw") != std::string::npos);
+                           "; or continue with --no-draw") != std::string::npos);
     CHECK((read_whole(scratch / "run/scene.resolved.toml") == settings));
     REQUIRE(test::whorl({"draw", scratch.run(), "--quiet"}).code == 0);
     const Outcome drawn = test::whorl(longer);
@@ -473,7 +473,7 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     write("interrupted", 3);
     const Outcome refused = again("run");
     CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("there is no sound checkpoint to go on from; render the scene anew"));
+    CHECK_THAT(refused.err, Catch::Contains("no valid checkpoint to continue from; render the scene again"));
     CHECK(files_in(scratch / "run/frames").size() == 4);
     fs::copy(scratch / "run", scratch / "torn");
     fs::copy(scratch / "run", scratch / "killed", fs::copy_options::recursive);
@@ -490,7 +490,7 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     write("done", 4);
     const Outcome done = test::whorl({"resume", scratch.run()});
     CHECK(done.code == 2);
-    CHECK_THAT(done.err, Catch::EndsWith("the run is done, and has no checkpoint to go on from; render the scene anew\n"));
+    CHECK_THAT(done.err, Catch::EndsWith("the run is done, and has no checkpoint to continue from; render the scene again\n"));
     CHECK(files_in(scratch / "run/frames").size() == 4);
 }
 

@@ -90,12 +90,12 @@ TEST_CASE("the fate of an existing run is reported also with --quiet, and as an 
     const Scratch scratch;
     std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--frames", "1", "--out", scratch.run(), "--quiet"};
     REQUIRE(test::whorl(arguments).err.empty());
-    CHECK(test::whorl(arguments).err == "the run that stood in " + scratch.run() + " is now in " + scratch.run() + ".1\n");
+    CHECK(test::whorl(arguments).err == "the existing run in " + scratch.run() + " is now in " + scratch.run() + ".1\n");
     arguments.back() = "--json";
     const Outcome json = test::whorl(arguments);
     const auto note = nlohmann::json::parse(json.out.substr(0, json.out.find('\n')));
     CHECK(note["event"] == "note");
-    CHECK(note["text"] == "the run that stood in " + scratch.run() + " is now in " + scratch.run() + ".2");
+    CHECK(note["text"] == "the existing run in " + scratch.run() + " is now in " + scratch.run() + ".2");
 }
 
 TEST_CASE("a folder in which another process is at work is left alone by all that write into it", "[tools][render]") {

@@ -83,7 +83,7 @@ TEST_CASE("a change to a missing or wrong file is refused at its location", "[to
         CHECK_THROWS_WITH(changed(file, {{key, Value(value), {"here", 0, 0}}}), Catch::Contains("here: ") && Catch::Contains(why));
     };
     refused("look.environment", "gone.hdr", "no such file");
-    refused("look.environment", "one.obj", "is no Radiance picture");
+    refused("look.environment", "one.obj", "is not a Radiance image");
     refused("solid[0].file", "gone.obj", "no file \"gone.obj\"");
     refused("solid[0].file", std::string(300, 'a'), "no file \"aaa");
 }
@@ -99,15 +99,15 @@ TEST_CASE("mistakes found after a change name the scene's file, and the change i
     }
 }
 
-TEST_CASE("a mesh or picture whose path is no UTF-8 is refused, as the run's settings could not be read back", "[tools][scene]") {
+TEST_CASE("a mesh or picture whose path is not UTF-8 is refused, as the run's settings could not be read back", "[tools][scene]") {
     for (const char* what : {mesh, "[look]\nenvironment = \"room.hdr\"\n"}) {
         const Scratch scratch(what);
         fs::rename(scratch.scenes(), scratch / "gr\xfcn");
-        CHECK_THROWS_WITH(read_scene_file(scratch / "gr\xfcn/scene.toml"), Catch::Contains("is no UTF-8"));
+        CHECK_THROWS_WITH(read_scene_file(scratch / "gr\xfcn/scene.toml"), Catch::Contains("is not UTF-8"));
     }
 }
 
-TEST_CASE("a run in a folder whose name is no UTF-8 goes well, and its report is JSON", "[tools][render]") {
+TEST_CASE("a run in a folder whose name is not UTF-8 goes well, and its report is JSON", "[tools][render]") {
     const Scratch scratch("");
     const fs::path run = scratch / "gr\xfcn";
     REQUIRE(test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "1", "--quiet", "--out", run.string()}).code == 0);

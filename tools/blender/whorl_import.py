@@ -66,7 +66,7 @@ def read_scene(path):
     with open(path, "rb") as file:
         header = struct.unpack("<4sIIII", file.read(20))
         if header[0] != b"glTF":
-            raise NotARun(f"{path} is no glTF file")
+            raise NotARun(f"{path} is not a glTF file")
         scene = json.loads(file.read(header[3]))["scenes"][0]
     return scene["name"], scene["extras"]["whorl"]
 
@@ -282,7 +282,7 @@ def find_run(path):
     for folder in (path, *path.parents[:2]):
         if (folder / "run.json").exists():
             return folder
-    raise NotARun(f"{path} is no run folder of Whorl (it has no run.json)")
+    raise NotARun(f"{path} is not a run folder of Whorl (it has no run.json)")
 
 
 def add_fluid(scene, folder, name, about):

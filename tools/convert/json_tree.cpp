@@ -169,7 +169,7 @@ JsonNode read_json(const std::filesystem::path& file) {
     TreeBuilder sax{place, {}, {}, {}, {}};
     const CountingIterator begin(text.data(), &place), end(text.data() + text.size(), &place);
     nlohmann::json::sax_parse(begin, end, &sax, nlohmann::json::input_format_t::json, true, true);
-    if (sax.root.kind != JsonNode::Kind::object) throw InputError({file.string(), 1, 1}, "is no scene", "", "a JSON object");
+    if (sax.root.kind != JsonNode::Kind::object) throw InputError({file.string(), 1, 1}, "is not a scene", "", "a JSON object");
     return std::move(sax.root);
 }
 

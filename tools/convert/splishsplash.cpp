@@ -236,7 +236,7 @@ void Converter::configuration() {
             line(time_, "cfl", number(0.4 * *factor));
             note(of, "cflFactor", fmt::format("is taken as time.cfl = {}: 0.4 of it", number(0.4 * *factor)));
         }
-        note(of, "timeStepSize", "is where steps begin: here each step is chosen anew, up to time.max_step");
+        note(of, "timeStepSize", "is where steps begin: here each step is chosen separately, up to time.max_step");
     }
     pressure(of);
     for (const char* key : {"enablePartioExport", "enableVTKExport"})
@@ -334,7 +334,7 @@ const Converter::Fluid& Converter::fluid_of(const JsonNode& user, bool can_diffe
         if (&fluid != &fluids_[0] && !can_differ)
             note(user, "has the material \"" + id + "\", and there is one fluid here: it has that of \"" + fluids_[0].id + "\"");
         if (&fluid != &fluids_[0] && can_differ && fluid.density != fluids_[0].density)
-            note(user, "has a density of its own, and there is one here: that of \"" + fluids_[0].id + "\"");
+            note(user, "has another density, and there is one here: that of \"" + fluids_[0].id + "\"");
         return fluid;
     }
     if (fluids_[0].node)
@@ -356,7 +356,7 @@ void Converter::blocks() {
         shapes_ += fmt::format("\n[[block]]\nshape = \"box\"\nmin = {}\nmax = {}\n", vector(box.min()), vector(box.max()));
         if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
         if (node->number_of("denseMode").value_or(0) != 0)
-            note(*node, "denseMode", "packs particles denser: here they stand on a lattice of their own spacing");
+            note(*node, "denseMode", "packs particles denser: here they are on a lattice of the normal spacing");
     }
 }
 

@@ -52,7 +52,7 @@ void write_script(const FarmFilm& film, const FarmStage& stage, int threads) {
                                 quoted(task.resume));
         text += quoted(task.command) + "; };;\n";
     }
-    text += fmt::format("*) echo \"there is no task $task: 0 to {}\" >&2; exit 2;;\nesac\nfiles={}.$task\n", stage.tasks.size() - 1,
+    text += fmt::format("*) echo \"unknown task $task: 0 to {}\" >&2; exit 2;;\nesac\nfiles={}.$task\n", stage.tasks.size() - 1,
                         quoted((film.folder / "farm" / stage.name).string()));
     text += "rm -f \"$files.code\"\nrun >\"$files.log\" 2>&1 </dev/null\ncode=$?\n";
     write_text(script_of(film, stage), text + "echo $code >\"$files.part\" && mv \"$files.part\" \"$files.code\"\nexit $code\n");
@@ -156,7 +156,7 @@ std::string said_by(const std::vector<std::string>& words) {
         const int code = child.wait();
         std::string text = child.output();
         while (!text.empty() && text.back() == '\n') text.pop_back();
-        if (code != 0) throw EnvironmentError(words[0] + " failed: " + text, "", "is Slurm up? sinfo tells");
+        if (code != 0) throw EnvironmentError(words[0] + " failed: " + text, "", "is Slurm running? call sinfo");
         return text;
     } catch (const std::system_error& error) {
         throw EnvironmentError("cannot start " + words[0], error.what(), "go where Slurm's programs are, or farm with --on local");
@@ -187,7 +187,7 @@ std::string submit(const FarmFilm& film, const FarmOptions& options) {
         words.push_back(script_of(film, stage).string());
         const std::string said = said_by(words);
         before = slurm_job(said);
-        if (before.empty()) throw EnvironmentError("sbatch names no job: " + said, "", "is Slurm up? sinfo tells");
+        if (before.empty()) throw EnvironmentError("sbatch names no job: " + said, "", "is Slurm running? call sinfo");
         jobs += (jobs.empty() ? "" : ",") + before;
         write_text(film.folder / "farm" / "jobs.txt", jobs + "\n");
     }
@@ -201,7 +201,7 @@ bool run_on_slurm(const std::vector<FarmFilm>& films, const FarmOptions& options
     for (int polls = 0, gone = 0; !std::all_of(films.begin(), films.end(), has_ended) && gone < 3; ++polls) {
         progress.show();
         if (interrupt.interrupted()) {
-            fmt::print(stderr, "\nwhorl: the jobs {0} go on; scancel {0} ends them\n", jobs);
+            fmt::print(stderr, "\nwhorl: the jobs {0} continue; scancel {0} ends them\n", jobs);
             return false;
         }
         // Files may come later than the end of their job; Slurm is asked seldom.
@@ -217,7 +217,7 @@ bool run_on_slurm(const std::vector<FarmFilm>& films, const FarmOptions& options
 void check_farm(const FarmOptions& options) {
     if (options.on != "local" && options.on != "slurm") {
         const std::string near = nearest_name(options.on, {"local", "slurm"});
-        throw InputError({"--on " + options.on, 0, 0}, "there is no such place", near.empty() ? "" : "did you mean \"" + near + "\"?",
+        throw InputError({"--on " + options.on, 0, 0}, "unknown place", near.empty() ? "" : "did you mean \"" + near + "\"?",
                          "allowed: local or slurm");
     }
     if (options.on == "slurm") said_by({"sbatch", "--version"});

@@ -44,7 +44,7 @@ Image read_picture(const std::filesystem::path& run_folder, int frame, int width
     if (image.width != width || image.height != height)
         throw InputError({existing_picture(run_folder, frame).string(), 0, 0},
                          fmt::format("is {}x{}, and the film is {}x{}", image.width, image.height, width, height),
-                         fmt::format("where the run has raw frames: whorl draw {} --size {}x{}; else render it anew", run_folder.string(),
+                         fmt::format("where the run has raw frames: whorl draw {} --size {}x{}; else render it again", run_folder.string(),
                                      width, height));
     return image;
 }
@@ -60,7 +60,7 @@ Frame exported_frame(const std::filesystem::path& run_folder, int frame) {
     Frame read = read_frame(file);
     if (read.number != frame)
         throw InputError({file.string(), 0, 0}, fmt::format("holds frame {}, not {}", read.number, frame),
-                         "give the files their own names again, or export the frames anew");
+                         "restore the files' names, or export the frames again");
     return read;
 }
 

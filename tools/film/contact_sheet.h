@@ -21,7 +21,7 @@ Image read_picture(const std::filesystem::path& run_folder, int frame, int width
 Image read_picture(const std::filesystem::path& file);
 /// raw/000012.frame
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame);
-/// What is in it. @throws InputError where it is no whole frame, or another than its name says
+/// What is in it. @throws InputError where it is not a complete frame, or another than its name says
 Frame exported_frame(const std::filesystem::path& run_folder, int frame);
 /// contact.png: twelve of the pictures from the first to the last, evenly. @throws InputError where one is missing
 void write_contact_sheet(const std::filesystem::path& run_folder, const std::vector<std::filesystem::path>& pictures);

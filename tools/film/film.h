@@ -33,7 +33,7 @@ struct FilmOptions {
     int width = 1280, height = 720;
     double fps = 24;
     double interval = 0;    ///< s, simulated, from frame to frame
-    int frames_before = 0;  ///< pictures that stand in the folder already (a resumed run): they begin the video
+    int frames_before = 0;  ///< existing images in the folder already (a resumed run): they begin the video
 };
 
 class Film {

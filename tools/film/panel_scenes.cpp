@@ -76,7 +76,7 @@ int run_called(const std::vector<PanelKeys>& panels, const std::string& label, c
         ++run;
     }
     const std::string near = nearest_name(label, labels);
-    throw InputError(place, "no panel with a run of its own has the label \"" + label + "\"",
+    throw InputError(place, "no panel with a run has the label \"" + label + "\"",
                      near.empty() ? "give the panels labels" : "did you mean \"" + near + "\"?");
 }
 
@@ -87,7 +87,7 @@ PanelCell difference_of(const SceneFile& file, std::size_t k) {
         throw InputError(place, "a difference is between two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
     if (file.look.style != "slice")
         throw InputError(place, "differences are drawn of slices, and look.style is \"" + file.look.style + "\"",
-                         "take look.style = \"slice\"");
+                         "use look.style = \"slice\"");
     if (!panel.set.empty()) throw InputError(place, "a difference has no run, and nothing to set", "leave out either set or difference");
     PanelCell cell;
     for (int n = 0; n < 2; ++n) cell.between[n] = run_called(file.scene.panels, panel.difference[n], place);
@@ -175,7 +175,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
         }
     }
     if (!problems.empty()) throw InputError(std::move(problems));
-    if (scenes.empty()) throw InputError(file.scene.place("panel[0].difference"), "no panel has a run of its own");
+    if (scenes.empty()) throw InputError(file.scene.place("panel[0].difference"), "no panel has a run");
     panel_cells(file);
     for (const SceneFile& run : scenes)
         if (!file.scene.output.chart.empty())

@@ -52,8 +52,8 @@ public:
         write_report("running", "");
         if (const std::optional<std::size_t> stopped = run_all()) {
             const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
-            write_report("interrupted", "go on with: " + go_on);
-            std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; go on with all of them: %s\n", *stopped + 1, scenes_.size(),
+            write_report("interrupted", "continue with: " + go_on);
+            std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; continue all of them with:  %s\n", *stopped + 1, scenes_.size(),
                          go_on.c_str());
             return exit_interrupted;
         }

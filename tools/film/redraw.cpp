@@ -74,9 +74,9 @@ public:
         all_ = exported_frames(request.run);
         if (!over_ && request.file.scene.exported("raw")) return;
         const std::string raw = (request.run / "raw").string();
-        if (all_.empty()) throw InputError({raw, 0, 0}, "there are no frames to draw from", "render the scene with --export raw");
+        if (all_.empty()) throw InputError({raw, 0, 0}, "the run has no frames to draw from", "render the scene with --export raw");
         if (!ready().empty()) return;
-        throw InputError({raw, 0, 0}, fmt::format("there are no frames {} to {}", request.first, last()), "",
+        throw InputError({raw, 0, 0}, fmt::format("missing frames {} to {}", request.first, last()), "",
                          fmt::format("{} to {}{}", all_.front(), all_.back(), has_gaps() ? ", with gaps" : ""));
     }
     const std::vector<int>& all() const { return all_; }
@@ -160,7 +160,7 @@ SceneFile with_choices_from(SceneFile file, const fs::path& run, const std::vect
 void check_images_free(const fs::path& run, const fs::path& out) {
     std::error_code none;
     if (!fs::equivalent(run, out, none) || !report_of(run).value("draws", true)) return;
-    throw InputError({run.string(), 0, 0}, "the run goes on and draws its own images here",
+    throw InputError({run.string(), 0, 0}, "the run continues and draws its own images here",
                      "draw into another folder, as in --out " + out.string() + "_drawn, or wait for its end");
 }
 
@@ -184,7 +184,7 @@ int redraw(const RedrawRequest& request) {
     check_size_of_others(request);
     const std::vector<int> ready = frames.ready();
     const auto replaced = std::count_if(ready.begin(), ready.end(), [&](int n) { return has_picture(request.out, n); });
-    if (replaced > 0 && !request.quiet) fmt::print(stderr, "pictures that stand in {} are replaced: {}\n", request.out.string(), replaced);
+    if (replaced > 0 && !request.quiet) fmt::print(stderr, "existing images in {} are replaced: {}\n", request.out.string(), replaced);
     fs::create_directories(request.out / "frames");
     Film film(options);
     auto how = options_now();

@@ -28,7 +28,7 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
     if (problems.empty()) return;
     problems.insert(problems.begin(), {{scene_file.string(), 0, 0},
                                        "the checkpoint is of other settings",
-                                       "put them back to go on, or render this file as a new run",
+                                       "restore them to continue, or render this file as a new run",
                                        ""});
     throw InputError(problems);
 }
@@ -38,7 +38,7 @@ void check_inputs(const Checkpoint& checkpoint, const SceneFile& now) {
     std::vector<Problem> problems;
     for (const auto& [file, sum] : input_checksums(now))
         if (const auto before = checkpoint.inputs.find(file); before != checkpoint.inputs.end() && before->second != sum)
-            problems.push_back({{file, 0, 0}, "was edited after the run began", "put it back, or go on with it as it is: --force", ""});
+            problems.push_back({{file, 0, 0}, "was edited after the run began", "restore it, or continue with it unchanged: --force", ""});
     if (!problems.empty()) throw InputError(problems);
 }
 
@@ -63,15 +63,15 @@ void check_plan(const Scene& before, const Scene& now, const std::filesystem::pa
     problems.insert(problems.begin(), {{scene_file.string(), 0, 0},
                                        fmt::format("until {:g} s this scene takes other models or constants than until {:g} s",
                                                    now.time.end, before.time.end),
-                                       "set these keys in the scene and render it anew",
+                                       "set these keys in the scene and render it again",
                                        ""});
     throw InputError(problems);
 }
 
 InputError no_sound_checkpoint(const std::filesystem::path& folder) {
     return {{folder.string(), 0, 0},
-            "there is no sound checkpoint to go on from",
-            "render the scene anew",
+            "no valid checkpoint to continue from",
+            "render the scene again",
             "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C"};
 }
 
@@ -82,11 +82,11 @@ void begin_again(RunRequest& request) {
     const std::string status = report.value("status", "");
     if (const std::string source = report.value("drawn_from", ""); !source.empty())
         throw InputError({request.folder.string(), 0, 0}, "holds pictures that were drawn of another run",
-                         is_run_folder(source) ? "go on with that one: whorl resume " + source : "that one is no longer in " + source);
+                         is_run_folder(source) ? "continue that one: whorl resume " + source : "that one is no longer in " + source);
     if (status == "done" || status == "diverged")
         throw InputError({request.folder.string(), 0, 0},
-                         fmt::format("the run {}, and has no checkpoint to go on from", status == "done" ? "is done" : "diverged"),
-                         "render the scene anew");
+                         fmt::format("the run {}, and has no checkpoint to continue from", status == "done" ? "is done" : "diverged"),
+                         "render the scene again");
     if (report.value("frames", 0) > 0 && status != "running") throw no_sound_checkpoint(request.folder);
     // As of a checkpoint: the end that --frames gave holds while the scene's own stays.
     const int all = frame_count(request.file.scene), planned = report.value("frames_planned", all);
@@ -101,7 +101,7 @@ void begin_again(RunRequest& request) {
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted) {
     if (wanted < made)
         throw InputError({folder.string(), 0, 0}, fmt::format("the run is at frame {}, {:g} s, already", made, frame_time(scene, made)), "",
-                         "an end after that; render the scene anew for a shorter film");
+                         "an end after that; render the scene again for a shorter film");
 }
 
 void check_pictures(const std::filesystem::path& folder, int made) {
@@ -109,8 +109,8 @@ void check_pictures(const std::filesystem::path& folder, int made) {
         if (has_picture(folder, frame)) continue;
         const bool exported = std::filesystem::exists(frame_file(folder, frame));
         throw InputError({folder.string(), 0, 0}, fmt::format("the run has no picture of its frame {}", frame),
-                         exported ? fmt::format("draw it first: whorl draw {}; or go on with --no-draw", folder.string())
-                                  : "go on without pictures: --no-draw");
+                         exported ? fmt::format("draw it first: whorl draw {}; or continue with --no-draw", folder.string())
+                                  : "continue without images: --no-draw");
     }
 }
 
@@ -123,9 +123,9 @@ void resume_from_newest(RunRequest& request) {
     if (checkpoint->build != build_id())
         throw InputError(
             {request.folder.string(), 0, 0},
-            fmt::format("the checkpoint was written by another build ({}; this is {}), which would not go on with the same bits",
+            fmt::format("the checkpoint was written by another build ({}; this is {}), which would not continue bit-identically",
                         checkpoint->build, build_id()),
-            "use the build that wrote it, or render the scene anew");
+            "use the build that wrote it, or render the scene again");
 
     const std::filesystem::path scene_file = request.folder / "scene.resolved.toml";
     check_settings(*checkpoint, request.file.scene, scene_file);

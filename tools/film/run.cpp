@@ -337,8 +337,8 @@ int Run::complete() {
     if (complete) return conclude("done", "");
     save_newest();
     if (frames_written() == 0) return conclude("interrupted", "interrupted before the first frame");
-    return conclude("interrupted", fmt::format("interrupted after frame {} of {}; go on with: whorl resume {}{}", frames_written(), last_,
-                                               folder, request_.no_draw ? " --no-draw" : ""));
+    return conclude("interrupted", fmt::format("interrupted after frame {} of {}; continue with: whorl resume {}{}", frames_written(),
+                                               last_, folder, request_.no_draw ? " --no-draw" : ""));
 }
 
 /// Does a part of the run. What was made stays where it throws.
@@ -355,7 +355,7 @@ auto Run::keeping(const Work& work) try {
     std::error_code none;
     if (const std::string folder = folder_.path().string(); !fs::exists(folder, none) && !none)
         throw EnvironmentError("the folder " + folder + " was removed or renamed while the run was at work", "",
-                               "where it is elsewhere, put it back and go on with: whorl resume " + folder);
+                               "if it was moved, put it back and continue with: whorl resume " + folder);
     throw;
 }
 

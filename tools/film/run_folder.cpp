@@ -102,8 +102,8 @@ fs::path set_aside(const fs::path& path) {
     std::error_code error;
     fs::rename(plain(path), kept, error);
     if (error)
-        throw EnvironmentError("cannot rename the run that stands in " + path.string() + " to " + kept.string() + ": " + error.message(),
-                               "", "choose another folder with --out, or replace the run with --overwrite");
+        throw EnvironmentError("cannot rename the existing run in " + path.string() + " to " + kept.string() + ": " + error.message(), "",
+                               "choose another folder with --out, or replace the run with --overwrite");
     return kept;
 }
 
@@ -212,7 +212,7 @@ RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
 /// Renames the folder, and continues with an empty one.
 void RunFolder::keep() {
     const fs::path real = fs::canonical(path_);  // a symbolic link stays
-    add_note("the run that stood in " + path_.string() + " is now in " + set_aside(fs::is_symlink(plain(path_)) ? real : path_).string());
+    add_note("the existing run in " + path_.string() + " is now in " + set_aside(fs::is_symlink(plain(path_)) ? real : path_).string());
     make_folder(real);
     RunFolder empty(path_);
     std::swap(lock_, empty.lock_);
@@ -225,7 +225,7 @@ RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
         throw InputError({path.string(), 0, 0}, "is a file, not a folder", is_run_folder(around) ? "its run is " + around.string() : "",
                          allowed);
     }
-    if (!fs::is_directory(path)) throw InputError({path.string(), 0, 0}, "there is no such folder", "", allowed);
+    if (!fs::is_directory(path)) throw InputError({path.string(), 0, 0}, "folder not found", "", allowed);
     if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "no run folder (it has no run.json)");
     return RunFolder(path, hold);
 }

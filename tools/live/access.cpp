@@ -39,7 +39,7 @@ bool AccessRules::own(const std::string& host) const {
 }
 
 std::string AccessRules::refusal(const Caller& caller) const {
-    if (!own(caller.host)) return "this server does not go by the name \"" + caller.host.substr(0, 100) + "\"";
+    if (!own(caller.host)) return "this server does not have the name \"" + caller.host.substr(0, 100) + "\"";
     if (!caller.origin.empty() && caller.origin != "http://" + caller.host)
         return "pages of " + caller.origin.substr(0, 100) + " may not ask this server";
     if (caller.fetch_site == "cross-site" || caller.fetch_site == "same-site") return "other pages may not ask this server";

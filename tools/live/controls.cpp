@@ -61,7 +61,7 @@ void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) 
     if (const auto lines = needs_restart(differences(wanted_, next->file)); !lines.empty()) {
         std::vector<Problem> problems;
         for (const std::string& line : lines)
-            problems.push_back({changes.front().source, line + " while the run goes on",
+            problems.push_back({changes.front().source, line + " during the run",
                                 "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}", ""});
         throw InputError(std::move(problems));
     }

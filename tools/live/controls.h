@@ -87,7 +87,7 @@ public:
 
     /// All of the changes, or none. @throws InputError; nothing is changed then
     void set(const std::vector<KeyChange>& changes);
-    /// Reverts the last set(). @return false if there is nothing to undo
+    /// Reverts the last set(). @return false if nothing to undo
     bool undo();
     void play() {
         order([&] { orders_.playing = true, waiting_ = false; });

@@ -206,7 +206,7 @@ void LiveLoop::end_if_over(const Scene& scene) {
     const bool over = frame_time(scene, frame_ + 1) > scene.time.end * (1 + 1e-9);
     const State before = std::exchange(state_, over ? State::ended : State::running);
     if (over && before != State::ended)
-        controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to go on, or restart", scene.time.end));
+        controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to continue, or restart", scene.time.end));
 }
 
 /// The present state, between two frames too.

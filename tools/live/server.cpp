@@ -112,7 +112,7 @@ struct LiveServer::Http {
                                                                  : -1;
         if (port <= 0)
             throw EnvironmentError(fmt::format("cannot listen on {}:{}", options.host, options.port), "",
-                                   "take another port: --port 0 finds a free one");
+                                   "use another port: --port 0 finds a free one");
         access.emplace(options.host, port, options.token);
         server.new_task_queue = [] { return new httplib::ThreadPool(workers); };
         server.set_payload_max_length(longest_body);
@@ -295,7 +295,7 @@ void LiveServer::Http::post_control(const nlohmann::json& order, Response& respo
     else if (what == "play") controls.play();
     else if (what == "step") controls.step();
     else if (what == "undo") {
-        if (!controls.undo()) return refuse(response, 400, "there is nothing to undo");
+        if (!controls.undo()) return refuse(response, 400, "nothing to undo");
         show_look();
     } else return refuse(response, 400, "cannot do \"" + what.substr(0, 40) + "\"; " + allowed);
     done(response);
@@ -316,7 +316,7 @@ void LiveServer::Http::post_set(const nlohmann::json& changes, Response& respons
 void LiveServer::Http::get_picture(const Request&, Response& response) {
     controls.viewer_came();
     const auto picture = screen.newest() ? screen.newest() : screen.after(0, 5);
-    if (!picture) return refuse(response, 503, "there is no picture yet");
+    if (!picture) return refuse(response, 503, "no image yet");
     response.set_header("X-Frame", std::to_string(picture->frame));
     response.set_header("X-Time", fmt::format("{}", picture->time));
     response.set_content(picture->png(), "image/png");
@@ -396,7 +396,7 @@ void LiveServer::Http::answer_errors() {
         }
         std::string all;
         for (const auto& [path, method] : methods) all += (all.empty() ? "" : ", ") + method + " " + path;
-        refuse(response, 404, "there is nothing of that name; there are GET /, " + all);
+        refuse(response, 404, "unknown name; available: GET /, " + all);
     });
     server.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
         try {

@@ -116,7 +116,7 @@ fs::path program_path() {
     const char* folders = std::getenv("PATH");
     const fs::path file = program_called(program_invocation_name, folders ? folders : "");
     if (!file.empty()) return file;
-    throw EnvironmentError("cannot tell which file this program is: /proc/self/exe cannot be read (" + error.message() + "), and \"" +
+    throw EnvironmentError("cannot find this program's file:  /proc/self/exe cannot be read (" + error.message() + "), and \"" +
                                program_invocation_name + "\" is not found",
                            "", "mount /proc, or call the program by its whole path");
 }

@@ -62,7 +62,7 @@ int draw(const DrawOptions& options) {
         held.emplace(RunFolder::existing(options.folder, hold));
     }
     if (!held->note().empty()) tell_note(held->note(), false);
-    if (goes_on) tell_note("the run goes on: its frames are drawn as they come, until it ends", false);
+    if (goes_on) tell_note("the run continues: its frames are drawn as they come, until it ends", false);
     Options own = options.shared;
     own.scene = (options.folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
@@ -77,7 +77,7 @@ int draw(const DrawOptions& options) {
                              ", then put them together: whorl resume " + options.folder.string());
     if (decides(before, request.file))
         throw InputError({deciding(before, changes), 0, 0}, "only what the pictures show can be changed, the simulation is over",
-                         "render the scene anew", "keys of [look], [camera], [surface] and [output]");
+                         "render the scene again", "keys of [look], [camera], [surface] and [output]");
     request.run = options.folder;
     request.out = elsewhere ? options.shared.out : options.folder;
     if (!elsewhere) request.made = before.scene.output.exports;

@@ -75,7 +75,7 @@ int farm(FarmCommand command) {
     for (std::size_t k = 0; k < ends.size(); ++k) {
         for (const std::string& failure : ends[k].failures) fmt::print(stderr, "whorl: {}\n", failure);
         if (!ends[k].stopped.empty())
-            fmt::print(stderr, "whorl: {} was interrupted; go on with: {}\n", files[k].scene.name,
+            fmt::print(stderr, "whorl: {} was interrupted; continue with:  {}\n", files[k].scene.name,
                        remaining_commands(files[k], folders[k], ends[k].stopped));
         else if (ends[k].failures.empty()) fmt::print("{}\n", folders[k].string());
         if (code == exit_done && !ends[k].failures.empty()) code = exit_failed;
@@ -106,13 +106,14 @@ void add_farm(CLI::App& program, Job& chosen) {
     add_options(*app, command->shared,
                 {Option::set, Option::with, Option::out, Option::until, Option::size, Option::fps, Option::quality, Option::no_video,
                  Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});
-    app->get_option("--out")->description("run folder (default: out/<scene name>); of several scenes, the folder that theirs stand in");
+    app->get_option("--out")->description("run folder (default: out/<scene name>); of several scenes, the folder of their folders");
     app->footer(
         "A film of panels: a job for each panel, and one that puts them side by side. Any other film: one job simulates and keeps its "
         "frames,\n"
-        "others draw ranges of them, a last one encodes. Limits of time and memory come from the plan. A job whose machine fails is begun "
-        "again\n"
-        "and goes on from its checkpoint. A film that fails leaves the others. The folder of the run must be one that all machines see.\n"
+        "others draw ranges of them, a last one encodes. Limits of time and memory come from the plan. A job whose machine fails is "
+        "restarted\n"
+        "and continues from its checkpoint. A film that fails does not stop the others.  The folder of the run must be one that all "
+        "machines see.\n"
         "Examples:\n"
         "  whorl farm towed_post --on slurm --threads 8\n"
         "  whorl farm honey_coil lava dam_break --on slurm --sbatch=--partition=short --out runs\n"

@@ -36,8 +36,7 @@ int import_scene(const ImportOptions& options) {
     std::vector<fs::path> files{out};
     for (const auto& [name, mesh] : made.meshes) files.push_back(out.parent_path() / name);
     for (const fs::path& file : files)
-        if (fs::exists(file))
-            throw InputError({file.string(), 0, 0}, "stands there already", "move it away, or choose another name with --out");
+        if (fs::exists(file)) throw InputError({file.string(), 0, 0}, "already exists", "move it away, or choose another name with --out");
     for (const auto& [name, mesh] : made.meshes) write_obj_mesh(out.parent_path() / name, mesh);
     write_text(out, made.toml);
 
@@ -53,7 +52,7 @@ void add_import(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<ImportOptions>();
     CLI::App* app = program.add_subcommand("import", "make a scene of one for SPlisHSPlasH (JSON), and say what has no equivalent");
     app->add_option("file", options->file, "the other program's scene")->required()->type_name("FILE.json");
-    app->add_option("--out", options->out, "the scene file (default: FILE.toml in this folder); meshes go beside it")
+    app->add_option("--out", options->out, "the scene file (default: FILE.toml in this folder); meshes go to the same folder")
         ->type_name("FILE.toml");
     app->footer(
         "Every line that it prints names a place in the other program's file.\n"

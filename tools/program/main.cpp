@@ -23,7 +23,7 @@ const char* const examples =
     "  whorl render my_scene.toml --out runs/a --size 1920x1080 --export mesh\n"
     "  whorl live honey_coil                         the same in a browser, while it pours\n"
     "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
-    "  whorl resume runs/a                           go on after an interruption\n"
+    "  whorl resume runs/a                           continue after an interruption\n"
     "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n"
     "  whorl help render                             what a command does, its options and examples\n";
 
@@ -54,7 +54,7 @@ std::string processor_text() {
 }
 
 std::string version_text() {
-    std::string gl = "none that works; whorl doctor tells why";
+    std::string gl = "none that works; whorl doctor shows why";
     for (const whorl::DeviceAttempt& device : whorl::probe_devices())
         if (device.works) {
             gl = device.outcome;

@@ -54,7 +54,7 @@ void add_render(CLI::App& program, Job& chosen) {
                  Option::fps, Option::quality, Option::no_video, Option::no_images, Option::no_draw, Option::exports, Option::threads,
                  Option::seed, Option::dry_run, Option::quiet, Option::json});
     app->footer(
-        "A run that stands in the folder already is kept as FOLDER.1, .2, ...; a folder of other files is refused. Ctrl-C saves the "
+        "An existing run in the folder is kept as FOLDER.1, .2, ...; a folder of other files is refused. Ctrl-C saves the "
         "state.\n"
         "Examples:\n"
         "  whorl render honey_coil\n"

@@ -22,7 +22,7 @@ std::optional<double> wanted_end(const Options& options, const Scene& scene) {
     if (options.until && options.frames)
         throw InputError({"--frames", 0, 0}, "--until and --frames both say when the run ends", "give one of them");
     if (!options.frames) return options.until;
-    if (*options.frames < 2) throw InputError({"--frames", 0, 0}, "a run that goes on has a second frame", "", "allowed: at least 2");
+    if (*options.frames < 2) throw InputError({"--frames", 0, 0}, "a resumed run has a second frame", "", "allowed: at least 2");
     return frame_time(scene, *options.frames);
 }
 
@@ -53,7 +53,7 @@ int resume(const ResumeOptions& options) {
 
 void add_resume(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<ResumeOptions>();
-    CLI::App* app = program.add_subcommand("resume", "go on from a run's newest checkpoint, to the same result as if it had never stopped");
+    CLI::App* app = program.add_subcommand("resume", "continue a run from its last checkpoint, to the same result as without a stop");
     app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
     add_options(*app, options->shared,
                 {Option::until, Option::frames, Option::force, Option::no_draw, Option::threads, Option::quiet, Option::json});

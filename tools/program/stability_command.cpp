@@ -256,7 +256,7 @@ void add_stability(CLI::App& program, Job& chosen) {
         "stability", "push settings to the extremes and draw the map of what stays stable, with the predicted limits on it");
     add_sweep_options(*app, *options);
     app->footer(
-        "Each cell is a run of its own process and is kept: a map that was stopped goes on when it is called again.\n"
+        "Each cell is a run in its own process and is kept: calling a stopped map again continues it.\n"
         "Cells that failed, or whose scene was edited since, are run again.\n"
         "time.fixed_step sets the time step and ignores what the models allow: the map shows whether they are right.\n"
         "Examples:\n"

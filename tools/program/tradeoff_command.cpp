@@ -285,7 +285,7 @@ void add_tradeoff(CLI::App& program, Job& chosen) {
                     "print the cheapest settings that reach it and write them as an overlay: \"error<2%\", \"fps>24\"")
         ->type_name("GOAL");
     app->footer(
-        "Each point is a run of its own process and is kept: a study that was stopped goes on when it is called again.\n"
+        "Each point is a run in its own process and is kept: calling a stopped study again continues it.\n"
         "Points that failed, or whose scene was edited since, are run again.\n"
         "Examples:\n"
         "  whorl tradeoff coil_frequency --budget 10min\n"

@@ -35,8 +35,7 @@ int encode(const EncodeOptions& options) {
     for (const auto& entry : std::filesystem::directory_iterator(frames, missing))
         if ((entry.path().extension() == ".png" || entry.path().extension() == ".exr") && entry.path().stem().extension().empty())
             pictures[entry.path().stem()] = entry.path();
-    if (pictures.empty())
-        throw InputError({frames.string(), 0, 0}, "there are no pictures to encode", "", "the folder of a run, as in out/honey_coil");
+    if (pictures.empty()) throw InputError({frames.string(), 0, 0}, "no images to encode", "", "the folder of a run, as in out/honey_coil");
 
     const Scene scene = read_scene_file(scene_file).scene;
     const std::filesystem::path video = options.out.empty() ? options.folder / (scene.name + ".mp4") : options.out;
@@ -45,7 +44,7 @@ int encode(const EncodeOptions& options) {
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
                          fmt::format("{}", fmt::join(known, ", ")));
     if (const std::filesystem::path folder = video.parent_path(); !folder.empty() && !std::filesystem::is_directory(folder))
-        throw InputError({"--out", 0, 0}, "there is no folder \"" + folder.string() + "\"", "make it first");
+        throw InputError({"--out", 0, 0}, "folder not found: \"" + folder.string() + "\"", "make it first");
     const double fps = options.fps.value_or(scene.time.fps);
     if (fps < least_video_fps)
         throw InputError(options.fps ? Place{"--fps", 0, 0} : scene.place("time.fps"),

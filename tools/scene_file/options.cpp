@@ -64,17 +64,15 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                 break;
             case Option::overwrite:
                 app.add_flag("--overwrite", o.overwrite,
-                             "replace a run that stands in the folder (default: it is kept as FOLDER.1, .2, ...)");
+                             "replace an existing run in the folder (default: it is kept as FOLDER.1, .2, ...)");
                 break;
             case Option::force:
-                app.add_flag("--force", o.force, "go on although a mesh, picture or table that the scene names was edited");
+                app.add_flag("--force", o.force, "continue although a mesh, picture or table of the scene was edited");
                 break;
             case Option::until:
                 app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T")->check(any_number("s"));
                 break;
-            case Option::frames:
-                app.add_option("--frames", o.frames, "stop after so many frames")->type_name("N")->check(whole_number(1));
-                break;
+            case Option::frames: app.add_option("--frames", o.frames, "stop after N frames")->type_name("N")->check(whole_number(1)); break;
             case Option::size:
                 app.add_option("--size", o.size, "pixels of a picture, as in 1280x720 (output.size)")->type_name("WxH");
                 break;

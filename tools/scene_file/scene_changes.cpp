@@ -142,7 +142,7 @@ std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differe
     for (const KeyDifference& d : differences) {
         if (d.key->may_change || d.name.rfind("output.", 0) == 0 || d.name.rfind("probe[", 0) == 0 || d.name == "name") continue;
         if (!d.before) lines.push_back(d.name + " is new");
-        else if (!d.now) lines.push_back(d.name + " is gone");
+        else if (!d.now) lines.push_back(d.name + " was removed");
         else lines.push_back(d.name + " cannot change from " + *d.before + " to " + *d.now);
     }
     return lines;
@@ -196,7 +196,7 @@ Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes)
     trial.apply_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
         const auto models = changes_of_models(plan, next);
         if (!models.empty())
-            throw InputError(trial.places_[trial.made_ - 1], "this change asks for other models while the run goes on: " + models[0],
+            throw InputError(trial.places_[trial.made_ - 1], "this change needs other models during the run: " + models[0],
                              "set " + models[0].substr(0, models[0].find(':')) + " in the scene, to what suits the whole run");
     });
 }
@@ -218,8 +218,7 @@ bool Replay::apply_until(double time, const Follow& simulation) {
         const double when = next();
         SceneFile then = moment(made_);
         if (const auto lines = needs_restart(differences(now_, then)); !lines.empty())
-            throw InputError(places_[made_ - 1], lines[0] + " while the run goes on", "",
-                             "allowed: keys that may change (whorl live --help)");
+            throw InputError(places_[made_ - 1], lines[0] + " during the run", "", "allowed: keys that may change (whorl live --help)");
         const bool physics = decides(now_, then);
         now_ = std::move(then);
         if (physics) simulation(now_.scene, make_plan(now_.scene), when);

@@ -127,7 +127,7 @@ void check_look(const SceneFile& file) {
             file.scene.place(file.scene.places.count("surface.radius") > 0 ? "surface.radius" : "surface.voxel"),
             fmt::format("surface.radius = {:g} is not larger than surface.voxel = {:g}: between the voxels, particles would be lost",
                         file.surface.radius, file.surface.voxel),
-            "take a smaller surface.voxel, or a larger surface.radius");
+            "use a smaller surface.voxel, or a larger surface.radius");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
     if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
         throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
@@ -244,7 +244,7 @@ void find_environment(SceneFile& file) {
     if (picture.is_relative()) picture = fs::absolute(fs::path(file.scene.directory) / picture);
     if (!is_utf8(picture.native()))
         throw InputError(file.scene.place("look.environment"),
-                         "look.environment = \"" + picture.string() + "\" is no UTF-8, and the run's settings must be",
+                         "look.environment = \"" + picture.string() + "\" is not UTF-8, and the run's settings must be",
                          "give the file or its folder another name");
     try {
         read_environment(picture);

@@ -235,9 +235,9 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
 
     if (access(call.program.c_str(), X_OK) != 0) {
         if (!name_a_program(call.all))
-            throw EnvironmentError("there is no program " + call.program + " any longer", "",
-                                   "it was removed or built anew while the study ran: start the study again");
-        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: there is no program {}", words, call.program),
+            throw EnvironmentError("the program " + call.program + " was removed", "",
+                                   "it was removed or rebuilt while the study ran: start the study again");
+        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: program {} not found", words, call.program),
                          "build it first: bash tools/build.sh PRESET whorl");
     }
     fs::create_directories(result.folder.parent_path());
@@ -268,7 +268,7 @@ int PointRunner::run_job(const Call& call, const std::vector<std::string>& argum
     words.insert(words.end(), arguments.begin(), arguments.end());
     try {
         const int code = run_child(words, said, std::numeric_limits<double>::infinity(), interrupt_).code;
-        if (slurm_job(text_of(said)).empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm up? sinfo tells");
+        if (slurm_job(text_of(said)).empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm running? call sinfo");
         constexpr int timeout_ended_it = 124;
         return code == timeout_ended_it ? -1 : code;
     } catch (const StudyInterrupted&) {

@@ -29,8 +29,7 @@ namespace {
 
 KeyTable knob_keys() {
     KeyTableOf<Knob> t("a setting and the values that it takes");
-    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a name of its own that settings use in braces")
-        .required();
+    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a new name that settings use in braces").required();
     t.key("values", &Knob::values, "", "its values, in order from cheap to dear or the other way round").required();
     t.key("label", &Knob::label, "", "what pictures call it; default: the key");
     return t;
@@ -42,7 +41,7 @@ KeyTable accuracy_keys() {
           "against an expression, against a run that counts as true, against the first row, or between pictures");
     t.key("table", &AccuracyKeys::table, "", "in the run folder: diagnostics.csv, probes/NAME.csv");
     t.key("column", &AccuracyKeys::column, "", "of the table");
-    t.key("at", &AccuracyKeys::at, "", "the newest row, the mean of the rows, or all rows");
+    t.key("at", &AccuracyKeys::at, "", "the last row, the mean of the rows, or all rows");
     t.key("from", &AccuracyKeys::from, "s", "earlier rows do not count").at_least(0);
     t.key("expected", &AccuracyKeys::expected, "", "the exact value").of("txyz");
     t.key("scale", &AccuracyKeys::scale, "", "what the error is divided by; 0: the largest expected value").at_least(0);
@@ -185,7 +184,7 @@ void check(const Study& study, Reader& reader) {
         };
         if (is_name(key) && std::none_of(study.set.begin(), study.set.end(), uses))
             reader.disagree({entry_name("knob", i) + ".key"}, entry_name("knob", i) + ".key = \"" + key + "\" turns nothing",
-                            "take a scene key, or use {" + key + "} in set");
+                            "use a scene key, or use {" + key + "} in set");
     }
     if (study.scenes.empty()) reader.disagree({"scenes"}, "scenes is empty");
     std::set<std::string> names;  // of the folders of their results
@@ -195,7 +194,7 @@ void check(const Study& study, Reader& reader) {
     for (const std::vector<std::string>* settings : {&study.set, &study.accuracy.reference})
         for (const std::string& setting : *settings)
             if (setting.find('=') == std::string::npos)
-                reader.disagree({settings == &study.set ? "set" : "accuracy.reference"}, "\"" + setting + "\" is no setting", "",
+                reader.disagree({settings == &study.set ? "set" : "accuracy.reference"}, "\"" + setting + "\" is not a setting", "",
                                 "allowed: \"key=value\"");
     check_expressions(study, reader);
     const StabilityKeys& s = study.stability;
@@ -246,8 +245,8 @@ std::string with_values(const std::string& text, const std::vector<std::string>&
             out += fmt::format("{:.9g}", Expression(expression_of(inside, values, others))(0));
         } catch (const ExpressionError& error) {
             const auto name = std::find_if(others.begin(), others.end(), unclear);
-            throw InputError({text, 0, 0}, fmt::format("{{{}}} is no expression of the knobs: {}", inside, error.what()),
-                             name == others.end() ? "" : "two knobs are called " + *name + ": take a name of its own for one");
+            throw InputError({text, 0, 0}, fmt::format("{{{}}} is not an expression of the knobs: {}", inside, error.what()),
+                             name == others.end() ? "" : "two knobs are called " + *name + ": use another name for one");
         }
     }
     return out;

@@ -13,7 +13,7 @@
 namespace whorl {
 
 inline bool is_viscosity(double mu) { return mu >= 0 && std::isfinite(static_cast<Real>(mu)); }
-/// "allowed: ..." for a value that is none; empty where it is no number.
+/// "allowed: ..." for a value that is none; empty where it is not a number.
 std::string allowed_instead_of(double mu);
 
 namespace field {

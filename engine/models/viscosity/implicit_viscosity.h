@@ -77,7 +77,7 @@ class RigidMotions {
 public:
     /// Removes nothing.
     RigidMotions() = default;
-    /// @param turning false where the domain is periodic: there a rotation is no rigid motion
+    /// @param turning false where the domain is periodic: there a rotation is not a rigid motion
     /// @param bodies with two entries each behind the particles'; null: none
     RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies* bodies = nullptr);
     /// Of a velocity field.

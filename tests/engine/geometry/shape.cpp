@@ -301,7 +301,7 @@ TEST_CASE("a broken mesh file is reported with line and fault", "[geometry]") {
     CHECK_THAT(message_of(temporary("i.stl", cut)), Contains("8 triangles announced, 1 there"));
     std::string flipped = cube_obj;
     flipped.replace(flipped.find("f 1 2 6 5"), 9, "f 5 6 2 1");
-    CHECK_THAT(message_of(temporary("j.obj", flipped)), Contains("turned against each other"));
+    CHECK_THAT(message_of(temporary("j.obj", flipped)), Contains("opposite orientations"));
 }
 
 namespace {

@@ -185,7 +185,7 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
              {"fluid.viscosity", "\"" + hole + (sizeof(Real) == 4 ? "1e39" : "1e300*1e300") + " : 30\"", "; allowed: up to "},
              {"block[0].velocity", "[\"" + hole + "sqrt(0-1) : 0\", 0, 0]", "block[0].velocity is not finite at (0.0125"},
              {"block[0].spin", "[\"" + hole + "sqrt(0-1) : 0\", 0, 0]", "block[0].spin is not finite at (0.0125"},
-             {"block[0].ink", "[\"" + hole + "sqrt(0-1) : 0\"]", "block[0].ink is no number at (0.0125"}}) {
+             {"block[0].ink", "[\"" + hole + "sqrt(0-1) : 0\"]", "block[0].ink is not a number at (0.0125"}}) {
         INFO(key << " = " << value);
         CHECK_THROWS_WITH(run(with(key, value)), Catch::StartsWith("test") && Catch::Contains(expected));
     }
@@ -198,7 +198,7 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
     Simulation poured = run(with("emitter[0].viscosity", "\"y > 0.006 ? 0-1 : 3\""));
     CHECK(end_of(poured) == "new fluid: emitter[0].viscosity is -1 Pa s");
     Simulation dyed = run(with("emitter[0].ink", "[\"sqrt(0.05-t)\"]"));
-    CHECK(end_of(dyed) == "new fluid: emitter[0].ink is no number");
+    CHECK(end_of(dyed) == "new fluid: emitter[0].ink is not a number");
     Simulation aged = run(with("fluid.viscosity", "\"abs(age-0.05) < 5e-4 ? 0-1 : 30\""));
     CHECK(end_of(aged) == "ageing: it is -1 Pa s at the age of 0.05 s");
     Simulation changed = run(with("fluid.viscosity", "\"30 + x\""));

@@ -160,7 +160,7 @@ TEST_CASE("implicit viscosity keeps both momenta of a free body to 1e-5, even wi
     }
 }
 
-TEST_CASE("a solve with a viscosity that is no number has not converged", "[viscosity]") {
+TEST_CASE("a solve with a viscosity that is not a number has not converged", "[viscosity]") {
     TestWorld w = uneven_block(1, Real(0.2), {make_stage("gradient", "viscosity", VelocityGradient{}), full()});
     w.column<field::viscosity>()[7] = std::numeric_limits<Real>::quiet_NaN();
     w.column<field::velocity>()[3] = Vec3(1, 0, 0);

@@ -57,18 +57,17 @@ const std::vector<Case> cases = {
      "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of "
      "x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"0,5\"",
-     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); decimals stand "
-     "behind "
-     "a point; allowed: functions of x, y, z, age"},
+     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); use a decimal "
+     "point, not a comma; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"3 sin(x)\"",
-     "bad.toml:5:16: fluid.viscosity: \"3 sin(x)\" is not an expression: unexpected function \"sin\" (column 3 of the text); products have "
-     "their sign: 3*sin(x); allowed: functions of x, y, z, age"},
+     "bad.toml:5:16: fluid.viscosity: \"3 sin(x)\" is not an expression: unexpected function \"sin\" (column 3 of the text); write the "
+     "product with *: 3*sin(x); allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2t\"",
-     "bad.toml:5:15: fluid.viscosity: \"2t\" is not an expression: unexpected variable \"t\" (column 2 of the text); a number stands "
-     "alone, in Pa s; allowed: functions of x, y, z, age"},
+     "bad.toml:5:15: fluid.viscosity: \"2t\" is not an expression: unexpected variable \"t\" (column 2 of the text); omit the "
+     "unit; the value is in Pa s; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"10 Pas\"",
-     "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); a number stands "
-     "alone, in Pa s; allowed: functions of x, y, z, age"},
+     "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); omit the "
+     "unit; the value is in Pa s; allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nforce = 9.81",
      "bad.toml:5:9: fluid.force must be a list of 3 numbers or expressions in quotes [m/s^2], not the number 9.81; as in [0.0, 0.0, 0.0]"},
     {"[time]", "viscosity = 1\n[time]", "bad.toml:1:1: viscosity must be a table, [viscosity]; [fluid] has a key of this name"},
@@ -90,9 +89,9 @@ const std::vector<Case> cases = {
     {"end = 1", "end = 1\nfps = 0", "bad.toml:3:7: time.fps = 0 is out of range; allowed: at least 1e-06"},
     {"end = 1", "end = 1\nfps = 1e-320", "bad.toml:3:7: time.fps = 1e-320 is out of range; allowed: at least 1e-06"},
     {"end = 1", "end = 1\nslow_motion = 1e-320",
-     "bad.toml:3:15: one picture every inf s; take a larger time.fps or time.slow_motion; allowed: one at least every 1e+30 s"},
+     "bad.toml:3:15: one picture every inf s; use a larger time.fps or time.slow_motion; allowed: one at least every 1e+30 s"},
     {"end = 1", "end = 1\nfps = 1e9",
-     "bad.toml:3:7: 1e+09 pictures until time.end = 1 s: one every 1e-09 s; take a smaller time.fps or time.slow_motion, or an earlier "
+     "bad.toml:3:7: 1e+09 pictures until time.end = 1 s: one every 1e-09 s; use a smaller time.fps or time.slow_motion, or an earlier "
      "time.end; allowed: at most a million pictures"},
     {"end = 1", "end = 1\nperiodic = true",
      "bad.toml:3:1: unknown key \"periodic\" in [time]; [domain] has a key of this name; allowed: end, fps, slow_motion, max_step, cfl, "
@@ -204,7 +203,7 @@ const std::vector<Case> cases = {
      "bad.toml:12:10: [quality.standard] cannot be set; the file itself is the standard quality; allowed: draft, fine"},
     {"", "[quality.fine]\nfluid.spacing = \"x\"\nblock.4.shape = \"box\"",
      "bad.toml:10:17: fluid.spacing must be a number [m], not the text \"x\"\n"
-     "bad.toml:11:17: there is no block[4]; block has the entries 0 to 0"},
+     "bad.toml:11:17: missing entry block[4]; block has the entries 0 to 0"},
     {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
     {"", "[models]\npressure = ppe",
      "bad.toml:10:12: not TOML: in this value: could not determine value type; put strings and expressions in quotes; booleans "
@@ -306,7 +305,7 @@ TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three w
         {"velocity = [1, \"x\"]", "spin = [1, 0, 0]",
          "bad.toml:15:9: block[0].spin is not about the axis across the plane: " + plane_has + "; allowed: 0 in the first two places\n"},
         {"shape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.1, 0]", "shape = \"cylinder\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 0.1",
-         "bad.toml:12:9: block[0] does not stand upright on the plane z = 0: its ends must have the same x and y; domain.dimensions = 2 "
+         "bad.toml:12:9: block[0] is not perpendicular to the plane z = 0: its ends must have the same x and y; domain.dimensions = 2 "
          "makes the flow that of this plane; allowed: boxes, spheres, cylinders along z and planes along z\n"},
         {"min = [0, 0]\nmax = [0.1, 0.1, 0]", "min = [0, 0, 1]\nmax = [0.1, 0.1, 2]",
          "bad.toml:12:9: block[0] does not reach the plane z = 0; domain.dimensions = 2 makes the flow that of this plane; allowed: boxes, "
@@ -340,7 +339,7 @@ TEST_CASE("several mistakes are reported together, sorted by location, those of 
           "bad.toml:6:9: block[0].shape must be a text, not the number 3; allowed: box, sphere, cylinder or mesh\n"
           "--set seed: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
           "--set seed=: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
-          "--set block[7].min=[0,0,0]: there is no block[7]; block has the entries 0 to 0\n"
+          "--set block[7].min=[0,0,0]: missing entry block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
           "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
           "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"

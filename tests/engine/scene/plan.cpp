@@ -220,7 +220,7 @@ TEST_CASE("a block's viscosity counts even if no sample point lies in it", "[pla
 TEST_CASE("few particles across the opening are a warning", "[plan]") {
     const Plan plan = plan_with({"fluid.spacing=4e-3"});
     REQUIRE(plan.warnings.size() == 1);
-    CHECK(plan.warnings[0] == "only 2.5 particles across emitter[0]: details there are lost, take a smaller fluid.spacing");
+    CHECK(plan.warnings[0] == "only 2.5 particles across emitter[0]: details there are lost, use a smaller fluid.spacing");
 }
 
 TEST_CASE("a block that reaches into a solid is a warning, one on it or filling its container is not", "[plan]") {
@@ -313,7 +313,7 @@ TEST_CASE("the projection is chosen if fluid fills its space, and warned of if i
                Catch::Contains("it diverges or loses volume if a column collapses"));
     CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
     CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]"))
-              .find("a surface stands at 90 degrees on solids") != std::string::npos);
+              .find("a surface meets solids at 90 degrees") != std::string::npos);
     const auto drop = [&](const std::string& pressure, double wetting) {
         return message("surface_tension = 0.1\nviscosity = 10\n[models]\npressure = \"" + pressure + "\"\n" + tank +
                        fmt::format("wetting = {}\n", wetting) + block("[0.4, 0.2, 0.2]"));
@@ -361,7 +361,6 @@ inside = true
         return std::string("no error");
     };
     const std::string here = " in two dimensions (domain.dimensions = 2)";
-    CHECK(messages("fluid.surface_tension=0.07").find("particles that pull at each other make no surface tension" + here) !=
-          std::string::npos);
-    CHECK(messages("output.export=[\"vdb\"]").find("there is no surface to export as \"vdb\"" + here) != std::string::npos);
+    CHECK(messages("fluid.surface_tension=0.07").find("cohesion between particles is not supported" + here) != std::string::npos);
+    CHECK(messages("output.export=[\"vdb\"]").find("no surface exists to export as \"vdb\"" + here) != std::string::npos);
 }

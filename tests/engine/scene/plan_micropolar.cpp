@@ -113,9 +113,9 @@ TEST_CASE("invalid micropolar keys are refused", "[plan][micropolar]") {
                     "feeds energy in") != std::string::npos);
     const std::string surface = "block[0].max=[1,0.5,1]", form = "viscosity.laplacian=brookshaw";
     CHECK(eddy_messages({surface, form, "micropolar.transfer_viscosity=3", "micropolar.micro_inertia=1e-3", "time.end=100"})
-              .find("in the run; take viscosity.laplacian = \"split\" or \"auto\"") != std::string::npos);
+              .find("in the run; use viscosity.laplacian = \"split\" or \"auto\"") != std::string::npos);
     CHECK(eddy_messages({surface, "micropolar.curl_velocity=symmetric", "micropolar.curl_spin=difference"})
-              .find("take curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"") != std::string::npos);
+              .find("use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"") != std::string::npos);
     CHECK(eddy_messages({surface, "pressure.gradient=difference"}).find("\"difference\" does not hold a free surface") !=
           std::string::npos);
     CHECK(eddy_messages({"viscosity.laplacian=split", "models.micropolar=eringen"}) == "no error");

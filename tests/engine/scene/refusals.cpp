@@ -38,7 +38,7 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
              {box("velocity=[\"y/sqrt(x^2+z^2)\",0,0]"), "no error"},
              {box("velocity=[\"sqrt(x-0.02)\",0,0]"), "block[0].velocity is not finite at ("},
              {box("spin=[\"sqrt(x-0.02)\",0,0]"), "block[0].spin is not finite at ("},
-             {box("ink=[\"sqrt(x-0.02)\"]"), "block[0].ink is no number at ("},
+             {box("ink=[\"sqrt(x-0.02)\"]"), "block[0].ink is not a number at ("},
              {"fluid.viscosity=1e3*sqrt(abs(x-0.035)-0.005)", "fluid.viscosity is nan Pa s at ("},
              {"fluid.viscosity=3000-1000*age", "block[0] at the age of 3.016 s; allowed: at least 0"},
              {"fluid.viscosity=x > 0.03 ? " + too_large + " : 1000",
@@ -95,9 +95,9 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
           "no error");
     if (sizeof(Real) == 4)
         CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
-                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program's numbers tell places apart by 0.012 "
+                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program resolves positions to 0.012 "
                         "spacings; move the scene to the origin, "
-                        "or take the program of the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
+                        "or use the program of the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
 }
 
 TEST_CASE("incompatible or missing models are refused", "[plan]") {

@@ -44,7 +44,7 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=1000", "fluid.spacing=0.001"}),
                Catch::StartsWith("--set emitter[0].speed=300: emitter[0] lets ") &&
                    Catch::Contains(" m^3 out until the end at 300 m/s: about ") &&
-                   Catch::EndsWith("; speeds are in m/s: for mm/s take a thousandth, 0.3"));
+                   Catch::EndsWith("; speeds are in m/s: for mm/s use a thousandth, 0.3"));
 }
 
 TEST_CASE("a solid that is a thousand times too large is reported with its key", "[plan]") {
@@ -99,7 +99,7 @@ TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {
     CHECK(all[0] == "solid[1].density = 3: solids have 10 to 25000 kg/m^3 (cork 200, steel 7800)");
 }
 
-TEST_CASE("a viscosity that is no number on one side of a nozzle is refused", "[plan]") {
+TEST_CASE("a viscosity that is not a number on one side of a nozzle is refused", "[plan]") {
     for (const std::string mu : {"1000*sqrt(x)", "1000*sqrt(z)"})
         CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]"));
 }

@@ -150,7 +150,7 @@ TEST_CASE("ink diffusion without ink is refused", "[sim][ink]") {
         FAIL("no error");
     } catch (const InputError& error) {
         REQUIRE(error.problems().size() == 1);
-        CHECK(error.problems()[0].what == "there is no ink that could spread");
+        CHECK(error.problems()[0].what == "the scene has no ink");
     }
 }
 

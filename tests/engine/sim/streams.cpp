@@ -64,7 +64,8 @@ max = [1, 0.5, 1]
 velocity = ["0.2", "0", "0"]
 time = 0.5
 )toml";
-    CHECK_THROWS_WITH(simulation_of(fluid_in_stream("[models]\npressure = \"coupled\"\n" + stream)), Catch::Contains("knows no streams"));
+    CHECK_THROWS_WITH(simulation_of(fluid_in_stream("[models]\npressure = \"coupled\"\n" + stream)),
+                      Catch::Contains("does not support streams"));
     std::string open = fluid_in_stream("[[stream]]\nmin = [2, 0, 0]\nmax = [3, 1, 1]\ntime = 1\n");
     open.replace(open.find("[true"), 5, "[false");
     CHECK_THROWS_WITH(simulation_of(open), Catch::Contains("stream[0] lies outside of the domain"));

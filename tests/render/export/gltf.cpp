@@ -119,7 +119,8 @@ TEST_CASE("a resumed run continues its glTF scene to the same file, and names a 
     CHECK_THROWS_WITH(none.go_on_from(folder / "more.glb", 4),
                       Catch::Contains("more.glb") && Catch::Contains("a translation has 6 numbers"));
     std::ofstream(folder / "part.glb", std::ios::app) << "x";
-    CHECK_THROWS_WITH(none.go_on_from(folder / "part.glb", 4), Catch::Contains("part.glb") && Catch::Contains("no whole glTF 2.0 file"));
+    CHECK_THROWS_WITH(none.go_on_from(folder / "part.glb", 4),
+                      Catch::Contains("part.glb") && Catch::Contains("not a complete glTF 2.0 file"));
 }
 
 }  // namespace gltf_test

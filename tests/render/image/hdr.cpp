@@ -63,7 +63,7 @@ TEST_CASE("a truncated or damaged Radiance image is refused with its name and fa
     pictures.refused(head + "-Y 16000 +X 7\n" + std::string(40, 1), "do not hold 7 x 16000 pixels");
     pictures.refused(head + "-Y 32767 +X 32767\n" + std::string(40, 1), "do not hold 32767 x 32767 pixels");
     pictures.refused(head.substr(0, 20), "the head of the picture is cut off");
-    pictures.refused("P6\n1 1 255\nabc", "is no Radiance picture");
+    pictures.refused("P6\n1 1 255\nabc", "is not a Radiance image");
     pictures.refused("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "not of FORMAT=32-bit_rle_rgbe");
     for (const char* size : {"-Y 0 +X 4", "-Y -3 +X 4", "+Y 3 +X 4", "-Y 40000 +X 4", "-Y 3 +X 4x", "-Y 3"})
         pictures.refused(head + size + "\nabcdabcdabcd", "the size of the picture is not written as in");

@@ -117,7 +117,7 @@ function show(now) {
   $('play').textContent = playing ? 'Pause' : now.state === 'running' ? 'Play' : 'Again';
   $('step').disabled = now.state !== 'running';
   $('undo').disabled = !now.can_undo;
-  write($('pace'), now.state === 'ended' ? 'The scene ends at ' + Plots.short(now.end) + ' s: Again starts it anew, a larger end (search for end) continues it.' :
+  write($('pace'), now.state === 'ended' ? 'The scene ends at ' + Plots.short(now.end) + ' s: Again restarts it, a larger end (search for end) continues it.' :
     playing && now.pace ? now.pace + '.' : '');
   // A problem is shown as long as the run has it, a notice once.
   $('problem').hidden = !now.problem;
