@@ -1,5 +1,5 @@
 #pragma once
-/// The frame of a free body's step, beside that of the particles (models/motion/motion.h): KickBodies after Kick, MoveBodies after Move.
+/// The stages of a free body's step, next to those of the particles (models/motion/motion.h): KickBodies after Kick, MoveBodies after Move.
 #include "engine/geometry/body_contact.h"
 #include "engine/particles/surroundings.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Friction at walls along which the fluid slips by a length of its own, for every viscosity model alike.
+/// Friction at walls with a slip length, for every viscosity model.
 #include <functional>
 #include <vector>
 
@@ -36,7 +36,7 @@ public:
     const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()
     const Vec3& load(Index i) const { return load_[i]; }                ///< f_i [1/(m s)]
     /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it.
-    /// A model with an energy of its own for all of V counts the rest.
+    /// A model with its own energy for all of V counts the rest.
     Real counted(Index i) const { return counted_[i]; }
     /// Writes the friction of a step to the ledgers. @param u velocities that it acts on @param nu of a particle [m^2/s]
     void write_ledgers(const Surroundings& around, Read<field::role> role, Span<const Vec3> u, const std::function<Real(Index)>& nu) const;

@@ -35,7 +35,7 @@ void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
     if (inward < 0) u -= inward * n;
 }
 
-/// The same at a solid with a ledger, which has the impulse and what the move does to the particle's angular momentum. A free body
+/// Case of a solid with a ledger, which records the impulse and the change of the particle's angular momentum by the move. A free body
 /// collides. Solids take particles one after the other, in their order: few are ever inside.
 void push_out(Solid& solid, Real mass, Real dt, Vec3& x, Vec3& u) {
     const Vec3 x_before = x;

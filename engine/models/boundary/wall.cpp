@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-/// Sums over the lattice of a layer k spacings away: a square one, in the plane a file.
+/// Sums over the lattice of a layer k spacings away: a square one, in 2D a file.
 template <class Kernel>
 class LatticeLayers {
 public:
@@ -15,7 +15,7 @@ public:
     double value(int k) const {
         return sum(k, [&](Real r, int) { return static_cast<double>(kernel_.value(r)); });
     }
-    /// Of W' along the normal, and of |W'| r along the layer.
+    /// Sums of W' along the normal, and of |W'| r along the layer.
     double pull(int k) const {
         return sum(k, [&](Real r, int) { return static_cast<double>(kernel_.derivative(r)) * k * spacing_ / r; });
     }

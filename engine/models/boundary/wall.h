@@ -10,21 +10,21 @@
 
 namespace whorl {
 
-/// What the notes leave out of the layer's volume. A single layer with the volumes 1/sum W weighs more than the layer of fluid that it
-/// stands for (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that
-/// touches a flat wall feels the same kernel gradient as if the lattice went on behind the wall. 1: as printed.
+/// Correction of the layer's volume, which the notes lack. A single layer with the volumes 1/sum W weighs more than the layer of fluid that
+/// it represents (1.43 d^3 a particle on a flat wall with R = 2 d): fluid at rest would hover. With this factor, fluid on a lattice that
+/// touches a flat wall feels the same kernel gradient as if the lattice continued behind the wall. 1: as printed.
 /// @param support, spacing [m]
 Real continued_lattice_factor(KernelForm kernel, Real support, Real spacing);
 
-/// What makes a solid particle of a flat layer, which has the volume 1/sum W, stand for one particle of fluid, d^D: d^D sum W over a
-/// square lattice, in the plane over a file.
+/// Factor that gives a solid particle of a flat layer, of volume 1/sum W, the volume d^D of a fluid particle: d^D sum W over a
+/// square lattice, in 2D over a row.
 Real layer_factor(KernelForm kernel, Real support, Real spacing);
 
 /// The slope that sum_j V_j (a_j - a_i) grad W_ij finds on a lattice where it is 1: sum_j V |W'(r_ij)| r_ij/D, 1 for dense neighbours, 1.02
-/// with R = 2 d. What is divided by it is exact there for linear fields.
+/// with R = 2 d. Sums divided by it are exact there for linear fields.
 Real lattice_gradient(KernelForm kernel, Real support, Real spacing);
 
-/// What a flat wall with continued_lattice_factor() adds to the kernel sum of a particle that touches it, times the particle's volume.
+/// Contribution of a flat wall with continued_lattice_factor() to the kernel sum of a touching particle, times the particle's volume.
 Real touching_wall_sum(KernelForm kernel, Real support, Real spacing);
 
 /// Between fluid on a lattice and a flat wall, what the layer at the wall lacks of the pull along the wall, over what the wall adds to its
@@ -35,9 +35,8 @@ Real lacking_along_wall(KernelForm kernel, Real support, Real spacing);
 /// over directions.
 Real along_pairs_factor(KernelForm kernel, Real support, Real spacing);
 
-/// What fluid at r from a solid particle with that normal feels of the solid may be the column of lattice layers behind it rather than the
-/// particle alone: calls f(r_l, |r_l|, d_l) for each of them within the support, with r_l from the layer to the fluid and its depth d_l
-/// behind the surface [m].
+/// Replaces a solid particle with that normal by the column of lattice layers behind it, as seen by fluid at r: calls f(r_l, |r_l|, d_l)
+/// for each of them within the support, with r_l from the layer to the fluid and its depth d_l behind the surface [m].
 template <class F>
 void each_layer(const Vec3& r, const Vec3& normal, Real spacing, Real support, F&& f) {
     const Real depth = spacing / 2;
@@ -51,14 +50,14 @@ void each_layer(const Vec3& r, const Vec3& normal, Real spacing, Real support, F
     }
 }
 
-/// The velocity of a solid as a neighbour of fluid particle i at a wall that the fluid sticks to. The particles stand half a spacing inside
+/// The velocity of a solid as a neighbour of fluid particle i at a no-slip wall. The particles are half a spacing inside
 /// the solid; for u to vanish relative to the wall on the solid's surface, not there, the shear is continued behind the surface:
 ///   u_i - u_s  becomes  stretch (u_i - u_wall),   stretch = 1 + d_s/d_i,
 /// with d_s and d_i the depths of s and i behind and before the surface, measured along the normal of s, limited to 3 close to the surface.
 struct WallShear {
     Real depth;  ///< m, of the solid particles below the surface: half a spacing
     Real stretch(const Vec3& r, const Vec3& normal) const { return stretch(r, normal, depth); }
-    /// The same of a layer further behind the surface. @param r to the solid particle before it @param below that layer's depth [m]
+    /// stretch() of a layer farther behind the surface. @param r to the solid particle before it @param below that layer's depth [m]
     Real stretch(const Vec3& r, const Vec3& normal, Real below) const {
         const Real height = r.dot(normal);
         if (height <= 0) return 1;  // beyond an edge: the face of s does not face i
@@ -70,7 +69,7 @@ struct WallShear {
 /// slip length.
 std::vector<char> slips(const Solids& solids);
 
-/// A free particle that stands inside a solid is put back on its surface and loses the part of its velocity (relative to the solid) that
+/// A free particle inside a solid is put back on its surface and loses the part of its velocity (relative to the solid) that
 /// points into the solid. One that a step brought through a solid, or nearer to its far side, is put back where it met it: so plates of any
 /// thickness hold. A free body gets the impulse that the particle loses; the two then part as they meet, with
 /// their common mass.

@@ -53,8 +53,8 @@ Mat3 crossing(const Vec3& a) {
     return m;
 }
 
-/// What the members of one aggregate add to the sums of one row, by unit rigid motion. A member's arm is `arm` + r: `arm` is where the
-/// row's own particle stands, seen from the aggregate's centre.
+/// Contribution of the members of one aggregate to the sums of one row, by unit rigid motion. A member's arm is `arm` + r: `arm` is the
+/// position of the row's particle relative to the aggregate's centre.
 struct Share {
     int aggregate;  ///< its number in GroupSums; -1: those in none
     Vec3 arm;
@@ -111,7 +111,7 @@ public:
     }
     /// F^T dE/dF, E the row's energy without the springs' own sum w |u_ij|^2 parts.
     void multiply(const RowSlice& slice, Index lane, const StrainCoefficients& of_row, bool resolved, const Mat3& P);
-    /// Of two shares.
+    /// Product of two shares.
     Mat6 product(std::size_t k, std::size_t l) const {
         const Real* P = reinterpret_cast<const Real*>(product_.data()) + 6 * k * vectors_ * lane_count + 6 * l;
         Mat6 m;
@@ -155,7 +155,7 @@ struct BlockSum {
     SymmetricBlocks::Block value = SymmetricBlocks::Block::Zero();
 };
 
-/// What one block of rows adds to Ac.
+/// Contribution of one block of rows to Ac.
 class CoarseRows {
 public:
     CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums);
@@ -239,7 +239,7 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
     block_.each_pair(row, [&](RowBlock::Place at) {
         const int number = number_[at];
         const Vec3 r(pair[0][lane], pair[1][lane], pair[2][lane]), arm = aggregates_.arm(block_.touched[at]) - r;
-        // An aggregate's image beyond a periodic border is a share of its own.
+        // An aggregate's image beyond a periodic border is a separate share.
         const auto same = [&](const Share& s) { return s.aggregate == number && (number < 0 || (s.arm - arm).squaredNorm() < 1); };
         std::size_t k = 0;
         while (k < shares_.size() && !same(shares_[k])) ++k;

@@ -18,7 +18,7 @@ struct ContactFriction {
 
     void set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids, const StepContext& step);
     bool acts() const { return !coefficient.empty(); }
-    /// Of one solid: its part of the coefficient, of the particle's volume that counts, and its velocity.
+    /// Contribution of one solid: its part of the coefficient and of the particle's counted volume, and its velocity.
     struct Share {
         Mat3 coefficient = Mat3::Zero();
         Real counted = 0;

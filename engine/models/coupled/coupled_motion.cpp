@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-/// Where a point that moves with the solid is a time dt later (earlier for dt < 0): the midpoint rule keeps its distance on a turning
+/// Position of a point that moves with the solid after a time dt (before, for dt < 0): the midpoint rule keeps its distance on a turning
 /// solid.
 Vec3 carried(const Solid& solid, const Vec3& x, Real dt) { return x + dt * velocity_over(solid, x, dt); }
 
@@ -27,8 +27,8 @@ namespace {
 /// (strain_i + strain_j)
 ///
 /// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in
-/// proportion, and once it is thin nobody is close enough to be pushed into it: the second fills gaps along the axis, and along the axis
-/// alone, so that a longer range does not fatten the thread.
+/// proportion, and once it is thin no particle is close enough to be pushed into it: the second fills gaps along the axis, and along the
+/// axis alone, so that a longer range does not fatten the thread.
 struct Shifting {
     const CoupledSystem& system;
 
@@ -175,7 +175,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
-            // What slides rests where it comes no closer: it must count as touching there whatever the rounding.
+            // A sliding particle rests at its closest distance: it must count as touching there despite rounding.
             const Real touching = closest + Real(0.05) * d;
             const Vec3 to = carried(solid, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);

@@ -1,5 +1,5 @@
 #pragma once
-/// What can be chosen about the coupled solve. Lengths in spacings d.
+/// Options of the coupled solve. Lengths in spacings d.
 #include <algorithm>
 
 #include "engine/math/solve.h"
@@ -33,8 +33,7 @@ struct CoupledOptions {
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
     double evening_rate = 1,
-           evening_range =
-               2;  ///< the same along thin threads, where stretching widens every gap and nobody close is there to be pushed into it
+           evening_range = 2;  ///< along thin threads, where stretching widens every gap and no close particle can fill it
 
     /// Distances from a wall that the fluid sticks to: below the first a particle touches it, below the second, too, if one within `bridge`
     /// does; beyond the third it comes off. New particles touch up to there: a lattice may fill a gap loosely.

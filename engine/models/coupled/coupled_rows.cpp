@@ -22,7 +22,7 @@ Real weight_at(Real q2) {
     return p * p * p;
 }
 
-/// What the eigenvalues of M tell.
+/// Properties of M that follow from its eigenvalues.
 struct MomentShape {
     Mat3 inverse_moment = Mat3::Zero();
     Directions directions;
@@ -51,7 +51,7 @@ MomentShape shape_of(const Mat3& M, const CoupledOptions& o, int dimensions, Nei
     return shape;
 }
 
-/// The same with the walls, which resolve directions, but make no thread. @param M with them
+/// Adds the walls, which resolve directions but do not make a thread. @param M including them
 void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o, int dimensions, Neighbourhood& n, MomentShape& shape) {
     bool any = false;
     for (const WallPoint& wall : block.walls)
@@ -68,7 +68,7 @@ void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o
 
 }  // namespace
 
-/// What the rows are made of.
+/// Input of the rows.
 struct CoupledRows::Found {
     static constexpr Index most_close = 48;
     struct CloseRow {
@@ -125,7 +125,7 @@ struct CoupledRows::Scratch {
 
     unsigned long build = 0;  ///< for which `reached` was cleared
 
-    /// -1: a block names no more. Only fluid that is pressed together forty-fold has so many neighbours.
+    /// -1: a block names no more. Only fluid compressed forty-fold has that many neighbours.
     std::int32_t place_of(Index j) {
         if (place[j] < 0 && touched.size() + most_walls * block_size <= std::numeric_limits<RowBlock::Place>::max()) {
             place[j] = static_cast<std::int32_t>(touched.size());
@@ -290,7 +290,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
             block.end = from + end;
             build_block(block, found, role, options, near_walls);
         });
-        found.near[from / Found::part_size] = {};  // nobody needs it any longer: rows take the place of neighbours
+        found.near[from / Found::part_size] = {};  // frees the lists that rows replace
     }
     number_slots();
     pairs = slices = walls = 0;
@@ -349,7 +349,7 @@ Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const Co
     return std::clamp(std::sqrt(*enough), usual, widest);
 }
 
-/// What pairs longer than the gate need. In the usual support: candidates that are close to one that is close to i.
+/// Finds the bridges that pairs longer than the gate need. In the usual support: candidates that are close to one that is close to i.
 void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support);
     if (h == usual) {
@@ -363,7 +363,7 @@ void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, con
         if (r2[k] < reach * reach) bridges.push_back(k);
 }
 
-/// Those candidates that count.
+/// Appends the candidates that count.
 void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
@@ -393,7 +393,7 @@ Real beyond(int dimensions, Real q) {
     return Real(0.5) - Real(315.0 / 256) * q * (1 - t * (Real(4.0 / 3) - t * (Real(1.2) - t * (Real(4.0 / 7) - t / 9))));
 }
 
-/// What of it a solid fills there that may be thin. @param h distance of its surface [m] @param R the weight's radius [m]
+/// Part of that volume that a solid, which may be thin, fills. @param h distance of its surface [m] @param R the weight's radius [m]
 Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real R) {
     h = std::max(h, Real(0));
     if (!(h < R)) return 0;
@@ -409,7 +409,7 @@ Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& norma
 
 }  // namespace
 
-/// Part of the wall behind the particle that no other particle stands before: 1 minus sum K of those below, K a bump whose sum is about 1
+/// Part of the wall behind the particle that no other particle covers: 1 minus sum K of those below, K a bump whose sum is about 1
 /// over a layer with one particle per spacing.
 Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
     const Real of_radius2 = dimensions == 2 ? Real(1.138) : Real(std::numbers::pi / 3);
@@ -429,10 +429,10 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
     const Solids& solids = walls.solids;
     const Real dt = walls.dt;
     const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
-    // Of a half space full of particles: sum w z^2.
+    // sum w z^2 of a half space full of particles.
     const Real half_moment = walls.dimensions == 2 ? Real(std::numbers::pi / 80) * h * h * h * h
                                                    : Real(2 * std::numbers::pi / 3 * 16 / 1155) * h * h * h * h * h;
-    const Real few = walls.dimensions == 2 ? 1 : 2;  // sum w of particles that stand in a row along the wall have 1.2, in a layer 3.5
+    const Real few = walls.dimensions == 2 ? 1 : 2;  // sum w is 1.2 for particles in a row along the wall, 3.5 in a layer
     const std::size_t before = block.walls.size();
     constexpr Real no_lattice = Real(0.0119);  // so much less has a lattice that touches a flat wall, in each of its layers
     Real open = 1;
@@ -564,7 +564,7 @@ const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u, bool mo
 const Vec4* CoupledRows::positions(const RowBlock& block) const { return take<false>(block, {}, false); }
 const Vec4* CoupledRows::positions(const RowBlock& block, Span<const Vec3> u, bool moving) const { return take<true>(block, u, moving); }
 
-/// Sums over the finished rows: M, its inverse, what tells a surface, and the fourth moment.
+/// Sums over the finished rows: M, its inverse, the surface indicator, and the fourth moment.
 void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
     const Vec4* at = positions(block);
     block.directions.clear();

@@ -10,20 +10,20 @@
 
 namespace whorl {
 
-/// What a particle's neighbourhood is like. Lengths in spacings, r = (x_j - x_i)/d.
+/// Properties of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
 struct Neighbourhood {
     Real unresolved = 0;  ///< k = sum (1 - pi^2), pi: how far a direction is resolved. 0 in a volume, 1 in a sheet, 2 in a single file
     Real thin = 0;        ///< 0 in a thick thread, 1 in a thin one
     Real weights = 0;     ///< sum w
     Real spread = 0;      ///< sum w r^2
     Real density = 0;     ///< n/n0 with the weight of radius `support`, all neighbours, and solids as if they were fluid
-    Real volume = 1;      ///< of the fluid whose strain the row stands for: up to a wall that holds it, however far that is
+    Real volume = 1;      ///< of the fluid whose strain the row represents: up to a wall that holds it, at any distance
     Vec3 outward = Vec3::Zero();   ///< unit, away from the neighbours' centre
     Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
     std::int32_t directions = -1;  ///< its place in RowBlock::directions; -1: all are resolved, and no thread is thin
 };
 
-/// Of neighbourhoods that are a volume in some directions only.
+/// For neighbourhoods that are a volume in some directions only.
 struct Directions {
     Mat3 resolved = Mat3::Identity();  ///< P = Q diag(pi) Q^T
     Vec3 along = Vec3::Zero();         ///< unit, the thread's direction; zero in a thick one
@@ -32,16 +32,16 @@ struct Directions {
 /// sum w/r^2 r r r r of a row a lane. A symmetric matrix counts as the six numbers (xx, yy, zz, xy, xz, yz); the sum takes one to another.
 struct FourthMoment {
     Lanes v[15];  ///< xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz
-    /// Of numbers k and l of the six.
+    /// Position of the entry of components k and l of the six.
     static constexpr int place[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
                                         {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
-/// Of the solid's point that is at x when a step of dt [s] begins, on its straight way to where it ends; dt < 0: of the step before [m/s].
+/// Mean velocity over a step of dt [s] of the solid's point that is at x when it begins; dt < 0: over the step before [m/s].
 inline Vec3 velocity_over(const Solid& solid, const Vec3& x, Real dt) { return solid.velocity_at(x + dt / 2 * solid.velocity_at(x)); }
 
-/// Where a wall that holds the fluid is nearest to a particle: a neighbour that moves with the wall (docs/physics.md 5).
+/// The point of a wall that is nearest to a particle that it holds: a neighbour that moves with the wall (docs/physics.md 5).
 struct WallPoint {
     Vec3 position, velocity;  ///< m, on the surface; m/s, of the straight way to where the wall takes it in this step
     Vec3 normal;              ///< into the fluid
@@ -51,7 +51,7 @@ struct WallPoint {
     Mat3 lateral = Mat3::Zero();  ///< what it adds to M along the wall
 };
 
-/// As many rows as there are lanes, side by side: pair k of the row in lane l stands at begin + lane_count k + l of the block's `other`.
+/// As many rows as there are lanes, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`.
 /// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves. Pairs with walls come last.
 struct RowSlice {
     std::size_t begin = 0;
@@ -68,8 +68,8 @@ struct RowSlice {
 };
 
 /// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a
-/// product gathers each velocity once a block and adds up forces in memory of its own: no thread waits, and the sums' order is fixed.
-/// Of a pair only this place is kept: r and the weight follow from the positions, which are fewer bytes to read.
+/// product gathers each velocity once per block and adds up forces in its own memory: no thread waits, and the sums' order is fixed.
+/// Only this index of a pair is stored: r and the weight follow from the positions, which are fewer bytes to read.
 struct RowBlock {
     using Place = std::uint16_t;
     Index begin = 0, end = 0;     ///< particles whose rows these are
@@ -130,7 +130,7 @@ public:
         each_plain(f);
         each_wall(f);
     }
-    /// Of particles alone.
+    /// Pairs with particles only.
     template <class F>
     [[gnu::always_inline]] void each_plain(const F& f) const {
         const TwoLanes3 own = taken(slice_.row);
@@ -142,7 +142,7 @@ public:
             f(static_cast<std::size_t>(k), p);
         }
     }
-    /// Of walls alone.
+    /// Pairs with walls only.
     template <class F>
     void each_wall(const F& f) const {
         if (slice_.walls == 0) return;
@@ -200,10 +200,10 @@ public:
     std::size_t walls = 0;                     ///< pairs with walls
     Index widest_slice = 0;
 
-    /// Where the particle was when the rows were built [m].
+    /// Position of the particle when the rows were built [m].
     Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
-    /// Of those that the block touches, in spacings and seen from the block's first particle; in memory of the calling thread until its
-    /// next call. @param u stands beside each position @param moving walls have their velocities, else none
+    /// Positions of the particles that the block touches, in spacings relative to the block's first particle; in memory of the calling
+    /// thread until its next call. @param u stored with each position @param moving whether walls have their velocities
     const Vec4* positions(const RowBlock& block) const;
     const Vec4* positions(const RowBlock& block, Span<const Vec3> u, bool moving) const;
     SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }

@@ -43,7 +43,7 @@ struct Inertia {
     }
 };
 
-/// Where nothing holds the fluid, its forces are all internal: a rigid motion takes out what the unfinished solve did to the momentum.
+/// If nothing holds the fluid, all forces are internal: removes the momentum error of the unfinished solve as a rigid motion.
 /// @param turning also the angular momentum (it has no meaning along a periodic axis)
 void restore_momentum(Span<const Vec3> x, Span<const Vec3> wanted, bool turning, Span<Vec3> u) {
     const auto n = static_cast<Index>(x.size());
@@ -166,7 +166,7 @@ void CoupledStep::find_unknowns() {
     nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts() && system.rows.walls == 0;
 }
 
-/// Of nozzles and solids. A particle that slides knows its velocity along the normal.
+/// Sets the velocities of nozzles and solids. A sliding particle has a known velocity along the normal.
 void CoupledStep::set_known_velocities() {
     known.resize(n), solved.resize(n), load.resize(n), work.resize(n);
     parallel_for(n, [&](Index i) {
@@ -181,7 +181,7 @@ void CoupledStep::set_known_velocities() {
     });
 }
 
-/// Of the directions that the neighbours resolve. Particles that are not free have none: what they are part of moves them.
+/// Curvature in the directions that the neighbours resolve. Particles that are not free have none: their body moves them.
 void CoupledStep::set_curvature() {
     curvature.resize(n);
     parallel_for(n, [&](Index i) {
@@ -234,7 +234,7 @@ void CoupledStep::set_up_preconditioner() {
     if (!options.diagonal) M.be_identity();
 }
 
-/// What a particle of that velocity brings into the step.
+/// Velocity of a particle with the step's loads. @param before its velocity at the start
 Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
     const Vec3 falling = before + dt * step.gravity;
     return system.friction.acts() ? Vec3(falling + system.friction.load[i]) : falling;
@@ -254,7 +254,7 @@ double CoupledStep::set_load() {
     return std::max(reference, 0.03 * preconditioned_norm(load));
 }
 
-/// Of what has become part of the load, unless find_held() or a ledger needs it.
+/// Frees the arrays that are now part of the load, unless find_held() or a ledger needs them.
 void CoupledStep::let_go() {
     if (!unknowns.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
 }
@@ -297,7 +297,7 @@ SolveReport CoupledStep::solve(double reference) {
     return report;
 }
 
-/// Where the last step's change is a bad guide (a jolt, a landing): goes along it to where the energy is least, the residual with it.
+/// If the last step's change is a bad guess (a jolt, a landing): scales it to the least energy, and updates the residual.
 void CoupledStep::descend_along_last_change() {
     Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
     unknowns.restrict_to(way);
@@ -310,13 +310,13 @@ void CoupledStep::descend_along_last_change() {
     });
 }
 
-/// Where fluid has little room to leave by (a piston before a slit, the first steps under weight), one update of the multiplier a step is
-/// far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the multiplier, preconditioned by
-/// lambda, with a solve for the velocities each. If they do not halve what is missing, or only move it about,
-/// there is no way out, and all stays as it was.
+/// If fluid can leave only through a narrow opening (a piston before a slit, the first steps under weight), one update of the multiplier
+/// per step is far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the multiplier,
+/// preconditioned by lambda, with a solve for the velocities each. If they do not halve what is missing, or only move it about, there is no
+/// way out, and all stays as it was.
 void CoupledStep::keep_volume(SolveReport& report) {
     constexpr double tolerated = 5e-4;  // mean change of volume in a step
-    constexpr double as_a_whole = 0.5;  // of the root of the mean square: otherwise it is local, and goes by itself
+    constexpr double as_a_whole = 0.5;  // of the root mean square: below it the error is local, and vanishes by itself
     constexpr int most = 4;
     struct Sums {
         double missing = 0, squares = 0, weighted = 0;
@@ -412,8 +412,8 @@ void CoupledStep::find_held() {
     parallel_for(n, [&](Index i) { held[i] = slip[i].dot(work[i] - brought[i]); });
 }
 
-/// Of the momentum that the fluid lost: walls take what they do to their rows, by strain and by pressure; those that it slides along the
-/// friction, and what holds their particles along the normal. The residual of the solve is shared.
+/// Distributes the momentum that the fluid lost: walls get the forces of their rows, by strain and by pressure; walls with slip the
+/// friction, and the force on their particles along the normal. The residual of the solve is shared.
 void CoupledStep::write_ledgers() {
     if (!solids.any_probed()) return;
     const auto m = static_cast<double>(step.mass);

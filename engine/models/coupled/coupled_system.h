@@ -42,7 +42,7 @@ struct contact_normal {
 };
 }  // namespace field
 
-/// What the stages hand to each other within a step, and set-ups that lag. Nothing here lives on beyond a frame time.
+/// Data that the stages share within a step, and lagged set-ups. All of it is rebuilt at a frame time.
 struct CoupledSystem {
     explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
     CoupledOptions options;
@@ -52,7 +52,7 @@ struct CoupledSystem {
     TwoLevel preconditioner;
     int steps_since_refresh = 0;
     bool no_way_out = false;  ///< since the last frame time no pressure could keep the volume of fluid that solids enclose
-    /// Pressures [Pa] that are known beforehand, besides the multiplier: those that surface tension presses the fluid with. Empty: none.
+    /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
 };
 

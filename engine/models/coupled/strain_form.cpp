@@ -11,14 +11,14 @@ struct KeptPair {
     Lanes w, stiffness;  ///< stiffness = w/r^2
 };
 
-/// Of the calling thread, for any slice.
+/// Buffer of the calling thread, for any slice.
 KeptPair* room_for_pairs(const CoupledRows& rows) {
     thread_local Column<KeptPair> room;
     if (room.size() < static_cast<std::size_t>(rows.widest_slice)) room.resize(static_cast<std::size_t>(rows.widest_slice));
     return room.data();
 }
 
-/// What a row's pairs sum up to.
+/// Sums over a row's pairs.
 struct PairSums {
     Lanes33 A{};             ///< sum w (u_j - u_i) r^T
     SymmetricLanes along{};  ///< sum w/r^2 ((u_j - u_i).r) r r^T
@@ -172,7 +172,7 @@ Real StrainForm::divergence(Index i, const Mat3& G) const {
 }
 
 // With g = M+ w r the block of j gets from row i  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2),
-// where the last r r^T stands for a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 -
+// where the last r r^T denotes a fourth moment. The block of i gets the first with -h for g, h = sum g, and 2 w ((1 - h.r) c + (1 -
 // h.r)^2 c' r r^T / r^2).
 void StrainForm::diagonal(Span<Mat3> B) const {
     const CoupledRows& rows = *rows_;

@@ -17,7 +17,7 @@
 
 namespace whorl {
 
-/// What the form needs of a particle besides its row.
+/// Coefficients of a particle, in addition to its row.
 struct StrainCoefficients {
     Real shear = 0;  ///< 2 K
     /// K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking.
@@ -140,7 +140,7 @@ public:
         const Index lane = block.lane[i - block.begin];
         return by_slice_[block.first_slice + static_cast<std::size_t>(lane / lane_count)].of(lane % lane_count);
     }
-    /// Of the k-th slice of a block.
+    /// Coefficients of the k-th slice of a block.
     const CoefficientLanes& coefficients(const RowBlock& block, std::size_t k) const { return by_slice_[block.first_slice + k]; }
     const CoupledRows& rows() const { return *rows_; }
 

@@ -14,7 +14,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = rows.block_of(i);
         const Index row = i - block.begin;
-        // Of many pairs a quarter finds the nearest centre and who hangs together as well as all.
+        // If there are many pairs, a quarter of them finds nearest centres and connections as well as all.
         block.each_pair(
             row, [&](RowBlock::Place at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
     };

@@ -37,7 +37,7 @@ public:
 private:
     CoarseLevel coarse_;
     std::vector<Mat3> inverse_diagonal_;
-    std::vector<Vec3> slip_;  ///< empty where nothing slips
+    std::vector<Vec3> slip_;  ///< empty if nothing slips
 };
 
 /// Ac = R^T (1 + K) R for the rigid motions of the aggregates. Particles in none are held.

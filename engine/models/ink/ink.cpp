@@ -59,7 +59,7 @@ struct InkRange {
     Vec3 least, most;
 };
 
-/// Of particle i and its neighbours within `reach`.
+/// Range of ink over particle i and its neighbours within `reach`.
 InkRange range_around(const FluidPairs& pairs, Index i, Real reach, const Vec3* c) {
     InkRange range{c[i], c[i]};
     pairs.groups_of(i, [&](const Pairs::Group& group) {

@@ -14,7 +14,7 @@ struct ink {
     using type = Vec3;
     static constexpr std::string_view name = "ink", unit = "", meaning = "concentrations of the three inks, 0 to 1";
 };
-/// What a picture tells one particle from another by, all its life.
+/// Permanent random number of a particle, by which images distinguish particles.
 struct grain {
     using type = Real;
     static constexpr std::string_view name = "grain", unit = "", meaning = "a random number of the particle's own, 0 to 1";
@@ -27,8 +27,8 @@ struct ink_change {
 
 /// c_i += dt D sum_j V |W'|/r (n_i + n_j) (c_j - c_i),   n_i = (dimensions)/sum_j V |W'| r
 ///
-/// Brookshaw's Laplacian with the moments of the particles as they stand. Each pair gives as much as it takes, so that the ink of all is
-/// kept, and no ink passes walls and surfaces. A step longer than this is stable for is made of several.
+/// Brookshaw's Laplacian with the moments of the particles at their positions. Each pair gives as much as it takes, so that the ink of all
+/// is kept, and no ink passes walls and surfaces. A step longer than this is stable for is made of several.
 struct InkDiffusion {
     double diffusion = 0;  ///< m^2/s
     void operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const;

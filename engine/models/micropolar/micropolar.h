@@ -1,5 +1,5 @@
 #pragma once
-/// Micropolar fluid: every particle has a spin of its own, which the flow turns and which pushes the flow (docs/physics.md 8).
+/// Micropolar fluid: every particle has a spin, which the flow turns and which acts on the flow (docs/physics.md 8).
 ///
 /// Stages of a step: Density, pressure (weakly compressible), Gravity, Micropolar, Kick, (implicit viscosity), (pressure equation), Move.
 /// Micropolar must be the last that adds to the acceleration: its energy budget is then exact.
@@ -33,10 +33,10 @@ struct MicropolarOptions {
     /// curl u - 2 w as the curl of the velocity seen from the turning particle, u_j - u_i - w_i x (x_j - x_i): a rigid rotation whose spin
     /// goes with it feels no exchange, at a free surface too, and what the spin loses the orbit gains. false: curl u - 2 w as printed.
     bool co_rotating = true;
-    bool implicit_exchange = true;                      ///< the spin's own decay at the end of the step: no limit of its own
+    bool implicit_exchange = true;                      ///< the spin's decay is implicit: it does not limit the step
     double smoothing_velocity = 0, smoothing_spin = 0;  ///< XSPH, parts taken a step ...
     double smoothing_time = 0;                          ///< ... or in this time [s]; 0: a step
-    /// What a step of dt [s] takes of one of the two.
+    /// Fraction of one of the two that a step of dt [s] applies.
     Real part_a_step(double given, Real dt) const {
         return static_cast<Real>(smoothing_time > 0 ? std::min(0.5, given * static_cast<double>(dt) / smoothing_time) : given);
     }
@@ -52,7 +52,7 @@ struct MicropolarOptions {
 /// One pass over the pairs for everything. The lattice factors are those of ExplicitViscosity (docs/physics.md 4); the curls have that of
 /// the first Laplacian, which makes them exact for linear fields on a lattice.
 ///
-/// What conserves: the pair of curls symmetric (spin) and difference_own_density (velocity) with co_rotating gives the orbit what -2 w
+/// Conservation: the pair of curls symmetric (spin) and difference_own_density (velocity) with co_rotating gives the orbit what -2 w
 /// takes from the spin; curl u is paid for by the first Laplacian's torque if pair_viscosity = coupling. Then the sum of both angular
 /// momenta is constant to round-off, whatever the shape of the surface.
 class Micropolar {

@@ -6,9 +6,9 @@
 
 namespace whorl {
 
-/// What bodies do to the densities, and pressures to the bodies:
+/// Coupling of bodies and pressure:
 ///   (D u)_i also holds  -h_ib.(v_b + w_b x a_ib),   h_ib = f_i rho_i sum_{s of b} V_s grad W(|r'_is|),   a_ib = x_i - c_b.
-/// A body that moves and turns with the fluid changes no density (w_i depends on where it stands relative to i alone), hence its velocity
+/// A body that moves and turns with the fluid changes no density (w_i depends only on its position relative to i), hence its velocity
 /// at x_i. The transpose pushes the body at x_i with what it pushes i: momentum and angular momentum of both stay. In A = D M^-1 D^T a body
 /// adds six directions, of the weight of a particle's mass over its own: however light it is, A stays symmetric and positive semi-definite,
 /// and the step stable.

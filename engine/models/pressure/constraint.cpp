@@ -19,13 +19,13 @@ namespace {
 /// The part of the tolerated density error that one step may leave: the next one corrects half of it. A dam break of ten layers has a mean
 /// density error of 0.06 % with 0.1, with 0.5 and with 1, and takes 16.9, 11 and 8.1 iterations a step.
 constexpr double usual_share = 0.5;
-/// The same where few particles decide how a body moves, and where the solve must lose no energy: free bodies, full periodic domains.
+/// Share for free bodies, whose motion depends on few particles, and for full periodic domains, where the solve must not lose energy.
 constexpr double strict_share = 0.1;
 /// A step leaves no more than this part of the right-hand side either: gravity presses less together in a short step than the shares above
 /// allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4 and by 22 %
 /// at 0.2; so by 2.4 and 1.8 %). A tolerance looser than the default loosens this as much.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / ConstraintOptions{}.limits.tolerance); }
-/// Where a step brings next to nothing: the least part of the tolerated density error to solve to, and what rounding allows.
+/// For steps with hardly any load: the least fraction of the tolerated density error to solve to, and the limit of rounding.
 constexpr double least_share = 0.02, least_tolerance = 1e-6;
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
@@ -106,7 +106,7 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
     return set;
 }
 
-/// What the rates asked for allow to be left, over worst_rate: see largest_residual().
+/// Residual allowed for the requested rates, over worst_rate: see largest_residual().
 double ConstraintPressure::tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const {
     const double asked =
         std::sqrt(parallel_sum(D_.size(), [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
@@ -170,7 +170,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
 
 /// Whether the fluid has a free surface, judged by the last step's pressures: a tenth of the particles on a cube's side have none, or no
 /// more than the weight of a layer: in fluid at rest all particles press, those of the surface, too. Without a surface no displacement
-/// makes room for e > 0, and pressures would grow without bound. It looks at all fluid together: an open pool hides a full vessel beside
+/// makes room for e > 0, and pressures would grow without bound. It checks all fluid together: an open pool hides a full vessel next to
 /// it.
 bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext& step) const {
     const auto n = static_cast<Index>(q.size());
@@ -291,8 +291,8 @@ Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& 
 }
 
 Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const {
-    // What an impact has pressed together is pushed apart no faster than 5 % of its density allow, or it would jump. Without a surface it
-    // is 0.5 %: unevenness that alternates from neighbour to neighbour takes large velocities to mend.
+    // Compression by an impact is corrected by at most 5 % of the density, or the fluid would jump. Without a surface it
+    // is 0.5 %: correcting unevenness that alternates from neighbour to neighbour needs large velocities.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
     return excess > 0 || filled ? correction_share(filled || at_body) * excess / time : excess / step.dt;
@@ -318,7 +318,7 @@ Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, co
 
 void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,
                                   Span<const Real> q, Span<const Padded> force) {
-    constexpr Real most = Real(0.02);  // of the rest density: beyond it a step moves by more than the densities tell
+    constexpr Real most = Real(0.02);  // of the rest density: beyond it the move is larger than the linear range of the densities
     const StepContext& step = around.step;
     const Index n = D_.size();
     Column<Real> bend(static_cast<std::size_t>(n));
@@ -383,7 +383,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
         u[i] -= matrix.force[i].head<3>();
         q[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
     });
-    Column<Real>().swap(D_.slope);  // a fifth of a step's memory, and nobody needs it any longer
+    Column<Real>().swap(D_.slope);  // frees a fifth of a step's memory
 }
 
 double pressure_step(double cfl, double spacing, double rest_density, Span<const Real> pressure) {

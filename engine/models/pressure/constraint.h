@@ -48,11 +48,11 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
 struct ConstraintOptions {
-    /// tolerance: relative density error (root mean square), of which a step may add half, where that is no more than 5 % of what it was
-    /// asked to mend.
+    /// tolerance: relative density error (root mean square), of which a step may add half, if that is at most 5 % of the error that it is
+    /// to correct.
     SolveLimits limits{1e-3, 200};
     double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
-    /// Corrects 0.4 of that share, as beside free bodies and in full periodic domains: a drop that surface tension holds together loses
+    /// Corrects 0.4 of that share, as near free bodies and in full periodic domains: a drop that surface tension holds together loses
     /// some of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
     bool slow_correction = false;
     SolidGate gate;  ///< before solids
@@ -89,7 +89,7 @@ private:
     }
     /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
     Real correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const;
-    /// Over which a density error is corrected [s]: the step, but beside free bodies no less than the fluid itself takes for 0.4 spacings
+    /// Time in which a density error is corrected [s]: the step, but near free bodies no less than the fluid itself takes for 0.4 spacings
     /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
     /// faster the shorter the step, and the pressure that throws it shortens the next one.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
@@ -106,7 +106,7 @@ private:
     /// without bound. If it would move 95 % of the particles by more than d/4 within the step, sqrt(p/rho) dt > d/4, it is limited to
     /// that: the fluid is compressed, in steps of a usual length. @returns whether it was
     static bool limit_level(Span<Real> q, const StepContext& step);
-    /// What images in one wall do to pairs in which i is nearer to it; the wall's particles take it up by their distance from i.
+    /// Effect of images in one wall on pairs in which i is nearer to it; the wall's particles receive it by their distance from i.
     struct ByImages {
         Vec3 normal;
         Real push;  ///< change of velocity along the normal [m/s]

@@ -54,11 +54,11 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
     for (int sweep = 0;; ++sweep) {
         of.dense.clear();
         const auto beside_light_body = [&](Index i) {  // which would have to give way
-            bool beside = false;
+            bool near_light = false;
             if (!wall.constant_when_near.empty())
-                around.solid_pairs.of(i,
-                                      [&](Index s, const Vec3&, Real) { beside |= wall.constant_when_near[around.layer.solid[s]] != 0; });
-            return beside;
+                around.solid_pairs.of(
+                    i, [&](Index s, const Vec3&, Real) { near_light |= wall.constant_when_near[around.layer.solid[s]] != 0; });
+            return near_light;
         };
         const auto look = [&](Index i) {
             if (rho[i] > too_dense && role[i] == 0 && !beside_light_body(i)) of.dense.push_back(i);
@@ -107,7 +107,7 @@ std::string RelieveCrowding::relieve(const WallImage& wall, const Kernel& W, con
             x[i] -= of.moves[c];
             u[i] += of.kicks[c];
             Real distance = 0;
-            if (role[i] != 0) return;  // a nozzle may stand in a solid
+            if (role[i] != 0) return;  // a nozzle may be in a solid
             if (const int k = around.solids.nearest(x[i], distance); k >= 0 && distance < 0)
                 x[i] -= distance * around.solids.all[k].normal(x[i]);
             of.moves[c] = x[i] - before;

@@ -1,5 +1,5 @@
 #pragma once
-/// What a step has pressed together beyond what its linear solve saw is moved apart (docs/physics.md 3).
+/// Separates particles that a step compressed more than its linear solve predicted (docs/physics.md 3).
 #include <functional>
 
 #include "engine/models/pressure/density_rate.h"
@@ -15,8 +15,8 @@ namespace whorl {
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
 /// energy of motion is gained; the centre of mass stays where it is but for what solids push and moves that are cut off. Up to a hundred
-/// sweeps; where those are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
-/// are left alone, and so are particles beside bodies lighter than the fluid, and scenes with bodies and without weight: there the bodies
+/// sweeps; if they are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
+/// are left alone, and so are particles near bodies lighter than the fluid, and scenes with bodies and without weight: there the bodies
 /// would have to give way. Writes the densities
 /// of the places where the step ends.
 class RelieveCrowding {
@@ -30,13 +30,13 @@ public:
                     Read<field::role> role, Update<field::density> rho, Update<field::position> x, Update<field::velocity> u);
 
 private:
-    /// What a step needs, and not the solve before it.
+    /// Temporary data of a step.
     struct Scratch {
         std::vector<Index> dense, crowded, movers, touched;
         std::vector<int> seen;  ///< by particle: the last list that it is in
         int lists = 0;
         Column<Vec3> push, moves, kicks;  ///< l_i own_i; and what a mover does [m] and takes up [m/s]
-        Column<Real> share;               ///< l_i f_i, 0 where not crowded
+        Column<Real> share;               ///< l_i f_i, 0 if not crowded
         explicit Scratch(Index n) : seen(n, 0), push(n), share(n, 0) {}
         /// The particles of `from` and their neighbours.
         void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);

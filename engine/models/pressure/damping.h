@@ -18,7 +18,7 @@ public:
     void operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u);
 
 private:
-    /// Of the symmetric part of the velocity's gradients the diagonal, and twice what stands beside it [1/s].
+    /// Symmetric part of the velocity's gradient: the diagonal, and twice the other entries [1/s].
     struct Stretching {
         Column<Vec3> along, across;
     };

@@ -43,10 +43,10 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
         const double volume = power_of(static_cast<double>(d), form.dimensions);
         factor = static_cast<Real>(own * volume * all / first);
         // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
-        const double beside = virial_of(0),
-                     of_lattice = ((1 - volume * all) * (beside + 2 * behind) - (beside + behind)) * first / (all * virial_of(1));
-        // Water that has settled stands otherwise: with 1 the pressure beside walls comes out too high, in the lowest layer by 6 %, in the
-        // mean over a slot 6 d wide by 5 %; with what the lattice asks for 8 and 2 % too low.
+        const double first_layer = virial_of(0),
+                     of_lattice = ((1 - volume * all) * (first_layer + 2 * behind) - (first_layer + behind)) * first / (all * virial_of(1));
+        // Settled water is not a lattice: with 1 the pressure at walls is too high, in the lowest layer by 6 %, in the
+        // mean over a slot 6 d wide by 5 %; with the lattice's value 8 and 2 % too low.
         virial = static_cast<Real>(of_lattice + 0.55 * (1 - of_lattice));
         stretch = static_cast<Real>(all_pull * first / (first_pull * all) * (2 - volume * all));
     });
@@ -128,7 +128,7 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
     for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(around.solids.all[k], poses[k], dt);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(size(), [&](Index i) {
-            // Of the fluid's own sum, which was rho_i/f_i.
+            // Change of the fluid's sum, which was rho_i/f_i.
             Real linear = 0, moved = mass * W.value(0);
             const Real left = 1 - mirrors.part(i);
             const Real* slopes[2] = {slope.data() + first[i], image_slope.data() + first_image(i)};

@@ -32,7 +32,7 @@ struct WallImage {
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
     WallImage(const Surroundings& around, SolidGate gate);
 
-    /// What a solid particle adds to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
+    /// Contribution of a solid particle to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
     struct Share {
         Real value, pull;
         Vec3 gradient;
@@ -55,8 +55,8 @@ struct WallImage {
         if (!constant_when_near.empty() && constant_when_near[layer.solid[s]]) beyond = 0;
         return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
     }
-    /// A convex edge is seen like an image before each face that i stands before, h -> h [1 + (stretch - 1)(h/d - 1)], other edges at their
-    /// own place.
+    /// A convex edge is seen as an image before each face that i is in front of, h -> h [1 + (stretch - 1)(h/d - 1)], other edges at their
+    /// positions.
     template <class Kernel>
     Share edge_share(const Kernel& W, const Vec3& r, const SolidParticles& layer, Index s) const {
         const Vec3 &normal = layer.normal[s], &one = layer.face[s];
@@ -90,7 +90,7 @@ struct WallImage {
     }
 };
 
-/// What the density of one particle is made of.
+/// Terms of the density of one particle.
 struct DensityRow {
     Real density, fill;  ///< rho_i, f_i
     Vec3 own;            ///< kg/m^4
@@ -176,12 +176,12 @@ struct DensityRate {
     Vec3 period = Vec3::Zero();  ///< Domain::period()
     Column<Real> fill;           ///< f_i
     Column<Vec3> own;            ///< own_i [kg/m^4]
-    Column<Real> diagonal;       ///< of D D^T [kg^2/m^8]; 0 where the density cannot change
+    Column<Real> diagonal;       ///< of D D^T [kg^2/m^8]; 0 if the density cannot change
     /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
     /// it has melted. The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
     Mirrors mirrors;         ///< whose images are neighbours, too
-    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure of its own
+    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure
 
     Index size() const { return static_cast<Index>(own.size()); }
 

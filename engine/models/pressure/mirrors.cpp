@@ -31,7 +31,7 @@ void Mirrors::find(const Surroundings& around, bool none) {
     find_pairs(around.pairs);
 }
 
-/// SolidParticles::flat, less beside solids that move against it, and 0 on solids that turn.
+/// SolidParticles::flat, reduced near solids that move against it, and 0 on solids that turn.
 Column<Real> Mirrors::flat_now(const Surroundings& around) {
     const SolidParticles& layer = around.layer;
     Column<Real> flat = layer.flat;

@@ -9,7 +9,7 @@ namespace whorl {
 
 /// The space behind a flat wall is full of images of the fluid. They are neighbours like others,
 ///   rho_i = (m W_ii + sum_j m W_ij + sum_g (a_i + a_j)/2 m W(x_i - x_g))/(1 - (1 - a_i) w_i),   x_g = x_j - 2 h_j n,
-/// with j the particle (i, too) whose image g is; beside two or three walls at right angles there are images of images. a_i is 1 where the
+/// with j the particle (also i) whose image is g; near two or three walls at right angles there are images of images. a_i is 1 where the
 /// walls about i are flat and 0 elsewhere (SolidParticles::flat), and nearer than d/10 to a wall, which an impact alone reaches. As W
 /// depends on r_ij^2 + 4 h_i h_j, g pushes i as the image of i pushes j.
 class Mirrors {

@@ -14,10 +14,10 @@ namespace {
 /// alpha of a full box comes from uneven neighbours; it is a hundredth of the diagonal once a lattice has melted. Of a few particles on a
 /// floor it is as large as the diagonal.
 constexpr double weakly_tied = 0.05;
-/// As printed, nothing but a drop without surface particles that no solid touches is left without a zero of pressure.
+/// As printed, only a drop without surface particles that no solid touches has an undetermined level of pressure.
 constexpr double untied = 1e-6;
 
-/// Of the divergence of the position over the dimensions: below it is a free surface.
+/// Threshold of the divergence of the position over the dimensions: smaller values mark a free surface.
 constexpr Real full_enough = Real(0.85);
 
 }  // namespace
@@ -70,7 +70,7 @@ Real PoissonPressure::solid_slope(const Kernel& kernel, const Surroundings& arou
     return gate_[i] * options_.solid_factor * around.layer.volume[s] / spread_[i] * kernel.slope(distance);
 }
 
-/// What solid particle s adds to D_i, without the weight of i.
+/// Contribution of solid particle s to D_i, without the weight of i.
 template <class Kernel>
 Vec3 PoissonPressure::of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const {
     const Vec3& normal = around.layer.normal[s];

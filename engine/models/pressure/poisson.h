@@ -26,7 +26,7 @@ struct PoissonPressureOptions {
     PressurePreconditionerSetup preconditioner = jacobi;
 };
 
-/// What a particle is to the pressure solve.
+/// Class of a particle in the pressure solve.
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
 
 /// Solves L p = rho_0 D u*/dt + the share of the density error, then u = u* - dt M^-1 D^T p (docs/physics.md 3). The force is the transpose
@@ -74,7 +74,7 @@ private:
     ClosedRegions closed_;
     Column<Real> gate_;    ///< weight of the solids by particle
     Column<Real> weight_;  ///< w_i = (rho_0/rho_i)^2
-    Column<Real> fill_;    ///< f_i: the fluid stands for what solids take of its neighbourhood
+    Column<Real> fill_;    ///< f_i: weight by which fluid replaces the part of its neighbourhood in solids
     Column<Real> spread_;  ///< s_i = sum V |W'| r/D over fluid and solids: 1 where sums over neighbours are exact for linear fields
     Column<Real> b_;       ///< right-hand side
 };

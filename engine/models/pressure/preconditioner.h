@@ -1,5 +1,5 @@
 #pragma once
-/// What stands between the pressure solves and their preconditioners.
+/// Interface between the pressure solves and their preconditioners.
 #include <functional>
 #include <vector>
 

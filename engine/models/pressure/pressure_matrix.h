@@ -42,7 +42,7 @@ struct ClosedRegions {
     std::vector<ClosedRegion> all;
     /// @param touches_surface by particle @param tied a region counts as singular where its pins are less than this share of its diagonals
     void find(const PressureMatrix& matrix, Span<const char> touches_surface, double tied);
-    /// What little alpha a full box has comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
+    /// The small alpha of a full box comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
     /// pressure.
     void take_pins_away(PressureMatrix& matrix) const;
     /// A singular region is solvable where its right-hand side has no mean: the walls take what is left.

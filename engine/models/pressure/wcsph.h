@@ -16,7 +16,7 @@ struct WeaklyCompressible {
     double background_pressure = 0;    ///< p0 [Pa]; must be 0 where there is a free surface
     bool difference_gradient = false;  ///< (m_j/rho_j)(p_j - p_i) rather than rho_i m_j (p_i/rho_i^2 + p_j/rho_j^2)
     double sound_damping = 0;          ///< bulk viscosity over rho c0 R/2
-    double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/(4 (D + 2)), R/20 in space
+    double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/(4 (D + 2)), R/20 in 3D
     Real solid_factor = 1;             ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
 };
@@ -27,9 +27,9 @@ struct TaitPressure {
     void operator()(const StepContext& step, Read<field::density> rho, Write<field::pressure> p) const;
 };
 
-/// A particle in a nozzle, whose velocity is prescribed, has the rest density and the pressure of the free fluid beside it, as a solid has
-/// (Adami, Hu, Adams 2012): p_j = max(0, sum_i W_ji (p_i + rho_0 g . r_ji)/sum_i W_ji) over the free i. Its own density tells how fluid is
-/// packed within the nozzle, which must not push on what is before it.
+/// A particle in a nozzle, whose velocity is prescribed, has the rest density and the pressure of the free fluid near it, like a solid
+/// (Adami, Hu, Adams 2012): p_j = max(0, sum_i W_ji (p_i + rho_0 g . r_ji)/sum_i W_ji) over the free i. Its own density reflects the
+/// packing within the nozzle, which must not push on the fluid in front.
 struct NozzlePressure {
     void operator()(const Surroundings& around, Read<field::role> role, Update<field::density> rho, Update<field::pressure> p) const;
 };
@@ -58,7 +58,7 @@ struct ArtificialViscosity {
 /// A solid neighbour has the pressure of i and the weight of the fluid between them (as the solids of Adami, Hu, Adams 2012, a pair at a
 /// time), and never pulls:
 ///   p_i + p_s = max(0, 2 p_i + rho_0 g . (x_s - x_i)).
-/// Along the wall too: without that, fluid beside a vertical wall feels half the gradient that carries it, sinks, and stirs the whole
+/// Also along the wall: without that, fluid at a vertical wall feels half the gradient that carries it, sinks, and stirs the whole
 /// basin. In the difference form it is p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only that weight pushes.
 struct PressureAcceleration {
     WeaklyCompressible options;

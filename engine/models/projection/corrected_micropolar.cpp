@@ -17,7 +17,7 @@ struct CorrectedMicropolar::Rates {
     Vec3 velocity() const { return viscous + push + smoothing; }
 };
 
-/// What velocities u and spins w do to each other, at particle i.
+/// Mutual forces of velocities u and spins w at particle i.
 /// @param whole the kernel of the smoothing
 template <class Kernel>
 CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Kernel& whole, const Surroundings& around, const Terms& terms,

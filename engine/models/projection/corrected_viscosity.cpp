@@ -15,7 +15,7 @@ struct CorrectedViscosity::Flow {
     const std::vector<char>& slip;  ///< of each solid
 };
 
-/// What viscosity does to particle i.
+/// Viscous acceleration of particle i.
 template <class Kernel>
 Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i) const {
     const ProjectionSystem& s = *system_;

@@ -125,7 +125,7 @@ void Projection::take_old_share(const Surroundings& around, Real share, Read<fie
     on_bodies_.push(phi_, static_cast<double>(share * step.dt), around);
 }
 
-/// grad phi/rho_0 at i. Held particles have no pressure of their own: beside them over the free ones alone, as beside walls.
+/// grad phi/rho_0 at i. Held particles have no pressure: near them over the free ones alone, as near walls.
 template <class Kernel>
 Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const {
     const StepContext& step = around.step;
@@ -164,7 +164,7 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     if (first && !s.surface_pressure.empty()) parallel_for(u.size(), [&](Index i) { b_[i] += of_air_[i]; });
     closed_.take_means_away(b_);
     SolveLimits limits = s.options.limits;
-    // A residual that is small beside the fluid's moves a light body.
+    // A residual that is small for the fluid moves a light body.
     if (!first && !on_bodies_.any()) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
     parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? solved[i] : 0; });
     const double began = wall_seconds();
@@ -191,7 +191,7 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
     const Index n = u.size();
-    // The first step knows no pressure of the one before.
+    // The first step has no earlier pressure.
     const bool any_before = parallel_sum(n, [&](Index i) { return a[i] != Vec3::Zero() ? 1 : 0; }) > 0;
     const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1);
     b_.resize(n), phi_.resize(n);
@@ -259,7 +259,7 @@ void Projection::write_ledgers(const Surroundings& around, Read<field::role> rol
     s.closed = on_bodies_.write_closed(s, around, role, p.values);
 }
 
-/// Of any particle over the mean of all [m/s]: the same in any frame that moves along.
+/// Largest speed relative to the mean velocity [m/s]: equal in any moving frame.
 Real fastest_of(Span<const Vec3> u) {
     struct Sum {
         Vec3d sum = Vec3d::Zero();
@@ -271,7 +271,7 @@ Real fastest_of(Span<const Vec3> u) {
     return static_cast<Real>(std::sqrt(parallel_max(n, 0, [&](Index i) { return (u[i] - mean).squaredNorm(); })));
 }
 
-/// No pressure that goes with a smooth curvature holds a particle that stands out of the surface. So
+/// The pressure of a smooth curvature does not hold a particle that sticks out of the surface. So
 ///   dx_i += .1 dt f n_i sum_j W (n_i + n_j)/2.(x_j - x_i)/sum W of a flat layer,   f the frequency of the shortest waves,
 /// over particles on the surface: 0 on a sphere, and opposite for j.
 void ProjectionShift::level_surface(const Surroundings& around, Read<field::role> role) const {

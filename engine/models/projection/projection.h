@@ -8,14 +8,14 @@
 
 namespace whorl {
 
-/// What the fluid's pressure does to the bodies, and they to it.
+/// Coupling of the fluid's pressure and free bodies.
 ///
 /// By the flux at a body's layer its velocity counts in the divergence at fluid particle i. V times that flux, Q_i, is also what a pressure
 /// at i pushes the body by: force and torque are Q p. With M the bodies' masses and tensors of inertia the system of the projection is
 ///
 ///   A + rho_0 Q^T M^-1 Q,
 ///
-/// symmetric and positive as A is, and the step is stable however light the body. The particles stand a little off the surface. So Q is
+/// symmetric and positive as A is, and the step is stable however light the body. The particles are a little off the surface. So Q is
 /// slanted by a linear function of the place such that a pressure linear in it pushes as it does on the surface itself: a uniform one not
 /// at all, a hydrostatic one with the weight of the fluid displaced.
 class PressureOnBodies {
@@ -34,19 +34,19 @@ public:
                                           Span<const Real> p);
 
 private:
-    /// Of a layer, in the body's own axes.
+    /// Surface of a layer, in the body's own axes.
     struct Surface {
         std::size_t solid;
         std::vector<Index> layer;
-        std::vector<Vec3d> area;  ///< m^2, in the plane m
+        std::vector<Vec3d> area;  ///< m^2, in 2D m
     };
     using Wrench6 = Eigen::Matrix<double, 6, 1>;  ///< force, torque about the centre
     using Moments = Eigen::Matrix<double, 4, 6>;  ///< sums of (1, x) Q^T
-    /// Of one fluid particle.
+    /// Row of one fluid particle.
     struct Row {
         Index particle;
         Wrench6 Q = Wrench6::Zero();
-        double flux = 0;  ///< the sum of its sizes [m^2, in the plane m]
+        double flux = 0;  ///< the sum of its sizes [m^2, in 2D m]
     };
     struct Body {
         Vec3d centre;
@@ -68,7 +68,7 @@ private:
     BodyVector impulses(Span<const Real> p) const;
 
     std::vector<Body> bodies_;  ///< all free ones, in the solids' order
-    BodyContacts contacts_;     ///< with a clearance of two spacings: a thinner film of fluid has no pressure that could be told
+    BodyContacts contacts_;     ///< with a clearance of two spacings: the pressure in a thinner film of fluid is not resolved
     double rest_density_ = 0;
 };
 

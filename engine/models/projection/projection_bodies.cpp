@@ -55,12 +55,12 @@ void PressureOnBodies::add_rows(const ProjectionSystem& walls, std::size_t solid
     }
 }
 
-/// Of the surface that fluid touches.
+/// Moments of the surface that fluid touches.
 PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surface, const Surroundings& around,
                                                             const std::vector<Index>& near, const Body& body) {
     const SolidParticles& layer = around.layer;
     const Real d = around.step.spacing;
-    // Between the particles of a lattice over the surface a place is sqrt(1 + 1/4) d off them in the plane, sqrt(1 + 2/4) d in space. One
+    // Between the particles of a lattice over the surface a place is sqrt(1 + 1/4) d off them in 2D, sqrt(1 + 2/4) d in 3D. One
     // dry place in a body's wetted surface would let a uniform pressure push it.
     const Real reach = Real(0.85) * std::sqrt(static_cast<Real>(around.step.dimensions())) * d;
     std::vector<char> wet(layer.size(), 0);
@@ -96,7 +96,7 @@ void PressureOnBodies::slant(const Surroundings& around, const Moments& of_surfa
         moments += row.flux * t * t.transpose();
         wanted -= t * row.Q.transpose();
     }
-    // Over lengths of their own, lest the cut go by the unit.
+    // Scaled by their lengths, so that the cut does not depend on the unit.
     Eigen::Vector4d scale = Eigen::Vector4d::Zero();
     for (int m = 0; m < 4; ++m)
         if (moments(m, m) > 0) scale[m] = 1 / std::sqrt(moments(m, m));

@@ -16,7 +16,7 @@ void ProjectionDrift::operator()(const StepContext& step, Read<field::velocity> 
 
 namespace {
 
-/// Of a full lattice: what the sums of a particle are held against.
+/// Sums of a full lattice, the reference for those of a particle.
 struct LatticeSums {
     Real trace = 0, slopes = 0;  ///< sum V |W'| r, sum 2 V |W'|/r [1/m^2]
     Real one_sided = 0;          ///< |sum V W'/r r| of the outermost layer [1/m]

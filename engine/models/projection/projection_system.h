@@ -1,5 +1,5 @@
 #pragma once
-/// What the stages of the divergence-free projection share within a step (docs/physics.md).
+/// Shared data of the stages of the divergence-free projection within a step (docs/physics.md).
 ///
 /// Order of a step, with the neighbours found where the flow takes the particles:
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, KeepOutside.
@@ -35,12 +35,12 @@ struct solved_pressure {
 struct ProjectionOptions {
     /// tolerance: residual of the first solve over the norm of its right-hand side
     SolveLimits limits{1e-3, 200};
-    double later_tolerance = 0.1;  ///< the same of the solves for what the first leaves
-    int solves = 2;                ///< 3 beside walls and free surfaces: with 2 a column in a slot creeps down
-    /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and rings beside walls.
+    double later_tolerance = 0.1;  ///< tolerance of the later solves, for the remainder of the first
+    int solves = 2;                ///< 3 near walls and free surfaces: with 2 a column in a slot creeps down
+    /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and oscillates near walls.
     double theta = 0.5;
     bool free_surface = false;
-    /// Neither weight nor surface tension calms the free surface: particles that see it push each other by both their pressures.
+    /// No weight and no surface tension calms the free surface: particles near it push each other by both their pressures.
     bool bare_surface = false;
     double tension = 0;      ///< of a free surface [N/m]
     bool sharp = true;       ///< SharpKernel inside the fluid; with it spins are noisy
@@ -56,7 +56,7 @@ struct WallTouch {
     Real height;  ///< m, of i above the wall
 };
 
-/// What the sums of a kernel make of a linear field, over the fluid.
+/// Sums of a kernel for a linear field, over the fluid.
 struct LinearSums {
     Column<Mat3> correction;  ///< (-sum_j V W'/r r r^T)^-1
     Column<Real> trace;       ///< of its inverse
@@ -66,7 +66,7 @@ struct LinearSums {
 
 /// Slopes W'/r (1 - b r^2) whose fourth moment on a lattice is 0, for Laplacians and gradients of fourth order there. With W itself, R = 3
 /// d and 32 particles a wave they are 1.2 and 2.4 % short, where waves cross. The largest eigenvalue of the Laplacian is 6.5/d^2 in the
-/// plane and 6.9/d^2 in space: two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower kernels b
+/// plane and 6.9/d^2 in 3D: two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower kernels b
 /// stops where that would end.
 template <class Kernel>
 struct SharpKernel {
@@ -88,7 +88,7 @@ struct SharpKernel {
     Real slope(Real r) const { return norm * (1 - b * r * r) * W.slope(r); }
 };
 
-/// Over the support: of the kernel of viscosity, spin and curls beside walls and near free surfaces.
+/// Support, over the full one, of the kernel of viscosity, spin and curls near walls and free surfaces.
 inline constexpr Real one_sided_support = Real(0.8);
 
 /// Calls f(sharp, narrow): the kernels of viscosity, spin and curls inside the fluid and elsewhere.
@@ -115,7 +115,7 @@ struct ProjectionSystem {
 
     LinearSums whole;               ///< of the kernel
     LinearSums viscous;             ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
-    std::vector<char> inside;       ///< neither beside a wall nor near a free surface, where one-sided sums would be worse for it
+    std::vector<char> inside;       ///< not near a wall or a free surface, where one-sided sums would be worse
     Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
     Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
     Column<Real> gate;              ///< weight of the solids
@@ -147,7 +147,7 @@ struct ProjectionSystem {
     }
 };
 
-/// Of the wall that particle q of the layer stands behind, on its surface.
+/// Velocity on the wall's surface in front of particle q of the layer.
 inline Vec3 surface_velocity(const Surroundings& around, Index q) {
     const SolidParticles& layer = around.layer;
     return layer.velocity[q] + around.step.spacing / 2 * around.solids.all[layer.solid[q]].pose.angular_velocity.cross(layer.normal[q]);
@@ -223,7 +223,7 @@ Mat3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volu
     return volume * S;
 }
 
-/// The same of a scalar.
+/// Scalar version.
 template <class Kernel>
 Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Real* f) {
     Vec3 sum = Vec3::Zero();
@@ -278,7 +278,7 @@ DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i
     return all;
 }
 
-/// What a vector f is at x_i + move more than at x_i: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
+/// Change of a vector f from x_i to x_i + move: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
 /// gradient alone cuts corners the wrong way: crests would grow with every move.
 /// @param sums with W
 template <class Kernel>
@@ -301,7 +301,7 @@ struct ProjectionDrift {
     void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const;
 };
 
-/// Moments of the neighbourhoods, walls, free surface; the density is the kernel sum, which measures how evenly the particles stand.
+/// Moments of the neighbourhoods, walls, free surface; the density is the kernel sum, which measures how even the particles are.
 struct ProjectionGeometry {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const Surroundings& around, Read<field::role> role, Write<field::density> rho) const;

@@ -7,7 +7,7 @@
 
 namespace whorl {
 
-/// Of unit length, with their weights |S| d; 0 where there is no surface.
+/// Unit normals with their weights |S| d; 0 off the surface.
 template <class Kernel>
 void SurfacePressure::find_normals(const Kernel& W, const Surroundings& around) {
     constexpr Real least = Real(0.02);  // of |S| d; a flat face has .6

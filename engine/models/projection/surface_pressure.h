@@ -9,10 +9,10 @@ namespace whorl {
 ///   n = -S/|S|,  S = sum V grad W smoothed twice;   kappa = tr(P G P (P B P)^-1),  P = 1 - n n^T, across the normal,
 ///   B_i = sum_j w r r^T,  G_i = sum_j w (n_i - n_j) r^T,  w = V |W'|/r |S_j| d
 ///
-/// Neighbours of i stand below the surface, where a sphere's curvature is larger: with e the mean depth of what was fitted, kappa becomes
-/// kappa/(1 + kappa e/(D - 1)). Particles on the surface stand d/2 under it, where the pressure is higher by -d/2 dp/dn, of the last step.
-/// Then the mean M over particles on the surface is taken `means` times; 2 M - M M is what counts, for M alone flattens waves that are
-/// resolved. At solids n has no part along the wall's normal: the surface stands at 90 degrees.
+/// Neighbours of i are below the surface, where a sphere's curvature is larger: with e their mean depth, kappa becomes
+/// kappa/(1 + kappa e/(D - 1)). Particles on the surface are d/2 under it, where the pressure is higher by -d/2 dp/dn, of the last step.
+/// Then the mean M over particles on the surface is taken `means` times; 2 the result is 2 M - M M, for M alone flattens waves that are
+/// resolved. At solids n has no part along the wall's normal: the contact angle is 90 degrees.
 class SurfacePressure {
 public:
     SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)

@@ -11,13 +11,13 @@ class CoarseLevel {
 public:
     void clear() { groups_ = 0; }
     int groups() const { return groups_; }
-    /// Where the groups' members are now. @param group as aggregate_by() leaves it: groups travel with their particles
+    /// Updates the positions of the groups' members. @param group as aggregate_by() leaves it: groups travel with their particles
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
     const RigidAggregates& motions() const { return motions_; }
-    /// Where Ac is not definite, there is no coarse level.
+    /// If Ac is not definite, there is no coarse level.
     void factor(const SymmetricBlocks& Ac);
-    /// z += R Ac^-1 R^T r of the particles; what stands behind them (free bodies) is in no group
+    /// z += R Ac^-1 R^T r of the particles; unknowns behind them (free bodies) are in no group
     void add(Span<const Vec3> r, Span<Vec3> z) const;
     /// Solves Ac m = R^T r for correction().
     void solve(Span<const Vec3> r) const;
@@ -31,8 +31,8 @@ private:
     mutable std::vector<Real> load_;
 };
 
-/// What some rows of an operator add to Ac: a Sum for each two groups that they touch. Threads that each have one need not wait for each
-/// other.
+/// Contribution of some rows of an operator to Ac: a Sum for each pair of groups that they touch. Threads with separate ones need not wait
+/// for each other.
 template <class Sum>
 class GroupSums {
 public:
@@ -45,7 +45,7 @@ public:
         return static_cast<int>(groups_.size()) - 1;
     }
     int group(int number) const { return groups_[number]; }
-    /// Of two groups by their numbers. @param row at least column
+    /// Sum of two groups by their numbers. @param row at least column
     Sum& sum(int row, int column) {
         int& place = place_[row * (row + 1) / 2 + column];
         if (place < 0) {
@@ -74,10 +74,10 @@ private:
 void keep_definite(SymmetricBlocks& Ac);
 
 /// Ac from what all rows add, in the order of the tasks.
-/// @param rows_of rows_of(task, sums) adds what the task's rows do @param block block(sum) is the 6x6 block that a sum stands for
+/// @param rows_of rows_of(task, sums) adds the task's rows @param block block(sum) is the 6x6 block of a sum
 template <class Sum, class Rows, class F>
 SymmetricBlocks coarse_blocks(int groups, Index tasks, const Rows& rows_of, const F& block) {
-    constexpr Index batch = 64;  // of so many tasks the sums are kept, side by side
+    constexpr Index batch = 64;  // number of tasks whose sums are stored at a time
     SymmetricBlocks Ac(groups);
     for (Index from = 0; from < tasks; from += batch) {
         std::vector<GroupSums<Sum>> parts(std::min(batch, tasks - from));

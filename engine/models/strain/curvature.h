@@ -1,9 +1,9 @@
 #pragma once
-/// What makes an implicit strain second order in time (docs/physics.md 4).
+/// Term that makes an implicit strain second order in time (docs/physics.md 4).
 ///
 /// A step takes strain rates at its start, with the new velocities, and then moves every particle along a straight line. A rigid rotation
 /// has no strain rate in the middle of that move. At its start the same velocities seem to shrink the body across the axis, at the rate dt
-/// w^2/2. T is this part, for a motion that goes on as it is: with G the gradient of the velocities at the start of the step, the last
+/// w^2/2. T is this part, for a motion that continues unchanged: with G the gradient of the velocities at the start of the step, the last
 /// step's deformation is A = (1 - dt G)^-1. Once more the same has the gradient B/dt at its start and H in its middle,
 ///   B = A - 1,   H = 2/dt B (2 + B)^-1,   T = sym(B/dt - H) = sym(B^2 (2 + B)^-1)/dt = dt/2 sym(G G) + O(dt^2).
 /// So mu D:D becomes mu (D - T):(D - T). Its stress 2 mu T acts through the transpose of the gradient, as that of D does: pair by pair

@@ -32,7 +32,7 @@ Moment invert_moment(const Vec3d& s, const Mat3d& Q, int dimensions) {
 Moment invert_moment(const Mat3d& M, int dimensions) {
     const double size = M.trace();
     if (!(size > 0)) return {.unresolved = static_cast<double>(dimensions)};
-    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most, in the plane 0.037.
+    // With trace 1 and s_min/s_max = 0.04 the determinant is 0.0047 at most, in 2D 0.037.
     if (const Mat3d scaled = M / size; determinant_in(dimensions, scaled) > (dimensions == 3 ? 0.005 : 0.038))
         return {inverse_in(dimensions, scaled) / size, Mat3d::Identity(), 0, true};
     const Eigen::SelfAdjointEigenSolver<Mat3d> axes(M);

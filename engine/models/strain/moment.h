@@ -1,5 +1,5 @@
 #pragma once
-/// What a particle's neighbours tell about the gradient of a field there, for every model that takes it by least squares.
+/// Moments of a particle's neighbours, for every model with least-squares gradients.
 #include <algorithm>
 
 #include "engine/core/types.h"
@@ -15,8 +15,8 @@ inline double smooth_step(double t) {
 /// Ratios of an eigenvalue to the largest: up to the first a direction is not resolved, from the second on it wholly is.
 inline constexpr double unresolved_at = 0.01, resolved_above = 0.04;
 
-/// Of the moment matrix M = sum w r r^T = Q diag(s) Q^T, s ascending. Neighbours on a line or in a plane, or a single one, tell nothing
-/// about the directions across: a direction counts as resolved by a smooth step of ln(s_a/s_max) between these ratios.
+/// Of the moment matrix M = sum w r r^T = Q diag(s) Q^T, s ascending. Neighbours on a line or in a plane, or a single one, do not resolve
+/// the directions across: a direction counts as resolved by a smooth step of ln(s_a/s_max) between these ratios.
 struct Moment {
     Mat3d inverse = Mat3d::Zero();   ///< M+ = Q diag(pi/s) Q^T, pi: how far a direction is resolved
     Mat3d resolved = Mat3d::Zero();  ///< P = Q diag(pi) Q^T
@@ -27,7 +27,7 @@ struct Moment {
 inline bool resolves_all(const Vec3d& s) { return s[0] >= resolved_above * s[2]; }
 /// @param dimensions 2: the third row and column of M are 0, and so are those of its inverse
 Moment invert_moment(const Vec3d& s, const Mat3d& Q, int dimensions = 3);
-/// The same without eigenvalues where all directions are resolved by far.
+/// Skips the eigenvalues if all directions are clearly resolved.
 Moment invert_moment(const Mat3d& M, int dimensions = 3);
 
 }  // namespace whorl

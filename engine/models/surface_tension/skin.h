@@ -1,7 +1,7 @@
 #pragma once
 /// How much of surface a particle is, so that the fluid's skin alone pulls.
 ///
-/// Where all pairs pull, the inside is pressed with many times the 2 sigma/R that the surface asks for, and particles pressed that
+/// If all pairs pull, the inside is pressed with many times the 2 sigma/R that the surface asks for, and particles pressed that
 /// hard do not flow: they jam. A particle that has its neighbours needs no pull. c is the potential that its neighbours give it over
 /// that inside a lattice; the share s(c) is 1 up to c = bare and 0 from c = complete on, which a packed, moving inside does not fall
 /// below. Pairs pull with (s_i + s_j)/2 times strength().
@@ -16,7 +16,7 @@ struct Skin {
     /// The tension that drops of 6 to 11 spacings in radius have, over that of a uniform density: their outermost particles come a
     /// little closer. Chosen between what their pressure and their period say (0.86 to 0.88, 0.88 to 0.95).
     static constexpr double packed = 0.9;
-    /// The same where the pulls are spread over the neighbours, which adds to the tension: drops of 6 and 8 spacings from a lattice,
+    /// For pulls that are spread over the neighbours, which adds to the tension: drops of 6 and 8 spacings from a lattice,
     /// jittered and of blue noise have 1.41 to 1.61 in their pressure, 1.47 in their period.
     static constexpr double packed_spread = 1.5;
 

@@ -22,8 +22,8 @@ namespace whorl {
 struct SurfaceTensionOptions {
     double tension = 0;         ///< sigma [N/m]
     std::vector<Real> wetting;  ///< of each solid: its pull over the fluid's own; the contact angle has cos = 2 wetting - 1
-    /// Where to put each particle's share of the internal pressure [Pa]: what the pulls press it with where the surface is flat. nullptr:
-    /// the skin alone pulls.
+    /// Output: each particle's share of the internal pressure [Pa], that of the cohesion at a flat surface. nullptr:
+    /// only the surface layer exerts cohesion.
     std::shared_ptr<std::vector<Real>> internal_pressure;
     bool spread = false;  ///< the skin's pulls: without it skin whose densities are a constraint jams, with .7 to .9 of the tension
 };
@@ -60,7 +60,7 @@ public:
 
 private:
     bool skin_pulls() const { return !options_.internal_pressure; }
-    /// Of particle i by the pulls of its neighbours [J].
+    /// Potential of particle i by the cohesion of its neighbours [J].
     Real potential(const Cohesion& cohesion, Index i) const;
     void set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x);
     void find_shares(const Cohesion& cohesion, Index count, double spacing);

@@ -13,7 +13,7 @@
 namespace whorl {
 
 inline bool is_viscosity(double mu) { return mu >= 0 && std::isfinite(static_cast<Real>(mu)); }
-/// "allowed: ..." for a value that is none; empty where it is not a number.
+/// "allowed: ..." for an invalid value; empty if it is not a number.
 std::string allowed_instead_of(double mu);
 
 namespace field {
@@ -43,7 +43,7 @@ struct AgeingViscosity {
                     Read<field::source> source, Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
-/// The same with f of the place at the start, too.
+/// AgeingViscosity with f also a function of the place at the start.
 struct AgeingViscosityByPlace {
     std::vector<Expression> of_source;
     void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,

@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-/// grad W_ij = W'(|r|) r/|r|; zero where the two stand at the same place.
+/// grad W_ij = W'(|r|) r/|r|; zero if the two coincide.
 template <class Kernel>
 Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
     return distance > 0 ? Vec3((kernel.derivative(distance) / distance) * r) : Vec3(Vec3::Zero());
@@ -18,7 +18,7 @@ Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
 
 }  // namespace
 
-/// What the coefficients are made of.
+/// Gradients that make the coefficients.
 struct AssembledOperator::Gradients {
     Column<Vec3> gradW;         ///< of each pair
     Column<Vec3> solid_gradW;   ///< of each pair with a solid, times stretch and its volume over that at rest; 0 where the fluid slips
@@ -63,7 +63,7 @@ struct AssembledOperator::Gradients {
     Real solid_spring(Index i, std::size_t pair, Real distance) const {
         return at_wall(i) && distance > 0 ? penalty[i].twice * rest_volume * solid_gradW[pair].norm() * stretch[pair] / distance : 0;
     }
-    /// What u_i is relative to: with the factor stretch, that continues the shear behind the surface.
+    /// Velocity relative to u_i, with the factor stretch, which continues the shear behind the surface.
     Vec3 velocity(const Surroundings& around, Index s, const Vec3& r, std::size_t pair) const {
         const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
         const Vec3 x = around.layer.position[s];

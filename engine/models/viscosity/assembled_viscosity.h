@@ -1,7 +1,7 @@
 #pragma once
-/// Implicit viscosity in its full form, assembled: the 27 coefficients of the note (Takahashi et al. 2015, supplement; mended as
-/// docs/physics.md 4 tells) in one sparse matrix. Tens of times the memory of the same operator without a matrix: for small scenes, and as
-/// what the other is held to.
+/// Implicit viscosity in its full form, assembled: the 27 coefficients of the note (Takahashi et al. 2015, supplement; corrected as in
+/// docs/physics.md 4) in one sparse matrix. Needs tens of times the memory of the matrix-free operator: for small scenes, and as
+/// its reference.
 ///
 /// Stages of a step, in order: Density, VelocityGradient, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include <memory>
@@ -16,8 +16,8 @@ struct AssembledViscosityOptions {
     Real share = 1;                 ///< of mu
     Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
-    /// As printed: gradients weight the neighbours with V_j, so that the matrix is not symmetric if densities differ, and T = 0. Otherwise
-    /// the gradient of particle i has V_i, which is symmetric.
+    /// If as printed: gradients weight the neighbours with V_j, so that the matrix is not symmetric if densities differ, and T = 0.
+    /// Otherwise the gradient of particle i has V_i, which is symmetric.
     bool printed = false;
     Real penalty = viscous_penalty;  ///< see FullViscosityOptions; 0: as printed
 };

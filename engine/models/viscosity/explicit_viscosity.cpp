@@ -116,7 +116,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
-            // The wall's area does not depend on the density that the kernel finds beside it: the acceleration is mu/rho_0 times that.
+            // The wall's area does not depend on the density of the kernel sums there: the acceleration is mu/rho_0 times that.
             if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];
@@ -142,7 +142,7 @@ void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role>
 }
 
 // Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so that
-// stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu. So it is in the plane, too.
+// stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu. So it is in 2D, too.
 LatticeStiffness monaghan_lattice_stiffness(KernelForm of, double support, double spacing) {
     return with_kernel(of, static_cast<Real>(support), [&](const auto& kernel) {
         const Monaghan form(of, static_cast<Real>(support), static_cast<Real>(spacing));

@@ -28,7 +28,7 @@ struct XsphViscosity {
 /// Kinematic viscosity of XSPH [m^2/s], about. @param dt s, time in which the share alpha is smoothed
 inline double xsph_viscosity(double alpha, double support, double dt) { return alpha * 0.075 * support * support / (2 * dt); }
 
-/// The same of the spin, as printed; its work is added to the report. @param micro_inertia theta [m^2]
+/// XSPH of the spin, as printed; its work is added to the report. @param micro_inertia theta [m^2]
 struct XsphSpin {
     Real beta = Real(0.125);
     double micro_inertia = 1;
@@ -63,7 +63,7 @@ struct LatticeStiffness {
 /// @param support, spacing [m]
 LatticeStiffness monaghan_lattice_stiffness(KernelForm kernel, double support, double spacing);
 
-/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), nu times monaghan_stiffness() with `monaghan`. A lattice in space is
+/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), nu times monaghan_stiffness() with `monaghan`. A lattice in 3D is
 /// stable up to 2.7 times that, with `monaghan` 1.9 times, particles 0.25 d off it up to 2.2 and 1.3 times (cubic kernel, R = 2 d).
 double viscous_step(double support, double kinematic_viscosity);
 /// The stiffness of a particle's own block with `monaghan` over that with `brookshaw`, 2 (D + 2)/D along each axis over 2.

@@ -1,5 +1,5 @@
 #pragma once
-/// What every implicit viscosity shares: the solve of one step.
+/// Common part of implicit viscosities: the solve of one step.
 #include "engine/core/column.h"
 #include "engine/math/solve.h"
 #include "engine/models/viscosity/viscous_bodies.h"
@@ -43,7 +43,7 @@ public:
     virtual void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const = 0;
 };
 
-/// What the stage of an implicit viscosity was given.
+/// Input of the stage of an implicit viscosity.
 struct ImplicitStep {
     const Surroundings& around;
     StepReport& report;
@@ -77,12 +77,12 @@ class RigidMotions {
 public:
     /// Removes nothing.
     RigidMotions() = default;
-    /// @param turning false where the domain is periodic: there a rotation is not a rigid motion
+    /// @param turning false if the domain is periodic: there a rotation is not a rigid motion
     /// @param bodies with two entries each behind the particles'; null: none
     RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies* bodies = nullptr);
-    /// Of a velocity field.
+    /// Removes the rigid motion from a velocity field.
     void remove(Span<Vec3> u) const;
-    /// Of the forces (over m) that would make one: takes away what mass times a rigid motion is of them.
+    /// Removes from forces (over m) the part that makes a rigid motion: mass times rigid motion.
     void remove_force(Span<Vec3> f) const;
 
 private:

@@ -1,6 +1,6 @@
 #pragma once
-/// The operator of the full implicit viscosity, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, mended). Set up in
-/// viscous_operator.cpp, its product in viscous_operator_product.cpp, its coarse level in viscous_operator_coarse.cpp, free bodies in
+/// The operator of the full implicit viscosity, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, corrected). Set up
+/// in viscous_operator.cpp, its product in viscous_operator_product.cpp, its coarse level in viscous_operator_coarse.cpp, free bodies in
 /// viscous_operator_bodies.cpp.
 #include "engine/models/boundary/friction.h"
 #include "engine/models/strain/coarse_level.h"
@@ -16,9 +16,9 @@ struct FullViscosityOptions {
     SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
     Real share = 1;                 ///< of mu
     bool correction = true;         ///< gradients exact for linear fields; false: those of the note, which slows free rotation down
-    /// Of mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also makes up for part of what
-    /// the central gradient loses of short waves: a wave of 32 particles decays 2.2 % too slowly with 0.05. Without correction 0 is the
-    /// plain system as printed, in which solids have no stress.
+    /// Penalty over mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also compensates part
+    /// of the damping of short waves that the central gradient lacks: a wave of 32 particles decays 2.2 % too slowly with 0.05. Without
+    /// correction 0 is the plain system as printed, in which solids have no stress.
     Real penalty = viscous_penalty;
     Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
     SolidGate gate = {};
@@ -72,7 +72,7 @@ private:
     /// Sixteen numbers side by side, one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
     struct alignas(64) Sixteen {
         Real lane[16];
-        /// The matrix in lanes 4 a + b, a column beside it in lanes 4 a + 3, zeros in the last four.
+        /// The matrix in lanes 4 a + b, a fourth column in lanes 4 a + 3, zeros in the last four.
         void set(const Mat3& matrix, const Vec3& beside = Vec3::Zero()) {
             for (int a = 0; a < 4; ++a)
                 for (int b = 0; b < 4; ++b) lane[4 * a + b] = a == 3 ? 0 : b == 3 ? beside[a] : matrix(a, b);
@@ -85,10 +85,10 @@ private:
         Vec3 wr;
         Real spring;
     };
-    /// What the solids near a particle do, linear in its velocity.
+    /// Effect of the solids near a particle, linear in its velocity.
     struct Wall {
         Pair near{Vec3::Zero(), 0};  ///< sum w stretch r, sum 2 c w stretch^2
-        Sixteen moving{};            ///< the gradient from the solids' own velocities, their pull beside it
+        Sixteen moving{};            ///< the gradient from the solids' own velocities, and their pull as fourth column
     };
     /// dt nu times that of walls with a slip length.
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
@@ -104,7 +104,7 @@ private:
     void set_up_bodies(const FullViscosityOptions& options, const Surroundings& around);
     void set_up_body_blocks();
     struct CoarseRows;
-    /// What bodies take from the sums at i, and what i gives to them, once its stress is known.
+    /// Subtracts the bodies' velocities from the sums at i; and the forces of i on them, once its stress is known.
     void subtract_body_velocities(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
     void set_body_forces(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
     void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;

@@ -111,7 +111,7 @@ void ViscousOperator::sum_bodies(Span<const Vec3> u, Span<Vec3> y) const {
     }
 }
 
-/// As set_up_blocks() does for particles; of the turning, what the velocities at the particles cost.
+/// Analogue of set_up_blocks() for bodies; rotations by the energy of their velocities at the particles.
 void ViscousOperator::set_up_body_blocks() {
     body_blocks_.assign(2 * bodies_.body.size(), Mat3d::Zero());
     for (std::size_t b = 0; b < bodies_.body.size(); ++b) {

@@ -31,7 +31,7 @@ Strains strains(const Moments& T) {
     return F;
 }
 
-/// The same where not all directions are resolved: D = sym(P G).
+/// strains() if not all directions are resolved: D = sym(P G).
 Strains strains(const Moments& T, const Mat3& P) {
     const Real h = Real(0.70710678118654752);
     Strains F = Strains::Zero();
@@ -70,9 +70,9 @@ Vec4 lever(const Vec3& arm) { return {1, arm[0], arm[1], arm[2]}; }
 
 }  // namespace
 
-/// What some rows add to Ac.
+/// Contribution of some rows to Ac.
 struct ViscousOperator::CoarseRows {
-    /// What they add to the block of two groups.
+    /// Contribution to the block of two groups.
     struct PairSum {
         Eigen::Matrix<Real, 8, 6> strain = Eigen::Matrix<Real, 8, 6>::Zero();
         Mat4 products = Mat4::Zero();

@@ -90,8 +90,8 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     });
 }
 
-/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G, T and the walls only with_known; what the penalty's springs pull
-/// stands beside A.
+/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G, T and the walls only with_known; the pull of the penalty's springs
+/// is the fourth column of A.
 void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
