@@ -8,7 +8,7 @@ namespace whorl {
 /// The scene with the values that the notes print; itself with models.notes = "amended".
 Scene as_printed(const Scene& scene);
 
-/// Reports keys that contradict the notes, and models that are in none of them. @param scene as read
+/// Reports keys that contradict the notes, and models that are not in them. @param scene as read
 void check_printed(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
 
 }  // namespace whorl

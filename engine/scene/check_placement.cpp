@@ -18,7 +18,7 @@ namespace {
 
 std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
 
-/// Bytes a particle: the neighbour rows (4 bytes a neighbour, and as much again for what goes with them), and what the model holds besides.
+/// Bytes per particle: the neighbour rows (4 bytes per neighbour, and as much again for their data), and the model's other data.
 /// `whorl plan` measures it for the scene.
 double bytes_a_particle(const Plan& plan) {
     return plan.facts.pressure.bytes_a_particle +
@@ -89,7 +89,7 @@ private:
     void domain() {
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
-            // What is told of vortices, and particles that find their places, look two spacings far.
+            // Vorticity gradients and blue-noise relaxation search up to two spacings.
             const double reach = std::max({plan_.support, 2 * plan_.spacing, plan_.facts.pressure.widest_support * plan_.spacing,
                                            scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0});
             if (scene_.domain.periodic[a] && length < 2 * reach)
@@ -151,7 +151,7 @@ private:
     /// A solid leaves no room for a particle there.
     bool taken(const Vec3d& x) const { return in_solids(shapes_, x.cast<Real>(), 0.45 * plan_.spacing); }
 
-    /// Half a spacing deep, as particles stand, and off every axis of symmetry. What they have themselves is looked at when they are made.
+    /// Points half a spacing deep, like particles, and off every axis of symmetry. Values of the particles are checked when they are made.
     std::vector<Vec3d> places_in(std::size_t i) const {
         constexpr int points = 6;  // an axis
         const Extent& e = shapes_.block_extent[i];
@@ -198,7 +198,7 @@ private:
         }
     }
 
-    /// Where a block's particles stand is looked for in the whole box about it.
+    /// Refuses a block that fills too little of its box, the whole of which is searched for its particles.
     void thin_in_its_box(const std::string& name, const Extent& e) {
         const int dimensions = plan_.dimensions();
         const double places = ((e.max.cwiseMin(high_) - e.min.cwiseMax(low_)) / plan_.spacing).head(dimensions).prod(),
@@ -371,8 +371,8 @@ private:
                fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::pow(1.2 * need / most, 1.0 / plan_.dimensions())));
     }
 
-    /// What nozzles and the surfaces of solids are made of, in memory all at once when the run starts; beside it what the places on one
-    /// mesh are chosen from.
+    /// Memory for the particles of nozzles and solids' surfaces, all at the same time when the run starts, and for the candidate points on
+    /// one mesh.
     void memory_of_samples() {
         const double have = free_;
         double kept = 0, at_once = 0;  // bytes

@@ -6,7 +6,7 @@
 namespace whorl {
 namespace {
 
-/// Whether fluid stands behind the pipe of a nozzle, which the projection lets flow into it.
+/// Whether fluid is behind the pipe of a nozzle: the projection lets it flow into the pipe.
 bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& plan) {
     const Vec3 behind = (e.position - (plan.support + 2 * plan.spacing) * e.direction.normalized()).cast<Real>();
     return !in_solids(shapes, behind, 0) &&
@@ -27,8 +27,8 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
     for (std::size_t k = 0; k < scene.emitters.size(); ++k)
         if (pipe_in_fluid(shapes, scene.emitters[k], plan))
             problem("pressure.form",
-                    "pressure.form = \"projection\" lets fluid flow into the pipe of " + entry_name("emitter", k) +
-                        " from behind, which is in the fluid",
+                    "pressure.form = \"projection\" lets fluid flow from behind into the pipe of " + entry_name("emitter", k) +
+                        ", which is in the fluid",
                     "use pressure.form = \"constraint\", or \"auto\", which does so");
 }
 

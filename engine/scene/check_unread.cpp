@@ -16,7 +16,7 @@ Scene with_choices(const Scene& scene, const Plan& plan) {
     return chosen;
 }
 
-/// What takes the key away: its selector, or the selector of that.
+/// The key that disables it: its selector, or the selector of that.
 const Key& deciding_key(const Key& key, const Described& chosen) {
     const Selector selector = selector_of(key, chosen, chosen);
     return counts(*selector.key, selector.in, chosen) ? key : deciding_key(*selector.key, chosen);

@@ -42,8 +42,8 @@ void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numb
 
 void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems);
 
-/// Of keys that belong to another model than the one that "auto" took, and of those that a chosen form leaves aside. (What the scene itself
-/// contradicts is found as it is read.)
+/// Reports keys of other models than those that "auto" chose, and keys that a chosen form does not use. (Contradictions within the scene
+/// are found when it is read.)
 void check_unread(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
 
 void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
@@ -58,7 +58,8 @@ struct ScaleWarning {
 /// A warning for each opening, domain, speed, density, gravity or shape that is out of proportion.
 std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
 
-/// Of containers (inside = true), which are closed all round: solids that move through the wall, and fluid that flies against the lid.
+/// Warnings about containers (inside = true), which are closed all round: solids that move through the wall, and fluid that flies against
+/// the lid.
 std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes& shapes);
 
 /// The key that makes a shape as large as it is: "radius".

@@ -77,7 +77,7 @@ private:
         return clear(x, at_x, middle, there, halvings - 1) && clear(middle, there, y, at_y, halvings - 1);
     }
 
-    /// Measures the newest room, unless it is open: then its volume stays 0.
+    /// Measures the last room, unless it is open: then its volume stays 0.
     void fill(const Vec3d& start) {
         const int room = static_cast<int>(found_.size()) - 1;
         std::vector<Vec3d> queue{start}, rim;
@@ -92,7 +92,7 @@ private:
                 to[a] += side % 2 == 0 ? -1 : 1;
                 if (obstacles_.domain.periodic[a]) to[a] -= count_[a] * std::floor(to[a] / count_[a]);
                 else if (to[a] < 0 || to[a] >= count_[a]) {
-                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return;  // what leaves here is gone
+                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return;  // fluid that leaves here is removed
                     continue;
                 }
                 if (room_of_[number(to)] == room) continue;

@@ -21,7 +21,7 @@ Place place_of(const toml::source_region& at, const std::string& file) {
 
 constexpr int most_nested = 100;  ///< parts of a key
 
-/// Where the quoted text that begins there is over. One in single marks ends with its line at the latest.
+/// End of the quoted text that begins there. One in single marks ends at the latest with its line.
 std::size_t end_of_quoted(const std::string& text, std::size_t begin) {
     const char mark = text[begin];
     const bool over_lines = text.compare(begin, 3, std::string(3, mark)) == 0;
@@ -38,9 +38,9 @@ std::size_t end_of_quoted(const std::string& text, std::size_t begin) {
     return text.size();
 }
 
-/// toml++ and what reads its tables call themselves for every part of a dotted key: ten thousands of them overflow the stack. What stands
-/// in quotes is one part, whatever is in it; comments are passed over.
-/// @throws InputError where more parts stand in a row than any key has
+/// toml++ and the readers of its tables recurse for every part of a dotted key: ten thousands of parts overflow the stack. A quoted
+/// text is one part, whatever is in it; comments are skipped.
+/// @throws InputError if a key has more parts than any key of a scene
 void check_nesting(const std::string& text, const std::string& file) {
     int dots = 0;
     char last = 0;  // that is no blank
@@ -115,7 +115,7 @@ bool digits(const std::string& text) {
     return !text.empty() && text.size() < 7 && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
-/// "emitter[0].speed" -> emitter, 0, speed; empty where it is no key.
+/// "emitter[0].speed" -> emitter, 0, speed; empty if it is not a key.
 std::vector<Step> parse_path(const std::string& key) {
     std::vector<Step> steps;
     std::string part;
@@ -164,7 +164,7 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
         put((*list)[step.index], steps, depth + 1, value, problems);
         return;
     }
-    if (!node.as<Value::Table>()) {  // a plain value stands where a table is needed: the change replaces it
+    if (!node.as<Value::Table>()) {  // a plain value instead of a table: the change replaces it
         const Place place = value.place;
         node = Value(Value::Table{});
         node.place = node.key_place = place;
@@ -290,7 +290,7 @@ void apply_change(Value& root, const Change& change, std::vector<Problem>& probl
     } catch (const toml::parse_error& e) {
         char* end = nullptr;
         const double number = std::strtod(change.value.c_str(), &end);  // 1e999
-        // What looks like TOML must be TOML; anything else is a text, as in models.pressure=ppe.
+        // Values that begin like TOML must be TOML; others are texts, as in models.pressure=ppe.
         if (std::strchr("[{\"'", change.value[0]) != nullptr) {
             const bool list = change.value.front() == '[' && change.value.back() == ']';
             problems.push_back(

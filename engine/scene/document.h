@@ -9,14 +9,14 @@ namespace whorl {
 
 /// The tree of a TOML text. @param file its name in places. @throws InputError for the first mistake in the syntax
 Value parse_toml(const std::string& text, const std::string& file);
-/// The tree of a TOML file. @throws InputError where it is missing or unreadable too
+/// The tree of a TOML file. @throws InputError if it is missing or unreadable too
 Value parse_toml_file(const std::string& file);
 
-/// A change to a tree that beats what stands there: "emitter[0].speed" or "emitter.0.speed", and the value as TOML writes it (a bare word
+/// A change to a tree that overrides existing values: "emitter[0].speed" or "emitter.0.speed", and the value as TOML writes it (a bare word
 /// is a text).
 struct Change {
     std::string key, value;
-    std::string source;    ///< stands for file:line:column in messages: "--set emitter[0].speed=0.3"
+    std::string source;    ///< replaces file:line:column in messages: "--set emitter[0].speed=0.3"
     bool complete = true;  ///< false: the user gave no value
 };
 /// From "key=value". @param option "--set": what the user typed before it

@@ -1,5 +1,5 @@
 #pragma once
-/// How expressions stand in a file: a number, or a text.
+/// Expressions in a file: a number, or a text.
 #include <cmath>
 #include <cstdlib>
 

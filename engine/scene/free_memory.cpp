@@ -13,14 +13,14 @@ namespace fs = std::filesystem;
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-/// The first number in a file; infinite where there is none.
+/// The first number in a file; infinite if there is none.
 double number_in(const fs::path& file) {
     std::ifstream in(file);
     double number = 0;
     return in >> number ? number : unlimited;
 }
 
-/// The number behind a name in a file of lines "name number"; 0 where there is none.
+/// The number behind a name in a file of lines "name number"; 0 if it does not exist.
 double number_called(const std::string& name, const fs::path& file) {
     std::ifstream in(file);
     double number = 0;
@@ -36,7 +36,7 @@ struct GroupFiles {
 constexpr GroupFiles version_1{"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"},
     version_2{"memory.max", "memory.current", "inactive_file"};
 
-/// What a group and those that it is in leave. Cached files that nobody reads count as used there, but are given back.
+/// Memory that a group and its parents leave. Inactive cached files count as used there, but can be freed.
 double free_in_groups(const fs::path& mount, fs::path group, const GroupFiles& files) {
     double least = unlimited;
     for (group = group.relative_path();; group = group.parent_path()) {
@@ -63,7 +63,7 @@ double free_memory(const fs::path& root) {
     double least = unlimited;
     if (const double kilobytes = number_called("MemAvailable:", root / "proc/meminfo"); kilobytes > 0) least = 1024 * kilobytes;
     // Lines as "4:memory:/slurm/job_7" (version 1) and "0::/user.slice" (version 2). In a container the group's name may be one outside of
-    // it, and its files stand in the root of what is mounted.
+    // it, and its files are in the root of the mount.
     std::ifstream groups(root / "proc/self/cgroup");
     for (std::string line; std::getline(groups, line);) {
         const std::size_t first = line.find(':'), second = line.find(':', first + 1);

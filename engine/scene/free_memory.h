@@ -4,9 +4,9 @@
 
 namespace whorl {
 
-/// What a run in this process may take [bytes]: what the machine, each control group that this runs in (a container's, a job's, their
-/// parents') and the limit of the process (ulimit -v) leave it, with what it holds already: a change is planned while its run is on.
-/// Infinite where none of them says.
+/// Memory available to a run in this process [bytes]: the minimum of the machine's, each control group's (a container's, a job's, their
+/// parents') and the process's limit (ulimit -v), plus the memory that it already holds, since changes are planned during a run.
+/// Infinite without any limit.
 /// @param root of the system's files: those of another machine, for a test
 double free_memory(const std::filesystem::path& root = "/");
 

@@ -98,7 +98,7 @@ MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& v
     const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian.value_or(automatic) : automatic;
     n.pair_viscosity = form == LaplacianForm::monaghan ? 0 : own;
     if (form == LaplacianForm::split) {
-        // What the coupling lacks of its torque is composed. That brings half as much viscosity, which the rest gives up.
+        // The missing torque of the coupling is composed, which adds half as much viscosity; the rest is reduced by it.
         if (!viscosity.implicit) n.pair_viscosity = std::min(n.coupling, 2 * own - n.coupling);
         n.composed_coupling = n.coupling - n.pair_viscosity;
         if (viscosity.implicit && n.composed_coupling > 0) n.implicit_share = 1 - n.composed_coupling / (2 * mu);

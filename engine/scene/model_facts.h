@@ -1,6 +1,6 @@
 #pragma once
-/// What the models are, a row each. Plan, checks, scene keys, assembly and the prediction of cost read these tables; a model is asked for
-/// by its name only where its own options are read and its stages are made.
+/// Traits of the models, one row each. Plan, checks, scene keys, assembly and the prediction of cost read these tables; code compares
+/// a model's name only where it reads the model's options and makes its stages.
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,11 +30,11 @@ struct PressureFacts {
     double widest_support = 0;              ///< of particles with few neighbours [spacings]
     const char* kernel_reason = "usual";
     double loosens_lattice = 0;                    ///< spacings by which the particles of a lattice are moved at random at the start
-    BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; besides, only "none" goes with it
+    BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; the only alternative is "none"
     const char* boundary_reason = "";
     ShiftingModel shifting = ShiftingModel::none;
     const char* shifting_reason = "particles of this model keep apart by themselves";
-    double bytes_a_particle = 800;  ///< besides neighbours, measured at 3,000 particles
+    double bytes_a_particle = 800;  ///< without neighbours, measured at 3,000 particles
 };
 
 struct ViscosityFacts {
@@ -79,7 +79,7 @@ struct ModelFacts {
     bool needs_density() const { return !pressure.makes_density || viscosity.needs_density || micropolar.spins; }
 };
 
-/// Of the rows that `wanted` is true for, the names, each once.
+/// Names of the rows for which `wanted` is true, each once.
 template <class Facts>
 std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*wanted) {
     std::vector<std::string> names;
@@ -91,7 +91,7 @@ std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*w
 /// How a user asks for a row: "full" with viscosity.correction = false.
 std::string described(const PressureFacts& row);
 std::string described(const ViscosityFacts& row);
-/// The same of all rows that `wanted` is true for: "full" with viscosity.correction = true, "explicit" or "none".
+/// Descriptions of all rows for which `wanted` is true: "full" with viscosity.correction = true, "explicit" or "none".
 template <class Facts>
 std::string described(const std::vector<Facts>& rows, bool Facts::*wanted) {
     std::vector<std::string> all;

@@ -15,7 +15,7 @@
 namespace whorl {
 namespace {
 
-/// Of a mesh [m^2].
+/// Area of a mesh [m^2].
 double area_of(const TriangleMesh& mesh) {
     const auto corner = [&](std::uint32_t v) { return Vec3d(mesh.position[v].cast<double>()); };
     double area = 0;
@@ -59,7 +59,7 @@ double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) {
 
 namespace {
 
-/// How far a solid's corners are from the axis through its middle that it turns about [m].
+/// Largest distance of a solid's corners from its axis of rotation [m].
 double reach_of(const SolidKeys& solid, const Extent& extent, double end) {
     const Vec3d half = 0.5 * (extent.max - extent.min);
     if (!half.allFinite()) return half.norm();
@@ -105,7 +105,7 @@ double nozzle_points(const EmitterKeys& e, double spacing, int dimensions) {
 
 namespace {
 
-/// Of a plane inside the box, at most [m^D-1]: what its shadow on one side of the box allows.
+/// Upper bound of a plane's area inside the box [m^D-1], from its shadow on one side of the box.
 double plane_inside(const Vec3d& normal, const Vec3d& size, int dimensions) {
     double least = std::numeric_limits<double>::infinity();
     for (int a = 0; a < dimensions; ++a) {
@@ -134,7 +134,7 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     if (keys.kind == "sphere") return keys.cut ? round / d : 2 * round * r / (d * d);
     if (keys.kind == "cylinder") return keys.cut ? round / d : round * ((keys.to - keys.from).norm() + r) / (d * d);
     Vec3d low = keys.min, high = keys.max;
-    if (!made.moves()) {  // of a box that stands still, too
+    if (!made.moves()) {  // also for a fixed box
         low = low.cwiseMax(seen.min.cast<double>() - margin), high = high.cwiseMin(seen.max.cast<double>() + margin);
     }
     const Vec3d size = (high - low).cwiseMax(0.0);
@@ -202,8 +202,8 @@ private:
         if (std::isfinite(size.minCoeff())) thickness(size.minCoeff(), entry_name("block", i));
     }
 
-    /// In the block and outside solids, on their faces, too: the outermost particles stand half a spacing away. Where none of the points is
-    /// such a place, at all of them.
+    /// Samples the viscosity in the block and outside solids, also on their faces: the outermost particles are half a spacing away. If no
+    /// point qualifies, at all of them.
     void viscosity_in(std::size_t i, const Vec3d& low, const Vec3d& high) {
         const Expression& mu = scene_.fluid.viscosity;
         if (!depends_on_place(mu)) return viscosity(0, low);

@@ -16,7 +16,7 @@ struct SpunVessel {
 struct SceneNumbers {
     double spacing = 0;          ///< m
     double gravity = 0;          ///< m/s^2, the largest over the run
-    double fall = 0;             ///< m, from the highest fluid down to the floor of the domain along gravity; 0 where that axis is periodic
+    double fall = 0;             ///< m, from the highest fluid down to the floor of the domain along gravity; 0 if that axis is periodic
     double speed = 0;            ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
     double viscosity = 0;        ///< Pa s, the largest over blocks and emitters
     double nu = 0;               ///< m^2/s
@@ -49,7 +49,7 @@ double fastest_of(const EmitterKeys& emitter, double end);
 double fastest_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max);
 double fastest_of(const SolidKeys& solid, const Extent& extent, double end);
 
-/// Of a box's or the domain's sides [m].
+/// Longest side of a box or the domain [m].
 double longest_side(const Extent& extent, int dimensions);
 double longest_side(const DomainKeys& domain);
 

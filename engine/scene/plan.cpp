@@ -19,9 +19,9 @@ namespace {
 
 constexpr double next_to_nothing = 0.02;  ///< of the domain: what a room that is full leaves empty
 
-/// Where viscosity and pressure solved together beat the pressure equation with implicit viscosity: a pour of 40, 12 and 4 times 1e-3 m^2/s
-/// (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068, with errors of 8 to 9 % beside 4 to
-/// 9 % (docs/reports/tradeoff.md, lava_viscosity).
+/// Viscous number above which solving viscosity and pressure together is faster than the pressure equation with implicit viscosity: a pour
+/// of 40, 12 and 4 times 1e-3 m^2/s (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068,
+/// with errors of 8 to 9 % instead of 4 to 9 % (docs/reports/tradeoff.md, lava_viscosity).
 constexpr double coupled_above = 0.25;
 
 /// @param open the fluid has a free surface
@@ -84,10 +84,10 @@ private:
     E choose(const char* key, E asked, E automatic, const std::string& reason) {
         const bool is_automatic = asked == E::automatic;
         const E chosen = is_automatic ? automatic : asked;
-        tell(key, name_of(chosen), is_automatic, reason);
+        note(key, name_of(chosen), is_automatic, reason);
         return chosen;
     }
-    void tell(const char* key, std::string value, bool automatic, const std::string& reason) {
+    void note(const char* key, std::string value, bool automatic, const std::string& reason) {
         plan_.choices.push_back({key, std::move(value), automatic, automatic ? reason : "as the scene says"});
     }
     void add_warning(std::string text) { plan_.warnings.push_back(std::move(text)); }
@@ -112,7 +112,7 @@ private:
         const PressureForm automatic_form = automatic_pressure_form();
         const PressureForm form = scene_.pressure.form.value_or(automatic_form);
         plan_.facts.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);
-        if (plan_.facts.pressure.form) tell("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
+        if (plan_.facts.pressure.form) note("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
     }
 
     /// The projection keeps vortices; splashing fluid it cannot hold.
@@ -132,15 +132,15 @@ private:
         const PressureFacts& own = plan_.facts.pressure;
         plan_.support = scene_.fluid.support.value_or(own.support) * d_;
         plan_.kernel = {scene_.fluid.kernel.value_or(own.kernel), scene_.domain.dimensions};
-        tell("fluid.kernel", name_of(plan_.kernel.kind), !scene_.fluid.kernel, own.kernel_reason);
-        tell("fluid.support", fmt::format("{:g}", plan_.support / d_), !scene_.fluid.support, own.kernel_reason);
+        note("fluid.kernel", name_of(plan_.kernel.kind), !scene_.fluid.kernel, own.kernel_reason);
+        note("fluid.support", fmt::format("{:g}", plan_.support / d_), !scene_.fluid.support, own.kernel_reason);
     }
 
     void choose_sound_speed() {
         if (!plan_.facts.pressure.has_sound) return;
         // A fluid at rest still needs sound: as fast as the longest step could resolve.
         double speed = std::max(n_.speed, scene_.time.cfl * d_ / scene_.time.max_step / 10);
-        // As fast as what 2.84 sigma/d, about what the layers of the skin press each other with, would push out: the density then changes
+        // The speed that the pressure 2.84 sigma/d, about that between the layers of the surface, would cause: the density then changes
         // by a hundredth.
         if (scene_.fluid.surface_tension > 0)
             speed = std::max(speed, std::sqrt(internal_pressure(scene_.fluid.surface_tension, d_) / scene_.fluid.density));
@@ -166,7 +166,7 @@ private:
         plan_.facts.viscosity = facts_of(plan_.viscosity, scene_.viscosity);
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             const double bytes = assembled_bytes(plan_.support / d_, plan_.dimensions());
-            tell("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
+            note("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
                  fmt::format("{:.1f} kB a particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
         }
     }
@@ -176,7 +176,7 @@ private:
     double rotation_lost() const {
         const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > next_to_nothing;
         if (facts_of(scene_.models.micropolar).spins) return 0;               // there the rotation goes into spin
-        if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has a Laplacian of its own
+        if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has another Laplacian
         if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
         const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
         return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
@@ -200,7 +200,7 @@ private:
             own *= (n.viscosity - n.composed_coupling / 2) / n.viscosity, reason = "what the composed curl does not damp between particles";
         else if (plan_.facts.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
         plan_.artificial_viscosity = scene_.pressure.artificial_viscosity.value_or(std::max(0.0, enough - own));
-        tell("pressure.artificial_viscosity", fmt::format("{:.2g}", plan_.artificial_viscosity), !scene_.pressure.artificial_viscosity,
+        note("pressure.artificial_viscosity", fmt::format("{:.2g}", plan_.artificial_viscosity), !scene_.pressure.artificial_viscosity,
              reason);
     }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a scene requires: models chosen (every "auto" resolved, with the reason), constants derived. Nothing is allocated yet.
+/// Plan of a scene: chosen models (every "auto" resolved, with the reason) and derived constants. Nothing is allocated yet.
 #include <Eigen/Geometry>
 #include <string>
 #include <vector>
@@ -28,7 +28,7 @@ struct MicropolarNumbers {
     double micro_inertia = 1;   ///< m^2
     bool implicit_exchange = true;
 
-    /// What waves long beside spin_length() feel [Pa s].
+    /// Viscosity for waves much longer than spin_length() [Pa s].
     double effective_viscosity() const { return viscosity - coupling / 2; }
     /// The system feeds energy in, whatever the boundary: its dissipation is viscosity |grad u|^2 - 2 coupling w.curl u + 2 coupling w^2 +
     /// spin_viscosity |grad w|^2. Where the fluid slides, forms of the Laplacian with less torque than the coupling feed energy in, too.
@@ -37,7 +37,7 @@ struct MicropolarNumbers {
     double wave_growth(double shortest, double longest, double smoothing) const;
     /// Rate of growth of a ball, or a disc in 2D, that turns freely [1/s] (docs/physics.md 8).
     double growth_of_turning(double radius, int dimensions, double smoothing) const;
-    /// Waves longer than this grow [m]; infinite where none does, 0 where all do.
+    /// Waves longer than this grow [m]; infinite if none does, 0 where all do.
     double growing_length() const;
     /// In this time [s] a uniform spin falls to 1/e of itself in fluid at rest.
     double response_time() const { return micro_inertia * density / (2 * coupling); }
@@ -78,8 +78,8 @@ struct ClosedRoom {
     std::string names() const;  ///< "emitter[0] and emitter[1]"
 };
 
-/// Found on a lattice of half a spacing; a way that is narrower than a tenth of one is none. Nothing is claimed of a scene with solids that
-/// move by expressions, nor of a domain with more than ten million places. @param support of the fluid's kernel [m]
+/// Found on a lattice of half a spacing; a way that is narrower than a tenth of one is none. Scenes with solids that
+/// move by expressions, and domains with more than ten million places, are not analysed. @param support of the fluid's kernel [m]
 std::vector<ClosedRoom> closed_rooms(const Scene& scene, const SceneShapes& shapes, double support);
 
 /// One decision and why.
@@ -102,7 +102,7 @@ struct Plan {
     bool free_surface = true;  ///< fluid does not fill all that solids and periodic axes leave
 
     double spacing = 0, support = 0;  ///< m
-    KernelForm kernel;                ///< of so many dimensions as the flow
+    KernelForm kernel;                ///< with the flow's dimensions
     double expected_speed = 0;        ///< m/s: largest of the given speeds and of a free fall through the domain
     double sound_speed = 0;           ///< m/s, wcsph
     double artificial_viscosity = 0;  ///< alpha, wcsph
@@ -114,7 +114,7 @@ struct Plan {
     std::vector<Choice> choices;
     std::vector<std::string> warnings;
 
-    /// The same with what the plan took in the place of "auto".
+    /// The models with the plan's choices instead of "auto".
     ModelKeys chosen_models(ModelKeys models) const {
         models.pressure = pressure, models.viscosity = viscosity, models.boundary = boundary, models.shifting = shifting;
         return models;

@@ -153,7 +153,7 @@ private:
         }
     }
 
-    /// Of a flux: a disc or a rectangle, in the plane a line.
+    /// Checks the opening of a flux: a disc or a rectangle, in 2D a line.
     void opening(const std::string& name, const ProbeKeys& p) {
         const bool plane = scene_.domain.dimensions == 2, disc = p.radius > 0, rectangle = p.width > 0 && (plane || p.thickness > 0);
         if (disc == rectangle || (disc && (p.width > 0 || p.thickness > 0)))
@@ -277,7 +277,7 @@ bool Scene::viscosity_ages() const {
 }
 
 bool Scene::viscosity_ages_by_place() const {
-    // Of several sources, one may age and another depend on the place: each particle then needs both.
+    // One source may age and another depend on the place: each particle then needs both.
     for (std::size_t k = 0; k <= emitters.size(); ++k)
         if (depends_on_place(viscosity_of_source(k))) return viscosity_ages();
     return false;

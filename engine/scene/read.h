@@ -11,11 +11,11 @@
 
 namespace whorl {
 
-/// A section of the scene file that is none of the engine's: [name], with the keys of `table`, read into `object`.
+/// A section of the scene file that the engine does not define: [name], with the keys of `table`, read into `object`.
 struct Section {
     std::string name;
     const KeyTable* table;
-    void* object = nullptr;  ///< nullptr where only the table counts (schema)
+    void* object = nullptr;  ///< nullptr if only the table counts (schema)
 };
 
 struct ReadRequest {
@@ -30,7 +30,7 @@ struct ReadRequest {
 /// @throws InputError with all that is wrong in the file (syntax, unknown keys, types, ranges, missing keys, expressions, names given
 /// twice, files that are not there) in the order of their places. Tables [quality.*] that were not asked for are checked just as well.
 Scene read_scene(const std::string& file, const ReadRequest& request = {});
-/// The same from a text. @param file stands for it in messages; mesh files are found from its folder
+/// Reads a scene from a text. @param file its name in messages; mesh files are found from its folder
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request = {});
 
 /// The scene's name after its file: the stem, with _ for each character that names cannot have.
@@ -38,7 +38,7 @@ std::string scene_name(const std::filesystem::path& file);
 
 /// JSON Schema (draft 7) of scene files, for editors.
 std::string json_schema(const std::vector<Section>& sections = {});
-/// The same keys as a page of Markdown tables.
+/// The keys as a page of Markdown tables.
 std::string markdown_reference(const std::vector<Section>& sections = {});
 
 /// Every value used, as a scene file that reads back as the same scene.
@@ -47,7 +47,7 @@ std::string resolved_toml(const Scene& scene, const std::vector<Section>& sectio
 nlohmann::ordered_json json_of(const Value& value);
 
 const KeyTable& scene_keys();
-/// What output.export may ask for; each is the name of a folder in the run folder, too.
+/// Values of output.export; each is also the name of a folder in the run folder.
 const std::vector<std::string>& export_kinds();
 
 }  // namespace whorl

@@ -14,7 +14,7 @@ std::string in_quotes(const std::vector<std::string>& names) {
     return text;
 }
 
-/// The selector as the user knows it: "shape" stands beside the key, "models.pressure" anywhere.
+/// Name of the selector for users: "shape" is in the key's table, "models.pressure" anywhere.
 std::string selector_name(const Key& key, const std::string& path) {
     return key.selector.find('.') == std::string::npos ? joined_path(path, key.selector) : key.selector;
 }
@@ -157,12 +157,12 @@ void Reader::read_table(const Described& here, void* object, const Value& v, con
 bool Reader::chosen_by_option(const std::string& selector, const std::string& full) const {
     const auto is_option = [&](const std::string& name) {
         const auto it = places.find(name);
-        return it != places.end() && it->second.line == 0;  // a key from a file stands in a line of it
+        return it != places.end() && it->second.line == 0;  // a key from a file has a line
     };
     return !is_option(full) && (is_option(selector) || left_out_.count(selector) > 0);
 }
 
-/// Where an option, not the file, began that entry of a list.
+/// Location of the option that added that entry of a list; empty if the file did.
 std::string Reader::new_entry(const std::string& path) const {
     const auto it = places.find(path);
     if (path.empty() || path.back() != ']' || it == places.end() || it->second.line != 0) return "";

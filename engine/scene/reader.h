@@ -32,8 +32,8 @@ private:
     std::string key_elsewhere(const std::string& name) const;
     std::string new_entry(const std::string& path) const;
     void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
-    /// Whether an option (--set) chose what the key `full`, which a file gives, does not belong to: then it is left out, as nobody who asks
-    /// for another style wants to edit the file first.
+    /// Whether an option (--set) chose a value that disables the key `full` of the file: then the key is ignored, so that an option can
+    /// choose another style without an edit of the file.
     bool chosen_by_option(const std::string& selector, const std::string& full) const;
     void check_selected(const Described& here, const std::string& path);
 

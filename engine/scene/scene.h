@@ -63,7 +63,7 @@ enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, full, ful
 enum class MicropolarModel { none, seed, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
-/// Of the fluid in walls (models/pressure/mirrors.h). automatic: flat in 2D, and in 3D if a probe reports forces or pressures.
+/// Images of the fluid in walls (models/pressure/mirrors.h). automatic: flat in 2D, and in 3D if a probe reports forces or pressures.
 enum class WallImages { automatic, none, flat };
 /// How the forms of the three source notes are taken: as docs/physics.md amends them, or as printed (physics.md 14).
 enum class Notes { amended, as_printed };
@@ -71,7 +71,7 @@ enum class Preconditioner { automatic, none, jacobi, multigrid };
 /// automatic: two_level where the diagonal alone would take many iterations.
 enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
 enum class PressureForm { constraint, projection };
-/// What the equation of the projection takes away: the divergence of the velocity or the error of the density.
+/// Error that the equation of the projection removes: the divergence of the velocity or the error of the density.
 enum class PressureSource { velocity, density };
 /// How the particles and the coarse levels of a multigrid join: both corrections in sum, or one after the other as printed.
 enum class MultigridCycle { additive, v_cycle };
@@ -207,7 +207,7 @@ struct SolidKeys {
     std::string material = "ceramic";   ///< of the look
     double density = 0;                 ///< kg/m^3; given: a free body
     Vec3d velocity = Vec3d::Zero();     ///< m/s, of a free body at the start
-    Vec3d tilt = Vec3d::Zero();         ///< degrees, rotation vector: how it stands at the start
+    Vec3d tilt = Vec3d::Zero();         ///< degrees, rotation vector at the start
     double friction = 0.3, bounce = 0;  ///< where it touches other solids
 };
 
@@ -248,7 +248,7 @@ struct ProbeKeys {
     std::filesystem::path compare;                              ///< table of an experiment or a theory; empty: none
 };
 
-/// What a run may give up to keep to a budget of time: never the physics' own parameters.
+/// Quality that a run may reduce to keep a budget of time: never the parameters of the physics.
 struct BudgetKeys {
     double seconds_per_frame = 0;  ///< s of wall time; 0: none
     double seconds = 0;            ///< s of wall time for the whole film; 0: none
@@ -259,17 +259,17 @@ struct BudgetKeys {
     bool any() const { return seconds_per_frame > 0 || seconds > 0; }
 };
 
-/// One key that takes another value while the run goes on: what a live run records, and a film of it repeats.
+/// A change of a key during the run: recorded by a live run, repeated by a film of it.
 struct ChangeKeys {
-    double time = 0;  ///< s; the first step that begins then or later goes by it
+    double time = 0;  ///< s; the first step that begins then or later uses it
     std::string key;  ///< "emitter[0].speed"; one that may change
     Value value;
 };
 
 struct PanelKeys {
     std::string label;                    ///< written on it
-    std::vector<std::string> set;         ///< "key=value", what this panel has of its own
-    std::vector<std::string> difference;  ///< labels of two others: no run, but what the second has more than the first
+    std::vector<std::string> set;         ///< "key=value", this panel's changes
+    std::vector<std::string> difference;  ///< labels of two others: not a run, but the second one's field minus the first one's
 };
 
 struct OutputKeys {
@@ -309,7 +309,7 @@ struct Scene {
     bool ages = false;        ///< particles know how long they have been about; the same
 
     std::string directory;                ///< of the scene file: mesh files are found from here
-    std::map<std::string, Place> places;  ///< where each given key stands: "emitter[0].position" -> file:line:column
+    std::map<std::string, Place> places;  ///< location of each given key: "emitter[0].position" -> file:line:column
     /// Viscosity of what comes from emitter k - 1, or (k = 0) is there at the start.
     const Expression& viscosity_of_source(std::size_t k) const {
         return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
@@ -337,7 +337,7 @@ struct Scene {
     /// Whether any of them changes with age; and whether any depends on the place, too.
     bool viscosity_ages() const;
     bool viscosity_ages_by_place() const;
-    /// Where `key` stands, or the nearest enclosing table that was given.
+    /// Location of `key`, or of the nearest enclosing table that was given.
     Place place(const std::string& key) const;
 };
 

@@ -60,7 +60,7 @@ std::vector<std::string> differences(const Scene& before, const Scene& now) {
 
 namespace {
 
-/// What cannot change while a run goes on, as a scene file would have it.
+/// Models that cannot change during a run, as in a scene file.
 NamedTexts models_of(const Plan& plan) {
     const auto number = [](double value) { return Expression(value).text(); };
     return {{"models.pressure", name_of(plan.pressure)},     {"models.viscosity", name_of(plan.viscosity)},

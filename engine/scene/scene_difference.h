@@ -1,5 +1,5 @@
 #pragma once
-/// What differs between two scenes, or between what was planned for them. Every comparison of scenes is built on this one.
+/// Differences between two scenes, or between their plans. All comparisons of scenes use this one.
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,16 +28,16 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 
 struct Difference {
     std::string name;
-    std::optional<std::string> before, now;  ///< nothing where there is no such value
+    std::optional<std::string> before, now;  ///< nothing if there is no such value
     /// "fluid.viscosity: 1000.0, now 500.0"
     std::string text() const;
 };
-/// In the order of `now`; what is gone comes last.
+/// Differences in the order of `now`; removed keys are last.
 std::vector<Difference> differences(const NamedTexts& before, const NamedTexts& now);
 std::vector<std::string> texts_of(const std::vector<Difference>& differences);
 
-/// What differs between the settings that decide what two simulations do (not what is drawn, named, probed or written). Empty: a run of one
-/// can go on as the other.
+/// Differences of the settings that affect the simulation (not drawing, names, probes or files). Empty: a run of one scene
+/// can continue as the other.
 std::vector<std::string> differences(const Scene& before, const Scene& now);
 
 /// A line each: "models.viscosity: none, now full".

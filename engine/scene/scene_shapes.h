@@ -15,13 +15,13 @@ struct Extent {
     double volume = 0;
 };
 
-/// The shapes of a scene as geometry sees them; the solids stand where they are at the start.
+/// The shapes of a scene as geometry; solids are at their start positions.
 struct SceneShapes {
     std::vector<std::shared_ptr<const Shape>> blocks, drains;
     Solids solids;
     std::vector<Extent> block_extent, solid_extent, drain_extent;
 };
-/// 0 where the fluid sticks, infinite where it slides freely [m].
+/// 0 where the fluid sticks, infinite if it slides freely [m].
 double slip_length_of(const SolidKeys& keys);
 /// The solid of this shape as the scene describes it; it has no pose before Solids::set_time(). A free one's shape must be bounded.
 Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape);

@@ -17,7 +17,7 @@ struct Described {
 inline std::string entry_name(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
 inline std::string joined_path(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
 
-/// Where a key stands in its file, or else the nearest table around it that was given. @param places of what was given, by full names
+/// Location of a key in its file, or else of the nearest given table around it. @param places locations of given keys, by full names
 inline Place place_in(const std::map<std::string, Place>& places, const std::string& key) {
     for (std::string path = key; !path.empty();) {
         if (const auto it = places.find(path); it != places.end()) return it->second;
@@ -28,7 +28,7 @@ inline Place place_in(const std::map<std::string, Place>& places, const std::str
     return it == places.end() ? Place{} : it->second;
 }
 
-/// The key that another one is selected by, and the struct that has it: beside it (`shape`), or from the root (`models.pressure`).
+/// The key that selects another one, and the struct that contains it: in the same table (`shape`), or from the root (`models.pressure`).
 struct Selector {
     const Key* key;
     Described in;
@@ -47,7 +47,7 @@ inline std::string selector_value(const Key& key, const Described& here, const D
     return *selector.key->get(selector.in.object).as<std::string>();
 }
 
-/// Whether the key counts: no other shape or model was chosen than those that it belongs to, nor one that its selector belongs to.
+/// Whether the key counts: the chosen shapes or models are those that it and its selector belong to.
 inline bool counts(const Key& key, const Described& here, const Described& root) {
     if (key.selector.empty()) return true;
     const Selector selector = selector_of(key, here, root);

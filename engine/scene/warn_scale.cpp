@@ -98,13 +98,13 @@ private:
     void solid(const std::string& name, std::size_t i) {
         const SolidKeys& s = scene_.solids[i];
         const Extent& e = shapes_.solid_extent[i];
-        // Walls at the domain's end hold fluid: their particles stand outside.
+        // Walls at the domain's end hold fluid: their particles are outside.
         if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0), scene_.fluid.spacing)) return;
         const double across = longest_side(e, scene_.domain.dimensions);
         add(name + "." + size_key(s.shape), ": this container is {} across and holds the whole domain of {}, so it holds nothing back; {}",
             length(across), length(longest_side(scene_.domain)), size_hint(s.shape, across));
     }
-    /// Whether a shape that has moved holds all corners of the domain, and as much around it. Nothing stands beyond a periodic end.
+    /// Whether a moved shape contains all corners of the domain with the margin `around`. Nothing exists beyond a periodic end.
     bool holds_domain(const Shape& shape, const Vec3d& moved, double around) const {
         Vec3d margin = Vec3d::Zero();
         for (int a = 0; a < scene_.domain.dimensions; ++a) margin[a] = scene_.domain.periodic[a] ? -0.5 * scene_.fluid.spacing : around;
