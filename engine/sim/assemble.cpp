@@ -126,7 +126,7 @@ private:
     static std::string number(double value) { return Expression(value).text(); }
     static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
 
-    /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; nor does a solid.
+    /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; the same holds for solids.
     void flow_limits() {
         const double cfl = this->cfl(), d = plan_.spacing;
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
@@ -243,7 +243,7 @@ private:
         if (!scene_.solids.empty()) stage("keep outside", "boundary", KeepOutside{}, &EnergyBudget::boundary);
     }
 
-    /// What adds to the acceleration, the kick, what changes the velocity, the move: one after the other.
+    /// Stages in sequence: accelerations, the kick, changes of the velocity, the move.
     void separate() {
         made_.stages.push_back(neighbours());
         ink_diffusion();
@@ -495,7 +495,7 @@ private:
     }
 
     /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
-    /// @param projection where there is one; it has corrected forms of its own, unless the scene asks for others
+    /// @param projection if there is one; it has its own corrected forms unless the scene sets others
     void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
         const MicropolarNumbers& n = plan_.spin;
         const MicropolarOptions options = micropolar_options();

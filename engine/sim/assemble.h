@@ -12,7 +12,7 @@ struct StepLimit {
     std::function<double(const World&, double fastest)> dt;  ///< s; fastest: largest_speed() of the fluid, found once for all limits
 };
 
-/// What a step consists of.
+/// Parts of a step.
 struct Assembly {
     std::vector<Stage> stages;
     std::vector<StepLimit> limits;

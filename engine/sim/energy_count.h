@@ -34,7 +34,7 @@ private:
     std::vector<Kick> kicks_;          ///< since the pulls of surface tension; empty before them and after the move
     std::vector<Vec3> pulled_, last_;  ///< velocities before the pulls, and after the last kick
     double kinetic_ = 0, potential_ = 0;
-    double work_ = 0;  ///< of solids in this step so far
+    double work_ = 0;  ///< of solids up to now in this step
     bool accelerated_ = false;
 };
 

@@ -144,7 +144,7 @@ namespace {
 
 /// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
 void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
-    // Where a lattice touches a wall its particles stand at 0.5 d.
+    // Particles of a lattice that touches a wall are at 0.5 d.
     const auto nearest = static_cast<Real>(std::min(0.45, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
                                            static_cast<double>(world.step.spacing));
     RandomNumbers random(seed);
@@ -201,7 +201,7 @@ Real distance_from_slanted(const World& world, const Vec3& x) {
     if (k < 0 || distance > 5 * world.step.spacing || distance < -world.step.spacing) return std::numeric_limits<Real>::max();
     const Solid& solid = world.solids.all[static_cast<std::size_t>(k)];
     if (!solid.sticks()) return std::numeric_limits<Real>::max();
-    // Behind the surface: beside an edge of a box the normal turns, its faces keep theirs.
+    // Behind the surface: near an edge of a box the normal turns, its faces keep theirs.
     const Vec3 behind = x - (distance + Real(0.1) * world.step.spacing) * solid.normal(x);
     return solid.normal(behind).cwiseAbs().maxCoeff() > Real(0.999) ? std::numeric_limits<Real>::max() : distance;
 }
@@ -236,7 +236,7 @@ void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all
     points.insert(points.end(), moved.begin(), moved.end());
 }
 
-/// Where the particles of a block stand at the start.
+/// Positions of a block's particles at the start.
 std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b) {
     const BlockKeys& keys = scene.blocks[b];
     const auto shape = make_shape(keys.shape, world.step.domain);
@@ -256,7 +256,7 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     if (remove_in_solids(points, world) > 0) {
         const bool on_lattice = keys.sampling != Sampling::blue_noise;
         if (on_lattice) {
-            // Where a layer more than half fits, both at its ends would stand too near to the walls of a container and go.
+            // If a layer fits by more than a half, the layers at both ends would be too near to a container's walls and be removed.
             std::vector<Vec3> within = sample(Layers::within, 0);
             remove_in_solids(within, world);
             if (within.size() >= points.size()) points.swap(within), layers = Layers::within;
@@ -302,13 +302,13 @@ void add_particles(const Scene& scene, ParticleStore& fluid, const std::vector<V
     fluid.resize(first + static_cast<Index>(points.size()));
     std::copy(points.begin(), points.end(), fluid.column<field::position>().begin() + first);
     const auto set = [&](Span<Vec3> values, const VectorExpression& expression, const char* name) {
-        bool told = false;
+        bool reported = false;
         for (std::size_t k = 0; k < points.size(); ++k) {
             const Vec3 value = values[first + k] = expression(0, points[k].cast<double>()).cast<Real>();
-            if (told || value.allFinite()) continue;
+            if (reported || value.allFinite()) continue;
             const std::string key = entry_name("block", block) + name;
             problems.push_back({scene.place(key), fmt::format("{} is not finite at {}", key, text_of(points[k].cast<double>())), "", ""});
-            told = true;
+            reported = true;
         }
     };
     set(fluid.column<field::velocity>(), keys.velocity, ".velocity");
@@ -339,7 +339,7 @@ double crowding(const World& world) {
     return counted > 0 ? sums / counted / lattice - 1 : 0;
 }
 
-/// The projection knows no density: what it starts with it keeps.
+/// The projection does not correct densities: errors of the start persist.
 void check_room(const Scene& scene, const Plan& plan, const World& world) {
     if (plan.facts.pressure.source != PressureSource::velocity || plan.free_surface) return;
     if (const double excess = crowding(world); excess > 0.03)
@@ -392,8 +392,8 @@ std::vector<Drain> make_drains(const Scene& scene) {
 
 namespace {
 
-/// How far solids reach into an opening from its rim [m]: about a nozzle in a pipe that is narrower, or made of flat faces. 0: those that
-/// leave less than half of it stand in its way.
+/// Distance by which solids reach into an opening from its rim [m]: about a nozzle in a pipe that is narrower, or made of flat faces. 0:
+/// solids that leave less than half of it are in its way.
 Real taken_by_solids(const EmitterShape& opening, const Solids& solids, Real spacing) {
     Vec3 width, thickness;
     opening_axes(opening, width, thickness);
@@ -403,7 +403,7 @@ Real taken_by_solids(const EmitterShape& opening, const Solids& solids, Real spa
     for (const Real along : {-Real(1.5) * spacing, Real(1.5) * spacing}) {
         const Vec3 centre = opening.centre + along * opening.direction;
         Real distance = 0;
-        if (solids.nearest(centre, distance) < 0 || distance <= 0) continue;  // the nozzle stands in a wall
+        if (solids.nearest(centre, distance) < 0 || distance <= 0) continue;  // the nozzle is in a wall
         constexpr int places = 64;
         for (int k = 0; k < places; ++k) {
             const Real angle = 2 * std::numbers::pi_v<Real> * k / places, c = std::cos(angle), s = std::sin(angle);

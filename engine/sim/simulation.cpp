@@ -68,7 +68,7 @@ void each_number(Totals& t, F&& f) {
 /// Cuts a wanted step so that `remaining` is reached exactly and the last two steps before it are made equal.
 /// @param wanted s, the smallest limit of the models @param remaining s, until the next frame time
 double fitted_step(double wanted, double remaining) {
-    // A sliver of a step (round-off) is worth no step of its own.
+    // A tiny remainder (round-off) is not worth a separate step.
     if (wanted >= remaining * (1 - 1e-9)) return remaining;
     if (wanted > remaining / 2) return remaining / 2;
     return wanted;
@@ -132,7 +132,7 @@ struct Simulation::State {
     }
 
     double energy_now() const { return energies_of(world, world.step.gravity.cast<double>(), plan.spin.micro_inertia).energy(); }
-    /// What f does to the fluid's energy is of this cause.
+    /// Attributes the change of the fluid's energy by f to this cause.
     template <class F>
     void changing(double EnergyBudget::*cause, F&& f) {
         const double before = energy ? energy_now() : 0;
@@ -190,7 +190,7 @@ struct Simulation::State {
         for (const ClosedRoom& room : plan.rooms) {
             const double there = parallel_sum(world.fluid.size(),
                                               [&](Index i) { return role[i] >= 0 && room.box.contains(x[i].cast<double>()) ? 1.0 : 0.0; });
-            // Other fluid may stand in the box about the room.
+            // Other fluid may be in the box about the room.
             room_left.push_back((densest * room.volume - std::min(there * plan.particle_volume(), 1.2 * room.fluid)) /
                                 plan.particle_volume());
         }
@@ -212,8 +212,8 @@ struct Simulation::State {
         }
     }
 
-    /// Where more fluid is than there is room for, and how much more; empty: nowhere. A tenth of the fluid is 5 % too dense then, whatever
-    /// put it there: blocks, an emitter, a lid.
+    /// Place and amount of fluid beyond the available room; empty: none. A tenth of the fluid is then 5 % too dense, whatever the
+    /// cause: blocks, an emitter, a lid.
     std::string overfull() const {
         constexpr double much = 1.05, few = 0.1;
         const bool splashes = plan.facts.pressure.source == PressureSource::velocity && plan.free_surface;
@@ -258,7 +258,7 @@ struct Simulation::State {
 
     void sort() { world.fluid.gather(CurveSort().order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
 
-    /// Periodic axes wrap; who left through another side is gone and counted.
+    /// Periodic axes wrap; particles that left elsewhere are removed and counted.
     void keep_inside() {
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
@@ -309,7 +309,7 @@ struct Simulation::State {
         }
     }
 
-    /// What the stages find: time, gravity and solids of this step, emitted fluid, the order in the store.
+    /// Prepares the input of the stages: time, gravity and solids of this step, emitted fluid, the order in the store.
     void prepare(double dt) {
         world.step.dt = static_cast<Real>(dt);
         world.solids.set_time(time, dt);
@@ -398,7 +398,7 @@ const StepReport& Simulation::step(double until) { return state_->step(until); }
 void Simulation::count_energy() {
     State& s = *state_;
     s.energy.emplace();
-    // Where a solver's residual is shared among the solids, those at rest must have their part of it.
+    // If a solver's residual is shared among the solids, those at rest need their part of it.
     const bool shares = s.plan.facts.viscous_implicitly() || s.plan.facts.pressure.source == PressureSource::velocity;
     for (Solid& solid : s.world.solids.all) solid.probed |= shares ? s.world.solids.any_moving() : solid.moves();
     if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = s.energy_now();

@@ -101,9 +101,9 @@ Stage make_stage(std::string name, std::string group, S stage) {
 /// The fields that a step needs, and which of them live on: those that a stage reads or updates before any stage wrote them.
 void declare_fields(const std::vector<Stage>& stages, ParticleStore& store);
 
-/// The first particle (lowest index) with a non-finite value in a field that the stage wrote; nothing where all is well.
+/// The first particle (lowest index) with a non-finite value in a field that the stage wrote; nothing if all is well.
 std::optional<Divergence> find_divergence(const Stage& stage, const World& world);
-/// The first free body whose state is not finite; nothing where all is well.
+/// The first free body whose state is not finite; nothing if all is well.
 std::optional<Divergence> find_divergent_body(const Stage& stage, const World& world);
 
 }  // namespace whorl

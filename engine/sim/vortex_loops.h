@@ -10,7 +10,7 @@ namespace whorl {
 /// u(x) = Gamma/(4 pi) sum over segments of ds x (x - s)/(|x - s|^2 + a^2)^(3/2), a the core
 ///
 /// The law of Biot and Savart with the core of Rosenhead (1930) and Moore (1972): a straight line has the vorticity
-/// Gamma a^2/(pi (r^2 + a^2)^2). Along a periodic axis each line stands thrice, at its place and a period to either side.
+/// Gamma a^2/(pi (r^2 + a^2)^2). Along a periodic axis each line exists three times, at its place and a period to either side.
 class VortexLoop {
 public:
     VortexLoop(const VortexKeys& keys, const Domain& domain);

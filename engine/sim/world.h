@@ -11,7 +11,7 @@ struct World {
     SolidParticles solid_particles;
     FluidPairs fluid_pairs;
     SolidPairs solid_pairs;
-    NeighbourSearch search;  ///< that fills them; its memory serves whoever searches next
+    NeighbourSearch search;  ///< fills them; its memory is reused by the next search
     StepContext step;
     StepReport report;
 
