@@ -11,7 +11,7 @@
 namespace whorl {
 namespace {
 
-/// What 99 % of the values stay below in size.
+/// 99th percentile of the values' magnitudes.
 float usual_size(std::vector<float> values) {
     std::erase_if(values, [](float v) { return !std::isfinite(v); });
     if (values.empty()) return 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// A queue between two threads that holds only so many: who is ahead waits for who is behind.
+/// A queue of limited length between two threads: the producer waits while it is full.
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -12,7 +12,7 @@ class BoundedQueue {
 public:
     explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-    /// Waits for room. @return false where the queue was aborted: the value is dropped
+    /// Waits for room. @return false if the queue was aborted: the value is dropped
     bool push(T value) {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return aborted_ || values_.size() < capacity_; });

@@ -23,7 +23,7 @@ std::filesystem::path existing_picture(const std::filesystem::path& run_folder, 
     return std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame);
 }
 
-/// Twelve of so many, evenly, with the first and the last; all where there are no more.
+/// Twelve of `count`, evenly spaced, with the first and the last; all if there are at most twelve.
 std::vector<int> spread(int count) {
     const int chosen = std::min(12, count);
     std::vector<int> numbers;

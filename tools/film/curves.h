@@ -1,5 +1,5 @@
 #pragma once
-/// Curves on axes: under a film of panels, and as the plots beside the tables of probes.
+/// Curves on axes: under a film of panels, and as plots of the tables of probes.
 #include <string>
 #include <vector>
 

@@ -27,7 +27,7 @@ struct ExportOptions {
     double fps = 24;
     double interval = 0;             ///< s, simulated, from frame to frame
     int width = 1280, height = 720;  ///< pixels of a picture
-    int frames_before = 0;           ///< frames whose files stand there already (a resumed run)
+    int frames_before = 0;           ///< frames whose files already exist (a resumed run)
 };
 
 class Exports {
@@ -41,9 +41,9 @@ public:
     bool wants_surface() const { return wants("mesh") || wants("obj") || wants("vdb") || wants("vtk"); }
     bool wants_distance() const { return wants("vdb"); }
 
-    /// Writes a frame's files. @param whole_film also what holds the film so far: a checkpoint follows @throws EnvironmentError
+    /// Writes a frame's files. @param whole_film also files of the whole film up to now: a checkpoint follows @throws EnvironmentError
     void write(const Frame& frame, const Surface& surface, const PictureOptions& how, bool whole_film, const Timer& timed);
-    /// What holds the whole film, at its end.
+    /// Writes the files of the whole film, at its end.
     void finish() const;
 
 private:
@@ -62,7 +62,7 @@ private:
 
 /// Adds raw frames to what the scene exports.
 void export_raw(Scene& scene);
-/// What a frame has to carry for the scene's exports, besides positions and velocities.
+/// Fields that a frame needs for the scene's exports, in addition to positions and velocities.
 std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore& fluid);
 
 }  // namespace whorl

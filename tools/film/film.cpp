@@ -59,7 +59,7 @@ void Film::timed(const std::string& stage, const std::function<void()>& work) {
     const std::lock_guard lock(mutex_);
     StageTime& spent = times_[stage];
     spent.wall += wall_seconds() - wall;
-    spent.cpu = thread == stage ? cpu_now : spent.cpu + cpu_now - cpu;  // what a thread does besides counts for its only stage
+    spent.cpu = thread == stage ? cpu_now : spent.cpu + cpu_now - cpu;  // other work of a thread counts for its only stage
     ++spent.calls;
 }
 

@@ -39,7 +39,7 @@ struct FilmOptions {
 class Film {
 public:
     explicit Film(FilmOptions options);
-    /// Stops without finishing; the video so far stays under its partial name.
+    /// Stops without finishing; the unfinished video keeps its partial name.
     ~Film();
     Film(const Film&) = delete;
     Film& operator=(const Film&) = delete;
@@ -47,10 +47,10 @@ public:
     /// @param how to make its picture @param state of the run at the frame's time @param write_state also write it to disk
     /// @throws whatever a stage threw
     void add(Frame frame, std::shared_ptr<const PictureOptions> how, std::shared_ptr<const Checkpoint> state, bool write_state);
-    /// Waits until all frames are written. @param complete false: the run goes on later, the video keeps its partial name
+    /// Waits until all frames are written. @param complete false: the run continues later, the video keeps its partial name
     void finish(bool complete);
 
-    /// The state of the newest frame that is wholly written; null before the first.
+    /// The state of the last frame that is completely written; null before the first.
     std::shared_ptr<const Checkpoint> newest_state() const;
     int frames_written() const { return written_; }
     /// When the first picture was on disk (wall_seconds()); 0 before.

@@ -1,6 +1,6 @@
 #pragma once
-/// What a film and a live run share: a simulation goes from frame to frame. Probes see every step, the solvers' residuals are kept,
-/// accuracy is given up for the budget, and changes of the scene are followed.
+/// Common loop of a film and a live run: advances a simulation from frame to frame. Probes see every step, the solvers' residuals are
+/// recorded, accuracy is reduced for the budget, and changes of the scene are applied.
 #include <optional>
 #include <string>
 
@@ -11,7 +11,7 @@
 
 namespace whorl {
 
-/// What was given up, as a number from 0 (nothing) to 4 (all): each unit uses up one of the four, on a logarithmic scale.
+/// Reduction of quality, from 0 (none) to 4 (all): each unit uses up one of the four settings, on a logarithmic scale.
 struct Sacrifice {
     double amount = 0;
     double tolerance = 1, cfl = 0, voxel = 0;  ///< factor; value; value
@@ -28,13 +28,13 @@ public:
     /// The user's scene is another one from now on.
     void set_scene(const SceneFile& given);
     /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
-    /// @return the scene to go on with, where it is another than before
+    /// @return the scene to continue with, if it changed
     std::optional<SceneFile> after_frame(double seconds, int frame, double spent);
     /// The scene with what is given up now.
     SceneFile governed() const;
 
     bool has_budget() const { return given_.scene.budget.any(); }
-    double allowed() const { return allowed_; }  ///< s, of the newest frame
+    double allowed() const { return allowed_; }  ///< s, of the last frame
     Sacrifice now() const;
     void set(double amount) { amount_ = applied_ = amount; }
 
@@ -62,7 +62,7 @@ public:
     virtual ~FrameLoopHost() = default;
     /// Asked before every step: whether to stop on the way.
     virtual bool stop_wanted() = 0;
-    /// May change the scene: the next step goes by it. @param began s, at the step's start
+    /// May change the scene for the next step. @param began s, at the step's start
     virtual void after_step(const StepReport& /*report*/, double /*began*/) {}
     /// The row of budget.csv for the frame that was reached.
     virtual void add_budget(const BudgetRow& row) = 0;
@@ -83,7 +83,7 @@ public:
     /// @param file the scene as the user wants it @param frames of the film
     FrameLoop(FrameLoopHost& host, Simulation& simulation, const SceneFile& file, int frames, TheorySearch search);
 
-    /// @param time s @return false where the host stopped it, or the run diverged
+    /// @param time s @return false if the host stopped it, or the run diverged
     bool step_to(double time);
     /// Measures the frame that was reached.
     FrameSummary measure_frame();

@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-/// @throws InputError where the chart is of nothing that the panels measure
+/// @throws InputError if the chart is of nothing that the panels measure
 void check_chart(const std::string& chart, const Place& place, const Simulation& start) {
     std::vector<std::string> names;
     for (const auto& [name, probe] : make_probes(start, TheorySearch::wait))
@@ -37,7 +37,7 @@ bool flow_alike(const SceneFile& a, const SceneFile& b) {
 }
 
 /// One range for each map that several panels draw with, and one box for all automatic cameras, that hold what each panel needs. Places the
-/// fluid of every panel for it. @throws InputError where a panel's scene is impossible
+/// fluid of every panel for it. @throws InputError if a panel's scene is impossible
 void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     std::map<std::pair<std::string, std::string>, std::array<float, 2>> shared;
     SeenBox extent;
@@ -101,7 +101,7 @@ int panel_columns(const Scene& scene) {
     if (scene.output.panel_columns) return std::min(*scene.output.panel_columns, static_cast<int>(panels));
     if (scene.domain.dimensions == 3)
         return panels <= 3 ? static_cast<int>(panels) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(panels))));
-    // A flow in the plane is seen whole: the columns that make it largest.
+    // A flow in 2D is seen whole: the columns that make it largest.
     const Vec3d size = scene.domain.max - scene.domain.min;
     const auto scale = [&](int columns) {
         const int rows = (static_cast<int>(panels) + columns - 1) / columns;
@@ -144,7 +144,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
     alone.scene.panels.clear();
     alone.scene.output.video = false;
     alone.scene.output.chart.clear();
-    // Even sizes, so that each could be a video of its own.
+    // Even sizes, so that each could be a separate video.
     alone.scene.output.size = {(file.scene.output.size[0] - (columns - 1) * panel_gap) / columns / 2 * 2,
                                (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
     const std::vector<PanelKeys>& panels = file.scene.panels;
@@ -165,7 +165,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
             check_format(scenes.back().scene, {});
             check_pictures(scenes.back().scene, alone.scene);
             if (scenes.back().look.title.empty()) scenes.back().look.title = file.scene.panels[k].label;
-            scenes.back().scene.places = file.scene.places;  // what is wrong with it is told by the places in the file
+            scenes.back().scene.places = file.scene.places;  // its errors are reported at locations in the file
         } catch (const InputError& error) {
             for (Problem problem : error.problems()) {
                 problem.place = file.scene.place(name);

@@ -16,8 +16,8 @@ namespace whorl {
 using Choose = std::function<SceneFile(const SceneFile& run, const Simulation& start)>;
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose = {});
 
-/// What the plans of a film's runs warn of: the scene's, or its panels', each with its panel where not all have it. @throws InputError
-/// where one is impossible
+/// Warnings of the plans of a film's runs: the scene's, or its panels', each with its panel unless all have it. @throws InputError
+/// if one is impossible
 std::vector<std::string> warnings_of(const SceneFile& file);
 
 /// A place in the film.
@@ -25,14 +25,14 @@ struct PanelCell {
     int run = -1;                        ///< its number among the runs; -1: a difference
     std::array<int, 2> between{-1, -1};  ///< the runs of a difference
 };
-/// One a panel, in the scene's order. @throws InputError where a difference names what is no run
+/// One a panel, in the scene's order. @throws InputError if a difference names what is no run
 std::vector<PanelCell> panel_cells(const SceneFile& file);
 
-/// How many panels stand in a row: as the scene says; in the plane as many as make the flow largest; else all of two or three, from four on
-/// about as many as there are rows.
+/// Number of panels in a row: as the scene specifies; in 2D the number that makes the flow largest; else all of two or three, from four on
+/// about the number of rows.
 int panel_columns(const Scene& scene);
 
-/// Of the chart under the panels [pixels]; 0: none.
+/// Height of the chart under the panels [pixels]; 0: none.
 int chart_height(const Scene& scene);
 
 constexpr int panel_gap = 4;  ///< pixels between panels

@@ -40,7 +40,7 @@ public:
           folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder, request.earlier) : RunFolder::existing(request.folder)) {
         if (how == PanelRuns::resumed) {
             for (std::size_t k = 0; k < scenes_.size(); ++k) check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
-            anew_ = lacks_frames_of_differences();
+            restarts_ = lacks_frames_of_differences();
             check_resumed();
             check_made_pictures();
         }
@@ -83,7 +83,7 @@ private:
     int frames_of(std::size_t k) const { return report_of(panel_folder(folder_.path(), k)).value("frames", 0); }
     int frames_wanted() const { return request_.frames.value_or(frame_count(scene_)); }
 
-    /// Whether the panel stands there, all of it.
+    /// Whether the panel is complete.
     bool is_done(std::size_t k) const {
         const nlohmann::json run = report_of(panel_folder(folder_.path(), k));
         return run.value("status", "") == "done" && run.value("frames", 0) >= frames_wanted();
@@ -91,7 +91,7 @@ private:
 
     bool has_raw(std::size_t k) const { return fs::exists(frame_file(panel_folder(folder_.path(), k), 1)); }
 
-    /// Whether a longer film needs frames that are gone: the colours of a difference go by all frames of both runs.
+    /// Whether a longer film needs missing frames: the colours of a difference depend on all frames of both runs.
     bool lacks_frames_of_differences() const {
         if (!has_differences() || !scene_.output.frames) return false;
         for (std::size_t k = 0; k < scenes_.size(); ++k)
@@ -100,13 +100,13 @@ private:
     }
 
     enum class Next { nothing, begins, goes_on };
-    /// What there is to do for a panel.
+    /// Next action for a panel.
     Next next_of(std::size_t k) const {
         const fs::path folder = panel_folder(folder_.path(), k);
         const std::string status = report_of(folder).value("status", "");
-        if (anew_ && !has_raw(k)) return Next::begins;
+        if (restarts_ && !has_raw(k)) return Next::begins;
         if (is_done(k) || status == "diverged") return Next::nothing;
-        // Where none of its checkpoints is sound, going on refuses: whoever can mend them shall find the panel as it is.
+        // If all checkpoints are damaged, resuming is refused: the panel is left untouched for repair.
         return has_checkpoint(folder) ? Next::goes_on : Next::begins;
     }
 
@@ -119,7 +119,7 @@ private:
             }
     }
 
-    /// Pictures may be left to draw, and whoever drew a panel again may have given it another size. @throws InputError
+    /// Images may be left to draw, and a panel may have been drawn again in another size. @throws InputError
     void check_made_pictures() const {
         for (std::size_t k = 0; k < scenes_.size() && wants_pictures(request_); ++k) {
             const std::array<int, 2>& size = scenes_[k].scene.output.size;
@@ -130,7 +130,7 @@ private:
         }
     }
 
-    /// What the run's panel is called.
+    /// Name of the run's panel.
     std::string name_of(std::size_t run) const {
         const std::string& label = scene_.panels[panel_of(run)].label;
         return label.empty() ? std::to_string(run + 1) : label;
@@ -160,10 +160,10 @@ private:
             if (!is_done(k)) failed_ = k;
             return false;
         }
-        const bool anew = anew_ && next == Next::begins;
+        const bool again = restarts_ && next == Next::begins;
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
-                         anew ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
+                         again ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
         panel.earlier = RunFolder::Earlier::replaced;
         if (next == Next::goes_on) resume_from_newest(panel);
         return true;
@@ -210,7 +210,7 @@ private:
         return least;
     }
 
-    /// Where the pictures of a place in the film are, drawn first where it is a difference.
+    /// Folder of a panel's images; those of a difference are drawn first.
     fs::path pictures_of(std::size_t panel, int first, int last) const {
         const PanelCell& cell = cells_[panel];
         if (cell.run >= 0) return panel_folder(folder_.path(), static_cast<std::size_t>(cell.run));
@@ -221,7 +221,7 @@ private:
         return folder;
     }
 
-    /// Of the curves so far. No chart: none of its pixels.
+    /// Chart of the curves up to now. Without a chart: empty.
     PanelChart chart() const {
         const std::string& of = scene_.output.chart;
         const std::size_t dot = of.rfind('.');
@@ -240,7 +240,7 @@ private:
         return chart;
     }
 
-    /// @param whole all frames, for the video; those that stand there already are kept where nothing in them goes by the whole film
+    /// @param whole all frames, for the video; existing ones are kept if nothing in them depends on the whole film
     void film(int first, int last, bool whole) const {
         fs::create_directories(folder_.path() / "frames");
         const int width = scene_.output.size[0], height = scene_.output.size[1];
@@ -292,9 +292,9 @@ private:
     std::vector<SceneFile> scenes_;  ///< of the runs
     std::vector<PanelCell> cells_;
     RunFolder folder_;
-    bool anew_ = false;  ///< panels whose frames a difference lacks begin anew
+    bool restarts_ = false;  ///< restart panels whose frames a difference lacks
     std::optional<std::size_t> failed_;
-    int filmed_ = 0;        ///< frames whose pictures stand side by side
+    int filmed_ = 0;        ///< frames whose panels are joined
     double filmed_at_ = 0;  ///< s, wall
 };
 

@@ -29,7 +29,7 @@ class Progress {
 public:
     Progress(int first_frame, int last_frame, bool quiet, bool json);
 
-    /// How the frames' shares of the time are expected to be [s], from the first on: the time left goes by them and by the pace of now.
+    /// Expected times of the frames [s], from the first on: the time left follows from them and the current pace.
     void foresee(std::vector<double> frames_seconds) { foreseen_ = std::move(frames_seconds); }
     /// s, after a frame.
     double seconds_left(int frame) const;
@@ -62,7 +62,7 @@ private:
 class PartProgress {
 public:
     PartProgress(std::string what, bool quiet);
-    /// As often as one likes. @param part that is done, 0 to 1
+    /// May be called any number of times. @param part completed fraction, 0 to 1
     void done(double part);
 
 private:

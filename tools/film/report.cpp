@@ -99,7 +99,7 @@ StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu) {
 }
 
 bool Incidents::add(Incident incident) {
-    // Each room is told of; when it was full is not part of its name.
+    // Each room is reported; the time is not part of its name.
     const auto room = [](const Incident& i) { return i.kind == "full" ? i.what.substr(0, i.what.find(" at ")) : ""; };
     if (std::any_of(first_.begin(), first_.end(), [&](const Incident& i) { return i.kind == incident.kind && room(i) == room(incident); }))
         return false;

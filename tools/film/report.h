@@ -23,12 +23,12 @@ struct Incident {
 
 class Incidents {
 public:
-    /// Notes what the step's report tells; only the first of each kind is kept.
-    /// @returns news to be told: the run's first solve that ended before its tolerance, with the key to raise where its limit is the cause,
-    /// and each room that is full for the first time; a line each
+    /// Records the problems of the step's report; only the first of each kind is kept.
+    /// @returns messages: the run's first solve that ended before its tolerance, with the key to raise if its limit is the cause,
+    /// and each room that is full for the first time; one line each
     std::string add(const StepReport& report, const Scene& scene, double time, long step);
     nlohmann::ordered_json json() const;
-    /// Those of the run's earlier part, from its run.json.
+    /// Adds the problems of the run's earlier part, from its run.json.
     void add_earlier(const nlohmann::json& earlier);
 
 private:

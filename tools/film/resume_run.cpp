@@ -18,7 +18,7 @@ namespace {
 void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::filesystem::path& scene_file) {
     const Scene before = read_resolved(checkpoint.scene, scene_file.string()).scene;
     std::vector<Problem> problems;
-    // What the particles carry from the start on.
+    // Columns that particles have from the start.
     if (before.identities != now.identities || before.ages != now.ages)
         problems.push_back({now.place(now.any_flux() == before.any_flux() ? "output.export" : "probe"),
                             "points, mesh, vtk and flux probes need particles that know their number and age", "", ""});
@@ -42,7 +42,7 @@ void check_inputs(const Checkpoint& checkpoint, const SceneFile& now) {
     if (!problems.empty()) throw InputError(problems);
 }
 
-/// What the plan takes for this scene, where the simulation goes by it. The preconditioner it chooses by how many particles press.
+/// Choices of the plan that affect the simulation. The preconditioner is excluded: the plan chooses it by the number of pressing particles.
 NamedTexts decisions(const Plan& plan) {
     NamedTexts all;
     for (const Choice& c : plan.choices)
@@ -53,7 +53,7 @@ NamedTexts decisions(const Plan& plan) {
     return all;
 }
 
-/// A film that is made longer must be the film that the longer scene would have been. @throws InputError where the plan would be another
+/// A film that is made longer must be the film that the longer scene would have been. @throws InputError if the plan would be another
 void check_plan(const Scene& before, const Scene& now, const std::filesystem::path& scene_file) {
     if (before.time.end == now.time.end) return;
     std::vector<Problem> problems;
@@ -75,7 +75,7 @@ InputError no_sound_checkpoint(const std::filesystem::path& folder) {
             "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C"};
 }
 
-/// A run that was stopped before its first checkpoint is made from the start. @throws InputError where it had come to its end, or had a
+/// A run that was stopped before its first checkpoint is made from the start. @throws InputError if it had come to its end, or had a
 /// checkpoint
 void begin_again(RunRequest& request) {
     const nlohmann::json report = report_of(request.folder);
@@ -88,7 +88,7 @@ void begin_again(RunRequest& request) {
                          fmt::format("the run {}, and has no checkpoint to continue from", status == "done" ? "is done" : "diverged"),
                          "render the scene again");
     if (report.value("frames", 0) > 0 && status != "running") throw no_sound_checkpoint(request.folder);
-    // As of a checkpoint: the end that --frames gave holds while the scene's own stays.
+    // Like a checkpoint: the end that --frames gave is valid while the scene's end does not change.
     const int all = frame_count(request.file.scene), planned = report.value("frames_planned", all);
     const bool cut = planned > 0 && planned < all && report.value("frames_of_scene", all) == all;
     request.frames = request.frames.value_or(cut ? planned : all);

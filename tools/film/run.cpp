@@ -52,7 +52,7 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
     return options;
 }
 
-/// What a frame needs besides positions and velocities.
+/// Fields that a frame needs in addition to positions and velocities.
 std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
     std::vector<std::string> fields = shown_fields(file.look);
     for (const std::string& name : exported_fields(file.scene, world.fluid))
@@ -138,7 +138,7 @@ Run::Run(const RunRequest& request, const Plan& plan, std::string encoder)
     write_report("running", "");
 }
 
-/// What the run is going to do, on the terminal and in its log.
+/// Prints the run's plan on the terminal and in its log.
 void Run::greet(const Plan& plan) {
     log_->info("whorl {}, {}: frames {} to {}", build_id(), scene_.name, first_, last_);
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
@@ -153,7 +153,7 @@ void Run::greet(const Plan& plan) {
     progress_->say(fmt::format("about {} expected", duration(predicted_ - before)));
 }
 
-/// What the scene will take, where that was measured.
+/// Predicted cost of the scene, if the machine's costs were measured.
 std::optional<Estimate> Run::foreseen(SceneFile file, const Plan& plan) const {
     const auto costs = find_coarse_run(file);
     if (!costs) return std::nullopt;
@@ -180,7 +180,7 @@ SceneFile Run::chosen() const {
 }
 
 void Run::make_folders() {
-    // First what tells that this is the folder of a run: where not even that has room, the folder stays empty, and a next run takes it.
+    // The file that marks a run folder is written first: if the disk is full, the folder stays empty, and the next run can use it.
     write_text(folder_.path() / "scene.resolved.toml", scene_text_);
     std::vector<std::string> names;
     if (scene_.output.frames) names.emplace_back("frames");
@@ -233,7 +233,7 @@ void Run::after_step(const StepReport& report, double began) {
         loop_->scene_changed(replay_.now());
 }
 
-/// The next frame. @return false where it was not reached
+/// The next frame. @return false if it was not reached
 bool Run::simulate() {
     ++frame_;
     if (!times_.simulate([&] { return loop_->step_to(frame_time(scene_, frame_)); })) return false;
@@ -275,7 +275,7 @@ void Run::write_report(const std::string& status, const std::string& message) {
     write_text(folder_.path() / "run.json", json_text(run_json(simulation_, report), 2) + "\n");
 }
 
-/// Saves the state of the newest frame whose row and picture are on disk.
+/// Saves the state of the last frame whose row and image are on disk.
 void Run::save_newest() {
     if (const auto state = film_->newest_state()) write_checkpoint(folder_.path(), *state);
 }
@@ -350,7 +350,7 @@ auto Run::keeping(const Work& work) try {
     try {
         save_newest();
         write_report("failed", error.what());
-    } catch (const std::exception&) {  // the disk is full, most likely: what stands there stays
+    } catch (const std::exception&) {  // the disk is probably full: existing files are kept
     }
     std::error_code none;
     if (const std::string folder = folder_.path().string(); !fs::exists(folder, none) && !none)

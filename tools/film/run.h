@@ -23,18 +23,18 @@ struct RunRequest {
     std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
 };
 
-/// What a film does that is not to need ffmpeg. @param goes_on it is resumed
+/// Advice for a film without ffmpeg. @param goes_on whether it is resumed
 const char* without_video(bool goes_on);
-/// Before a film is begun that is to have a video. @throws InputError where a video cannot have so few frames a second
+/// Before a film is begun that is to have a video. @throws InputError if a video cannot have so few frames a second
 void check_video_rate(const Scene& scene);
 
 /// A run that is made frame by frame, so that several can go side by side.
 class FramedRun {
 public:
     virtual ~FramedRun() = default;
-    /// Simulates the next frame and hands it on. @return false where none is left, the run diverged or is interrupted: then finish()
+    /// Simulates the next frame and hands it on. @return false if none is left, the run diverged or is interrupted: then finish()
     virtual bool next() = 0;
-    virtual int frame() const = 0;           ///< the newest that next() began
+    virtual int frame() const = 0;           ///< the last that next() started
     virtual int frames_written() const = 0;  ///< whose pictures and exports are on disk
     /// Completes the frames on their way. @return as run_scene()
     virtual int finish() = 0;
@@ -43,7 +43,7 @@ public:
 std::unique_ptr<FramedRun> begin_run(const RunRequest& request);
 
 /// Simulates, measures, draws, writes; the scene's panels are left out (run_panels() runs them). Interrupted by SIGINT or SIGTERM it
-/// completes the frames that are on their way, saves the state of the newest one and says how to resume.
+/// completes the frames in progress, saves the state of the last one and prints how to resume.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted
 /// @throws InputError before anything is written; EnvironmentError where a video is wanted and there is no ffmpeg, before anything is
 /// written, too; or (no EGL device, disk full) with all that was made kept
@@ -51,38 +51,38 @@ int run_scene(const RunRequest& request);
 
 /// Several runs of one scene, with keys of their own, side by side in one film ([[panel]]).
 ///
-/// Each panel is a run like any other, in panels/1, panels/2, ... of the run folder, frame by frame beside the others; their pictures of
-/// the same time, with their labels, make one picture, over a chart where the scene asks for one. Pictures with a chart or a difference of
-/// two panels, whose axes and colours go by the whole film, are drawn again at its end.
+/// Each panel is a normal run, in panels/1, panels/2, ... of the run folder, frame by frame with the others; their images of
+/// one time, with their labels, make one image, over a chart if the scene has one. Images with a chart or a difference of
+/// two panels, whose axes and colours depend on the whole film, are drawn again at its end.
 enum class PanelRuns { fresh, resumed };
 /// @return as run_scene(); where a panel diverged the film ends with its last picture
 int run_panels(const RunRequest& request, PanelRuns how);
 
 /// Draws into `folder` (frames/) from the frames that both runs exported (raw/). The colour map's range holds 99 % of the fluid in every
-/// frame of the film. Where raw/ is gone, pictures that stand there already stay.
+/// frame of the film. If raw/ was removed, existing images are kept.
 /// @param file of the first run @param title of the pictures @param first,last frames that are drawn; `last` are there
-/// @throws InputError where a frame is missing or damaged
+/// @throws InputError if a frame is missing or damaged
 void draw_differences(const SceneFile& file, const std::string& title, const std::filesystem::path& one, const std::filesystem::path& other,
                       const std::filesystem::path& folder, int first, int last);
 
-/// Completes a request for the run in its folder, whose scene is request.file as it stands there now: the newest checkpoint, and where to
-/// end (request.frames, where nothing was asked, is what the run was to make). Where no checkpoint was written yet, the run begins again;
-/// frames that stand there are kept under another name. Tells on standard error which checkpoints are damaged.
-/// @throws InputError where there is none that is sound, or none of a run that is over, or it is another build's or of other settings (with
-/// each of them)
+/// Completes a request for the run in its folder, whose current scene is request.file: the last valid checkpoint, and the
+/// end (request.frames; by default that of the run). Without a checkpoint, the run restarts;
+/// existing frames are kept under another name. Reports damaged checkpoints on standard error.
+/// @throws InputError if no checkpoint is valid, if a finished run has none, or if it is of another build or of other settings (all
+/// listed)
 void resume_from_newest(RunRequest& request);
 
-/// @param made frames that the run has @throws InputError where it is wanted to end before them
+/// @param made frames that the run has @throws InputError if it is wanted to end before them
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted);
 
-/// The pictures so far begin the video, and are on the contact sheet. @throws InputError where one of the `made` is missing
+/// Checks the existing images, with which the video and the contact sheet begin. @throws InputError if one of the `made` is missing
 void check_pictures(const std::filesystem::path& folder, int made);
 
 struct RedrawRequest {
     SceneFile file;                 ///< the run's own, with other looks, cameras or sizes put in
     std::filesystem::path run;      ///< the run folder
     std::filesystem::path out;      ///< where frames/ and the video go; may be the run folder, which is held then
-    std::vector<std::string> made;  ///< exports that stand there already, of all frames
+    std::vector<std::string> made;  ///< exports that already exist for all frames
     int first = 1, last = 0;        ///< frames; last 0: all that there are
     bool goes_on = false;           ///< another process still makes frames: each is drawn once it is there
     bool quiet = false;

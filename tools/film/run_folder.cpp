@@ -56,7 +56,7 @@ bool has_files(const fs::path& folder) {
     return false;
 }
 
-/// Whether the run has something to show, or to go on from. That it diverged is a result, too.
+/// Whether the run has results or a checkpoint. A divergence is also a result.
 bool has_begun(const fs::path& path) {
     std::vector<std::string> folders = export_kinds();
     folders.insert(folders.end(), {"frames", "checkpoints"});
@@ -175,8 +175,8 @@ void RunFolder::add_note(const std::string& sentence) {
     if (!sentence.empty()) note_ += (note_.empty() ? "" : "; ") + sentence;
 }
 
-/// A farm holds its own folder in the run's, because its tasks make the run, not itself. @throws InputError where it is at work, or its
-/// jobs go on without it
+/// A farm holds its own folder in the run's, because its tasks make the run, not itself. @throws InputError if it is at work, or its
+/// jobs still run
 void RunFolder::refuse_farm(const fs::path& path) {
     if (!fs::exists(path / "farm") || std::getenv("WHORL_FARM_TASK")) return;
     const RunFolder held(path / "farm");
@@ -243,7 +243,7 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
     const std::string note = has_files(path) && !is_marked() ? fresh(path).note() : "";
     RunFolder folder(path, hold);
     folder.add_note(note);
-    // Under a name of its own: another range may be drawn at the same time.
+    // Under a separate name: another range may be drawn at the same time.
     const auto write = [&](const char* name, const std::string& text) {
         const fs::path temporary = path / fmt::format(".{}.{}", name, getpid());
         std::ofstream(temporary) << text;

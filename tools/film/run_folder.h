@@ -6,7 +6,7 @@
 
 namespace whorl {
 
-/// Holds the folder for one process at a time.
+/// Locks the folder for one process at a time.
 class RunFolder {
 public:
     enum class Earlier { kept, replaced, begun_again };
@@ -18,11 +18,11 @@ public:
     /// Refuses what fresh() refuses, and writes nothing. @throws InputError as fresh()
     static void check_fresh(const std::filesystem::path& path);
     enum class Hold { alone, shared, looking };
-    /// A run to go on with; `looking`: also one that another process is at work in (is_held() is false then). @throws InputError where
-    /// there is none, or another process is at work in it (that does not share it, too)
+    /// Opens a run to continue it; `looking`: also one in which another process works (then is_held() is false). @throws InputError if
+    /// there is no run, or another process works in it (unless both use `shared`)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
-    /// Pictures of another run: makes the folder, marks it as drawn from that run, and writes the scene as the last drawing shows it.
-    /// Pictures of the same run are added to those that stand there; a run of its own, or pictures of a run that stood where this one does,
+    /// Opens a folder for images of another run: makes it, marks it as drawn from that run, and writes the scene of the last drawing.
+    /// Images of the same run are added to existing ones; a run, or images of an earlier run in the place of this one,
     /// are kept under another name. @throws as fresh()
     static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, const std::string& scene, Hold hold);
     /// Any folder, which is made. @throws as fresh()
@@ -32,7 +32,7 @@ public:
 
     bool is_held() const { return lock_ >= 0; }
     const std::filesystem::path& path() const { return path_; }
-    /// What became of an earlier run, and other remarks, as sentences; "" if there are none.
+    /// Fate of an earlier run, and other remarks, as sentences; empty without remarks.
     const std::string& note() const { return note_; }
 
 private:
@@ -45,10 +45,10 @@ private:
     int lock_ = -1;
 };
 
-/// The folder's run.json; empty where there is none. Names, states and counts of frames that are no such values are left out.
+/// The folder's run.json; empty if it does not exist. Names, states and counts of frames that are no such values are left out.
 nlohmann::json report_of(const std::filesystem::path& path);
 
-/// Whether the folder holds a run of Whorl's, or what is left of one that was killed as it began.
+/// Whether the folder holds a run of Whorl's, or the remains of one that was killed at its start.
 bool is_run_folder(const std::filesystem::path& path);
 
 }  // namespace whorl

@@ -96,7 +96,7 @@ Curve curve_of(const std::string& label, const Rows& rows, std::size_t x, std::s
     return curve;
 }
 
-/// A component that is 0 throughout, or a value that is never known, is left out beside others.
+/// A component that is always 0, or a value that is never known, is left out if there are others.
 bool shows(const Curve& curve, bool others) {
     return std::any_of(curve.y.begin(), curve.y.end(), [&](double v) { return std::isfinite(v) && (v != 0 || !others); });
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// The tables of a run, some rows a frame: diagnostics.csv, bodies.csv where solids are free, budget.csv where the scene has one,
-/// probes/NAME.csv with the probes that fill them, and plots of those beside them.
+/// probes/NAME.csv with the probes that fill them, and their plots.
 #include <filesystem>
 #include <map>
 
@@ -15,15 +15,15 @@ namespace whorl {
 class RunTables {
 public:
     /// @param budgeted there is budget.csv too @param probes fill their tables; they outlive this
-    /// @param from where the run goes on from: tables are cut back to what they held then, probes remember; null for a new run
-    /// @throws EnvironmentError where a table is shorter than it was, or cannot be made; InputError as comparison_of()
+    /// @param from checkpoint to continue from: tables are truncated to it, probes restored; null for a new run
+    /// @throws EnvironmentError if a table is shorter than it was, or cannot be made; InputError as comparison_of()
     RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted, const Checkpoint* from);
-    /// The rows of a frame. @param wall,cpu s so far
+    /// Adds the rows of a frame. @param wall,cpu s since the start of the run
     void add_frame(int frame, const FrameSummary& summary, double wall, double cpu);
     void add_budget(const BudgetRow& row) { tables_.at(budget).append(budget_row(row)); }
-    /// What the governor of the run so far had given up, by the budget's last row; 0 where there is none.
+    /// The governor's reduction in the run's earlier part, by the budget's last row; 0 without a row.
     double last_given_up() const;
-    /// probes/NAME.svg for each probe, of its table so far.
+    /// Writes probes/NAME.svg for each probe, of its current table.
     void draw_plots() const;
     /// Lengths of the tables and memories of the probes.
     void save(Checkpoint& state) const;
