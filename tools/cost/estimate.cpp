@@ -17,10 +17,10 @@ namespace {
 constexpr double bytes_without_pictures = 46e6, bytes_with_pictures = 104e6, bytes_with_surface = 70e6, bytes_a_pixel = 64;
 /// CPU seconds that the encoder takes, over what packing the same picture as PNG takes (measured at 640x360 and 1280x720).
 constexpr double encode_over_png = 1.3;
-/// What a thread is worth beside the others in a step (30 thousand particles, 2 threads: 0.8 to 0.95 by stage).
+/// Efficiency of a thread next to the others in a step (30 thousand particles, 2 threads: 0.8 to 0.95 by stage).
 constexpr double parallel_efficiency = 0.85;
 
-/// CPU seconds of what runs beside something else over those of the same alone: caches and the cores' units are shared (films of all
+/// Ratio of CPU seconds of work next to other work to those of the work alone: caches and the cores' units are shared (films of all
 /// shipped scenes at draft).
 constexpr double step_beside_pictures = 1.1, picture_beside_steps = 1.15;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run will take, before it is run.
+/// Prediction of a run's cost.
 #include <map>
 #include <string>
 #include <vector>
