@@ -13,7 +13,7 @@ void put(std::ostream& out, const T& value) {
     out.write(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// @return false where the state ends before
+/// @return false if the state ends before
 template <class T>
 bool take(std::istream& in, T& value) {
     static_assert(std::is_trivially_copyable_v<T>);

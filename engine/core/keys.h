@@ -58,7 +58,7 @@ struct Value {
     }
     bool is_number() const { return as<std::int64_t>() || as<double>(); }
     double number() const { return as<double>() ? *as<double>() : static_cast<double>(*as<std::int64_t>()); }
-    /// The entry of a table, nullptr where there is none.
+    /// The entry of a table, nullptr if there is none.
     const Value* find(const std::string& key) const;
     Value* find(const std::string& key) { return const_cast<Value*>(std::as_const(*this).find(key)); }
     /// The value as TOML: the shortest text that reads back as the same value.

@@ -17,7 +17,7 @@ public:
 
     /// The name to write to: hidden and with another extension, so that what looks for *.png does not find half a picture.
     const std::filesystem::path& temporary() const { return temporary_; }
-    /// @throws EnvironmentError where it cannot be renamed
+    /// @throws EnvironmentError if it cannot be renamed
     void commit();
 
 private:

@@ -20,7 +20,7 @@ void append(TriangleMesh& to, const TriangleMesh& more);
 
 /// The closed parts of a welded mesh that have a volume, each with its own vertices, looking outward.
 /// @param left_out gets a line for faces that are there twice, and for parts without a volume
-/// @throws InputError where the mesh has holes, or neighbours look different ways, or it has no volume
+/// @throws InputError if the mesh has holes, or neighbours look different ways, or it has no volume
 std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& name, std::vector<std::string>& left_out);
 
 }  // namespace whorl

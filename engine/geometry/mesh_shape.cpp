@@ -39,7 +39,7 @@ public:
     std::ptrdiff_t crossings() const { return crossings_; }
     bool crosses_much() const { return 100 * crossings_ > std::ssize(mesh_.triangle); }
     Real distance(const Vec3& x) const override { return Real(distance(x.cast<double>(), infinity)); }
-    /// Signed distance; infinite where it is not below the bound.
+    /// Signed distance; infinite if it is not below the bound.
     double distance(const Vec3d& x, double bound) const {
         Vec3d normal, offset;
         return nearest(x, bound, offset, normal);

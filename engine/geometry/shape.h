@@ -76,7 +76,7 @@ public:
     std::vector<std::string> remarks;  ///< what was left out of its mesh file, and faces that cross others
 };
 
-/// @throws InputError where a mesh file is missing, unreadable or not closed
+/// @throws InputError if a mesh file is missing, unreadable or not closed
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys);
 
 std::shared_ptr<const Shape> make_box(const Vec3d& min, const Vec3d& max);

@@ -32,7 +32,7 @@ std::string build_id();
 /// EnvironmentError (disk full)
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// @throws EnvironmentError where the file is cut short, altered or no checkpoint
+/// @throws EnvironmentError if the file is cut short, altered or no checkpoint
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
 /// Whether there is one, sound or damaged. None is read.

@@ -20,7 +20,7 @@ struct CsvTable {
 };
 
 /// Cells may be quoted, as csv_cell() writes them, and surrounded by blanks; lines that begin with # are comments.
-/// @throws InputError where there is no such file
+/// @throws InputError if there is no such file
 CsvTable read_csv(const std::filesystem::path& file);
 
 /// A text as a cell: in quotes where it holds commas or quotes; a line's end becomes a space.
@@ -30,7 +30,7 @@ std::string csv_header(const std::vector<std::string>& columns);
 /// A line for each row, numbers as number() prints them, NaN as an empty cell.
 std::string csv_lines(const std::vector<std::vector<double>>& rows);
 
-/// The bytes of a file. @throws InputError where it cannot be read
+/// The bytes of a file. @throws InputError if it cannot be read
 std::string read_whole(const std::filesystem::path& file);
 
 /// A CSV file that grows: each row is one write(), so that a killed run leaves whole rows.
@@ -38,7 +38,7 @@ class Table {
 public:
     /// A new file with its header line.
     Table(std::filesystem::path file, std::string_view header);
-    /// An old file, cut back to its first `bytes` (what it held at a checkpoint). @throws EnvironmentError where it is shorter
+    /// An old file, cut back to its first `bytes` (what it held at a checkpoint). @throws EnvironmentError if it is shorter
     Table(std::filesystem::path file, std::uint64_t bytes);
     ~Table();
     Table(Table&& other) noexcept;

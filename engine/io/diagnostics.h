@@ -17,8 +17,8 @@ struct Measures : Energies {
     double volume = 0;                                     ///< coupled_volume() where it was found, else 0
 };
 
-/// Volume of the points outside solids that are within r of a particle, V(r), over that of the particles, n d^3 (in the plane n d^2): the
-/// straight line through V(1.3 d) and V(2 d), read at 0.6 d (in the plane 0.55 d), where it has the true volume of a lattice with a flat
+/// Volume of the points outside solids that are within r of a particle, V(r), over that of the particles, n d^3 (in 2D n d^2): the
+/// straight line through V(1.3 d) and V(2 d), read at 0.6 d (in 2D 0.55 d), where it has the true volume of a lattice with a flat
 /// surface. So the roughness of the surface counts for little. Right within 1 % for a pool eight spacings deep; a cylinder of radius R has
 /// about d^2/R^2 too little. In cells of half a spacing. 0 without particles and where they are strewn too widely.
 /// @param x [m] @param spacing d [m]

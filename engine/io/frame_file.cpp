@@ -46,7 +46,7 @@ bool all_finite(const std::vector<Vec3f>& places) {
     return std::all_of(places.begin(), places.end(), [](const Vec3f& x) { return x.allFinite(); });
 }
 
-/// @throws EnvironmentError where a field has more or fewer values than there are particles, a triangle a corner that is no vertex, a place
+/// @throws EnvironmentError if a field has more or fewer values than there are particles, a triangle a corner that is no vertex, a place
 /// is not finite, or a length that surfaces divide by is none
 void check(const Frame& frame) {
     const std::size_t n = frame.position.size();

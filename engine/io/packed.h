@@ -45,7 +45,7 @@ struct Packer {
     }
 };
 
-/// Takes them off again, in the same order. @throws EnvironmentError where there are too few bytes
+/// Takes them off again, in the same order. @throws EnvironmentError if there are too few bytes
 struct Unpacker {
     std::string_view bytes;
     std::string_view next(std::size_t n) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Smoothing kernels with compact support R, in space and in the plane.
+/// Smoothing kernels with compact support R, in 3D and 2D.
 #include <numbers>
 
 #include "engine/core/types.h"
@@ -16,7 +16,7 @@ struct KernelForm {
     bool operator==(const KernelForm&) const = default;
 };
 
-/// length^D: m^3 in space; in the plane m^2, the volume of a metre of depth.
+/// length^D: m^3 in 3D; in 2D m^2, the volume of a metre of depth.
 template <class T>
 T power_of(T length, int dimensions) {
     return dimensions == 2 ? length * length : length * length * length;
@@ -33,8 +33,8 @@ struct KernelBase {
 };
 
 /// W(r), its derivative, and slope(r) = W'(r)/r, which is finite at 0 where W' is 0 there; r in m, for q = r/R in [0, 1); all are 0 beyond.
-/// Units are those in space; in the plane there is one m less in the denominator.
-/// Cubic B-spline (Monaghan and Lattanzio 1985), written for q = r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3), in the plane with
+/// Units are those of 3D; in 2D there is one m less in the denominator.
+/// Cubic B-spline (Monaghan and Lattanzio 1985), written for q = r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3), in 2D with
 /// 40/(7 pi R^2).
 struct CubicKernel : KernelBase {
     explicit CubicKernel(Real support, int in_dimensions = 3)
@@ -58,7 +58,7 @@ struct CubicKernel : KernelBase {
     }
 };
 
-/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q), in the plane with 7/(pi R^2).
+/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q), in 2D with 7/(pi R^2).
 struct WendlandC2Kernel : KernelBase {
     explicit WendlandC2Kernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 21 / (2 * std::numbers::pi), 7 / std::numbers::pi) {}
@@ -78,7 +78,7 @@ struct WendlandC2Kernel : KernelBase {
     }
 };
 
-/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2), in the plane with 9/(pi R^2).
+/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2), in 2D with 9/(pi R^2).
 struct WendlandC4Kernel : KernelBase {
     explicit WendlandC4Kernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 495 / (32 * std::numbers::pi), 9 / std::numbers::pi) {}

@@ -13,7 +13,7 @@ struct SolveReport {
     int iterations = 0;
     double first_residual = 0, last_residual = 0;  ///< relative, in the norm that stops the solver
     bool converged = false;
-    std::string why_not;                           ///< empty where it converged
+    std::string why_not;                           ///< empty if it converged
     int levels = 1;                                ///< of the preconditioner, 1: a single one
     double set_up_seconds = 0, solve_seconds = 0;  ///< wall time
 };

@@ -38,7 +38,7 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
 }
 
 /// Particles in the column that a nozzle repeats: a layer for the streamlines of a parabolic profile, 24 for a plug, down to 6 where the
-/// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in the plane its width [m]
+/// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in 2D its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
 /// The pipe behind an opening: `depth` [m] of fluid, and an end of .45 spacings, so that fluid behind it is not where particles come in.
@@ -91,7 +91,7 @@ public:
     void change(Expression speed, double start, double stop);
 
     void save(std::ostream&) const;
-    /// @return whether the state is one that this emitter can have @throws EnvironmentError where the data are cut short
+    /// @return whether the state is one that this emitter can have @throws EnvironmentError if the data are cut short
     bool load(std::istream&);
     ~Emitter();
     Emitter(Emitter&&) noexcept;

@@ -62,7 +62,7 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
     return x;
 }
 
-/// Volume of the shape within the extent (in the plane: area), by the middles of cells a quarter of a spacing wide.
+/// Volume of the shape within the extent (in 2D: area), by the middles of cells a quarter of a spacing wide.
 double volume_within(const Shape& shape, const Extent& e, double spacing) {
     long count[3] = {1, 1, 1};
     Vec3d step = Vec3d::Zero();

@@ -22,7 +22,7 @@ using Distance = std::function<Real(const Vec3&)>;
 /// up to a fifth of the spacing. blue_noise: irregular, no pair closer than about 0.7 spacings, the outermost particles about half a
 /// spacing inside the surface. What lies beyond a periodic face of the domain comes in again on the other side.
 /// @param beyond lattice: also points up to this far outside of the shape [m]
-/// @return empty where the shape holds no particle
+/// @return empty if the shape holds no particle
 std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed,
                                Layers layers = Layers::nearest, Real beyond = 0);
 

@@ -60,7 +60,7 @@ private:
     void append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const;
 
     Axis axis_[3];
-    int axes_ = 3;                     ///< in use: in the plane there is one cell along z
+    int axes_ = 3;                     ///< in use: in 2D there is one cell along z
     Column<Index> bin_of_;             ///< of each particle, -1 where its position is not finite
     Column<Index> start_;              ///< of each bin in the packed columns
     Column<Real> packed_[3];           ///< positions in the order of the bins

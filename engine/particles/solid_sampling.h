@@ -19,7 +19,7 @@ namespace whorl {
 /// @param support of the volumes' kernel [m]; 0: two spacings
 /// @param place_of a solid's place in the scene file, for messages
 /// @param end s, of the run
-/// @throws InputError where the layer of a solid would need more than 50 million particles
+/// @throws InputError if the layer of a solid would need more than 50 million particles
 SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& domain, KernelForm kernel = {}, Real support = 0,
                              const std::function<Place(std::size_t)>& place_of = {}, double end = 0);
 

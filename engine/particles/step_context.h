@@ -25,7 +25,7 @@ struct StepContext {
     Real support = 0;       ///< m, kernel radius R
     Real rest_density = 0;  ///< kg/m^3
     Real mass = 0;          ///< kg a particle: rest_density volume
-    Real volume = 0;        ///< m^3 a particle at rest: spacing^3; in the plane spacing^2, all of a metre of depth
+    Real volume = 0;        ///< m^3 a particle at rest: spacing^3; in 2D spacing^2, all of a metre of depth
     KernelForm kernel;
     int dimensions() const { return kernel.dimensions; }  ///< 2: all particles are in the plane z = 0 and move in it
 };
@@ -79,7 +79,7 @@ struct StepReport {
     std::optional<Divergence> diverged;
 };
 
-/// m/s, the largest of all particles; 0 where there are none.
+/// m/s, the largest of all particles; 0 if there are none.
 inline double largest_speed(Span<const Vec3> u) {
     return std::sqrt(parallel_max(static_cast<Index>(u.size()), 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
 }

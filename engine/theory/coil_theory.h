@@ -54,7 +54,7 @@ public:
     /// found) the branch of coils is followed from infinite viscosity, where there is one coil, down to the viscosity that is asked for,
     /// through its folds: where several coils are possible (inertio-gravitational coiling: Ribe, Huppert, Hallworth, Habibi & Bonn 2006),
     /// the first that is met there.
-    /// @return nothing where none was found within `most_effort` linear solves, where it would be no wider than its own thread (then it is
+    /// @return nothing if none was found within `most_effort` linear solves, where it would be no wider than its own thread (then it is
     /// none), or when `give_up` became true
     std::optional<CoilTheory> at(const CoilParameters& parameters, const std::atomic<bool>* give_up = nullptr);
     /// Linear solves that the last answer took.

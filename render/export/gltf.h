@@ -32,8 +32,8 @@ public:
 
     /// The next frame. The first one gives meshes, materials and lights.
     void add(const Frame& frame, const View& view, const LookOptions& look);
-    /// Goes on with a film's file: takes its key frames up to `last_frame`; nothing where there is no such file.
-    /// @throws InputError where it is not one that write() made
+    /// Goes on with a film's file: takes its key frames up to `last_frame`; nothing if there is no such file.
+    /// @throws InputError if it is not one that write() made
     void go_on_from(const std::filesystem::path& file, int last_frame);
     /// Whole or not at all. @throws EnvironmentError
     void write(const std::filesystem::path& file) const;

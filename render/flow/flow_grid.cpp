@@ -102,7 +102,7 @@ struct Sums {
 
 FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes,
                    float cell_in_spacings) {
-    // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in the plane pi/3 1.5^2.
+    // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in 2D pi/3 1.5^2.
     constexpr float reach_in_spacings = 1.5f;
     const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
     FlowGrid grid = laid_out(frame, reach_in_spacings * frame.spacing, most_nodes, cell_in_spacings * frame.spacing);

@@ -26,7 +26,7 @@ FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::arr
 
 struct SolidCut {
     bool container = false;      ///< the fluid is inside the outline
-    std::vector<float> inside;   ///< share of each pixel that lies within the outline, rows from below; empty where the plane misses it
+    std::vector<float> inside;   ///< share of each pixel that lies within the outline, rows from below; empty if the plane misses it
     std::vector<float> outline;  ///< share of each pixel that its line covers
 };
 

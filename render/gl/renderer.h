@@ -35,7 +35,7 @@ struct NextView {
 /// Draws frames into images. Belongs to the thread that made it.
 class Renderer {
 public:
-    /// @throws EnvironmentError where no device works, with each attempt
+    /// @throws EnvironmentError if no device works, with each attempt
     Renderer(int width, int height);
     ~Renderer();
     Renderer(Renderer&&) noexcept;

@@ -15,7 +15,7 @@ namespace whorl {
 class Surround {
 public:
     Surround();
-    /// Reads the picture of the look, where it has one that is not read yet. @throws InputError where it cannot be read
+    /// Reads the picture of the look, where it has one that is not read yet. @throws InputError if it cannot be read
     void fill(const LookOptions& look);
     /// The studio of the look's background, with the picture's light if there is one.
     Studio studio(const LookOptions& look) const;

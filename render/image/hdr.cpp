@@ -56,7 +56,7 @@ private:
         if (!size.empty() || image_.height == 0 || image_.width == 0)
             refuse("the size of the picture is not written as in \"-Y 512 +X 1024\", each at most 32767");
     }
-    /// Takes the name and the number after it off the front. @return 0 where it is none
+    /// Takes the name and the number after it off the front. @return 0 if it is none
     static int length(std::string_view& text, std::string_view name) {
         if (text.rfind(name, 0) != 0) return 0;
         text.remove_prefix(name.size());

@@ -26,14 +26,14 @@ Image over_grey(Image image);
 Image plain_image(int width, int height, std::uint8_t grey);
 /// Writes under a temporary name and renames when whole. @throws EnvironmentError (disk full, no such folder)
 void write_png(const std::filesystem::path& file, const Image& image);
-/// @throws InputError where the file is missing or no picture
+/// @throws InputError if the file is missing or no picture
 Image read_png(const std::filesystem::path& file);
 /// Linear light, rows from the top, three numbers a pixel.
 struct FloatImage {
     int width = 0, height = 0;
     std::vector<float> rgb;
 };
-/// A Radiance picture (.hdr). @throws InputError where the file is missing, broken or of another kind
+/// A Radiance picture (.hdr). @throws InputError if the file is missing, broken or of another kind
 FloatImage read_hdr(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
 /// JPEG has no alpha: a transparent picture is laid over grey.
@@ -45,7 +45,7 @@ float linear_light(std::uint8_t srgb);
 std::uint8_t srgb_byte(float light);
 
 /// Mean and largest perceptual difference (CIE76 delta E in L*a*b*, after a 3x3 blur so that one-pixel shifts of an edge count little);
-/// infinite where the sizes differ.
+/// infinite if the sizes differ.
 struct PictureDifference {
     double mean = 0, p99 = 0, max = 0;
 };

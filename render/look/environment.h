@@ -42,7 +42,7 @@ struct Environment {
     Vec3f direction(int x, int y) const;  ///< unit, of the pixel's middle
 };
 
-/// A Radiance picture (.hdr), as cameras and Poly Haven make them. @throws InputError where it is missing or no such picture
+/// A Radiance picture (.hdr), as cameras and Poly Haven make them. @throws InputError if it is missing or no such picture
 Environment read_environment(const std::filesystem::path& file);
 
 /// Light of the picture on a white matt surface, over pi, in spherical harmonics up to the second order: within 3 % of the integral

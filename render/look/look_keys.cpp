@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-/// sRGB, 0 .. 1. @throws KeyFault where the text is no colour
+/// sRGB, 0 .. 1. @throws KeyFault if the text is no colour
 Vec3f colour_of(const Value& text) {
     Vec3f colour;
     if (!read_colour(*text.as<std::string>(), colour))

@@ -10,7 +10,7 @@ namespace whorl {
 /// The frame's particles (those first, in their order) and their copies within `margin` beyond the periodic sides.
 struct Ghosted {
     std::vector<Vec3f> position;
-    std::vector<Index> original;  ///< index in the frame; empty where nothing is periodic: position is the frame's own
+    std::vector<Index> original;  ///< index in the frame; empty if nothing is periodic: position is the frame's own
 };
 Ghosted with_ghosts(const Frame& frame, float margin);
 

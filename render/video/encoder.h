@@ -25,7 +25,7 @@ struct VideoOptions {
 /// their last row or column: yuv420p has none.
 class VideoEncoder {
 public:
-    /// @param file the final name, ending in one of video_suffixes(). @throws EnvironmentError where ffmpeg is missing
+    /// @param file the final name, ending in one of video_suffixes(). @throws EnvironmentError if ffmpeg is missing
     VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options);
     ~VideoEncoder();
     VideoEncoder(VideoEncoder&&) noexcept;
@@ -49,7 +49,7 @@ const std::vector<std::string>& video_suffixes();
 std::filesystem::path partial_video(const std::filesystem::path& file);
 
 /// Before a film is begun that is to have a video. @param way_out what else to do than to install it, as in "or run with --no-video"
-/// @return encoder_version() @throws EnvironmentError where ffmpeg is missing or does not run
+/// @return encoder_version() @throws EnvironmentError if ffmpeg is missing or does not run
 std::string check_encoder(const std::string& way_out = "");
 /// The ffmpeg program's version line, "" if there is none.
 std::string encoder_version();

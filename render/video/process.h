@@ -19,7 +19,7 @@ public:
     ~ChildProcess();
     ChildProcess(ChildProcess&& other) noexcept;
 
-    /// Writes all of it, waiting where the child is slower. @return false where the child no longer reads; never raises SIGPIPE.
+    /// Writes all of it, waiting where the child is slower. @return false if the child no longer reads; never raises SIGPIPE.
     bool write(std::span<const std::uint8_t> bytes);
     /// Ends the child's input and waits for it. @return its exit status, 128 + the signal's number where a signal ended it
     int wait();

@@ -19,7 +19,7 @@ struct CoupledWorld {
     Span<std::int16_t> role() { return world.fluid.column<field::role>(); }
     /// Adds particles at rest; returns the place of the first.
     Index add(const std::vector<Vec3>& x);
-    /// One step of dt [s]; false where the solve did not converge.
+    /// One step of dt [s]; false if the solve did not converge.
     bool step(Real dt, bool at_frame_time = false);
     /// A step without move, shift and contact.
     bool solve_only(Real dt);

@@ -33,9 +33,9 @@ struct Glb {
     std::string binary;
     /// The floats of an accessor.
     std::vector<float> floats(std::size_t accessor) const;
-    /// The node of this name; null where there is none.
+    /// The node of this name; null if there is none.
     nlohmann::json node(const std::string& name) const;
-    /// Values of a node's animation, "translation" or "rotation"; empty where it does not move.
+    /// Values of a node's animation, "translation" or "rotation"; empty if it does not move.
     std::vector<float> keys(const std::string& node, const std::string& path) const;
 };
 Glb read_glb(const std::filesystem::path& file);

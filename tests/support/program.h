@@ -22,7 +22,7 @@ public:
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;
 
-    /// Waits until the condition holds. @return false where the program ends before, or after five minutes
+    /// Waits until the condition holds. @return false if the program ends before, or after five minutes
     bool wait_until(const std::function<bool()>& condition);
     void signal(int number) const;
     /// Its standard output up to now.

@@ -6,7 +6,7 @@
 
 namespace whorl::test {
 
-/// @throws InputError where the text is no scene, or its plan refuses it
+/// @throws InputError if the text is no scene, or its plan refuses it
 Simulation simulation_of(const std::string& text);
 /// Steps to `end` [s]. @throws std::runtime_error where the run diverges
 void run_until(Simulation& simulation, double end);

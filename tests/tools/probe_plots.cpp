@@ -18,7 +18,7 @@ namespace {
 
 using Scratch = test::FilmScratch;
 
-/// A column of water that falls apart in the plane, some hundred particles.
+/// A column of water that falls apart in 2D, some hundred particles.
 const std::string dam = R"([time]
 end = 0.15
 fps = 40

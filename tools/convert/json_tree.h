@@ -31,7 +31,7 @@ struct JsonNode {
     std::optional<Vec3d> vector_of(const std::string& key) const;
     /// Objects of a member that is a list of objects; empty if it is absent.
     std::vector<const JsonNode*> objects_of(const std::string& key) const;
-    /// The member; null where it is absent.
+    /// The member; null if it is absent.
     const JsonNode* find(const std::string& key) const;
     /// Calls f(node) for the values that were not read, in the file's order; once for a list or object
     /// of which nothing was read.

@@ -103,7 +103,7 @@ private:
 /// {"profile": false, "along_unit": "s", "plots": [{"title": "front [m]", "curves": [{"column": "front", "label": "front", "dashed":
 /// false}]}]}; a column of the comparison is called compare_NAME.
 nlohmann::ordered_json described_plots(const Probe& probe, const std::optional<Comparison>& comparison);
-/// The newest row as {"frequency": 2.1, ...}; null where a value is not known.
+/// The newest row as {"frequency": 2.1, ...}; null if a value is not known.
 nlohmann::ordered_json newest_row(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison);
 /// Profile of a probe that measures several places per frame: {"s": [0, 0.1, ...], "pressure": [...], ...}, some hundred places at most.
 nlohmann::ordered_json profile_of(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison);

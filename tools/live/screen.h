@@ -66,7 +66,7 @@ public:
 
     /// The newest picture; null before the first.
     std::shared_ptr<const Picture> newest() const;
-    /// Waits for a picture newer than `number`. @return null where none came within `seconds`, or the screen was closed
+    /// Waits for a picture newer than `number`. @return null if none came within `seconds`, or the screen was closed
     std::shared_ptr<const Picture> after(std::uint64_t number, double seconds) const;
     /// Ends after() for all who wait in it.
     void close();

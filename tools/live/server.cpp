@@ -67,7 +67,7 @@ struct LiveServer::Http {
     /// Counts the viewers that keep a connection.
     class Viewers {
     public:
-        /// @return holds the viewer's place; null where there are too many
+        /// @return holds the viewer's place; null if there are too many
         std::shared_ptr<void> add() {
             if (count_.fetch_add(1) >= most_streams) {
                 --count_;

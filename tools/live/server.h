@@ -15,7 +15,7 @@ struct ServerOptions {
 
 class LiveServer {
 public:
-    /// Binds. @throws EnvironmentError where the address is taken or cannot be had
+    /// Binds. @throws EnvironmentError if the address is taken or cannot be had
     LiveServer(ServerOptions options, Controls& controls, Screen& screen, Status& status);
     ~LiveServer();
     LiveServer(const LiveServer&) = delete;

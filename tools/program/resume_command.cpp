@@ -17,7 +17,7 @@ struct ResumeOptions {
     std::filesystem::path folder;
 };
 
-/// When the run is to end now [s]; nothing where it keeps its end. @throws InputError
+/// When the run is to end now [s]; nothing if it keeps its end. @throws InputError
 std::optional<double> wanted_end(const Options& options, const Scene& scene) {
     if (options.until && options.frames)
         throw InputError({"--frames", 0, 0}, "--until and --frames both say when the run ends", "give one of them");

@@ -47,7 +47,7 @@ std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differe
 bool decides(const SceneFile& before, const SceneFile& now);
 
 /// A scene with the [[change]] entries of time 0 made and taken out; the later ones stay. @param beat changes that beat those (--set)
-/// @throws InputError where any entry cannot be made, with its place
+/// @throws InputError if any entry cannot be made, with its place
 SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>& beat = {});
 
 /// A scene that changes while it runs: its [[change]] entries in the order of their times.
@@ -57,7 +57,7 @@ public:
     explicit Replay(const SceneFile& file);
 
     const SceneFile& now() const { return now_; }
-    /// s, of the next change that was not made; infinite where there is none
+    /// s, of the next change that was not made; infinite if there is none
     double next() const;
     /// Callback for each moment: simulation(scene, plan, time), called if the simulation differs from then on.
     using Follow = std::function<void(const Scene&, const Plan&, double)>;

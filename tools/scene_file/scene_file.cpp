@@ -104,7 +104,7 @@ void look_at_plane(SceneFile& file) {
                          "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
 }
 
-/// @throws InputError where the picture asks for a field that the run will not have, or for what cannot be shown
+/// @throws InputError if the picture asks for a field that the run will not have, or for what cannot be shown
 void check_look(const SceneFile& file) {
     if (file.camera.min.has_value() != file.camera.max.has_value()) {
         const auto [given, missing] = file.camera.min ? std::pair("camera.min", "camera.max") : std::pair("camera.max", "camera.min");

@@ -33,7 +33,7 @@ SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<s
 SceneFile read_resolved(const std::string& text, const std::string& file);
 /// Finds the picture of the surroundings from the scene file's folder. @throws InputError at its key if it cannot be read
 void find_environment(SceneFile& file);
-/// The checksum of each mesh, picture and table that the scene names, by absolute path. @throws InputError where one cannot be read
+/// The checksum of each mesh, picture and table that the scene names, by absolute path. @throws InputError if one cannot be read
 std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file);
 /// scene.resolved.toml: every value used. Reading it back gives the same scene.
 std::string resolved_toml(const SceneFile& file);

@@ -34,7 +34,7 @@ public:
     explicit FrontSearch(std::vector<int> levels);
 
     /// @param most points that are expected to cost more are left out
-    /// @return the next point to run; empty where the front is known (or the grid is exhausted)
+    /// @return the next point to run; empty if the front is known (or the grid is exhausted)
     GridPoint next(const std::vector<Measured>& measured, double most = std::numeric_limits<double>::infinity()) const;
     /// Estimate of a point from the measured ones.
     Measured expected(const GridPoint& p, const std::vector<Measured>& measured) const;

@@ -250,7 +250,7 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
 }
 
 /// Runs the program as a job and waits for its end. The point's limit counts from its start on a machine, not from when it is queued.
-/// @return exit status; -1: it took too long @throws EnvironmentError where Slurm does not take it
+/// @return exit status; -1: it took too long @throws EnvironmentError if Slurm does not take it
 int PointRunner::run_job(const Call& call, const std::vector<std::string>& arguments, const fs::path& output) const {
     constexpr double to_begin = 300;  // s: before Slurm itself ends the job
     const fs::path said = output.string() + ".job";

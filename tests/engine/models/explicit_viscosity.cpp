@@ -79,7 +79,7 @@ TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, n
         // Relative to mu u'/(rho d), the force of one layer on the next. In 2D the fluid's lattice sum is 1.0009 rho_0, and its neighbours
         // weigh that much less than those of the wall.
         CHECK(largest < (dimensions == 3 ? 1e-4 : 1e-3) / (1000 * d));
-        CHECK(densest < 1e-3);  // the lattice sum itself is 1.0004 rho_0, in the plane 1.0009
+        CHECK(densest < 1e-3);  // the lattice sum itself is 1.0004 rho_0, in 2D 1.0009
     }
 }
 

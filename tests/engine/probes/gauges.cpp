@@ -38,7 +38,7 @@ World world_of(const std::vector<Vec3d>& places, int dimensions = 3) {
     return world;
 }
 
-/// Lattice points of a box that `inside` keeps, each moved by up to `jitter` spacings; in the plane those of z = 0.
+/// Lattice points of a box that `inside` keeps, each moved by up to `jitter` spacings; in 2D those of z = 0.
 template <class Inside>
 std::vector<Vec3d> lattice(const Vec3d& size, int dimensions, double jitter, const Inside& inside) {
     RandomNumbers random(5);

@@ -139,7 +139,7 @@ TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure
 TEST_CASE("the projection, which lets fluid enter a pipe from behind, refuses a pipe in the fluid", "[sim][emitter]") {
     const std::string projection = "[pressure]\nform = \"projection\"\n";
     CHECK_THROWS_WITH(simulation_of(Tank{.x = 0.1, .more = projection}.text()),
-                      Catch::Contains("lets fluid flow into the pipe of emitter[0] from behind"));
+                      Catch::Contains("lets fluid flow from behind into the pipe of emitter[0]"));
     CHECK_NOTHROW(simulation_of(Tank{.speed = 0.1, .x = 0.4, .more = projection}.text()));
 }
 

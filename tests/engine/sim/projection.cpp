@@ -14,7 +14,7 @@ namespace projection_test {
 
 namespace {
 
-/// A tank with a free surface in which a wall moves, in the plane.
+/// A tank with a free surface in which a wall moves, in 2D.
 const std::string tank = R"toml([time]
 end = 1
 [domain]
@@ -68,7 +68,7 @@ sampling = "jittered"
 velocity = ["STREAM + sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)"]
 )toml";
 
-/// A drop of 5 mm without weight, in the plane.
+/// A drop of 5 mm without weight, in 2D.
 std::string drop(const std::string& block, const std::string& fluid) {
     return R"toml([time]
 end = 1

@@ -82,7 +82,7 @@ max = [0.05, 0.055]
 rotation = [0, 0, 5]
 )toml";
 
-/// Particles that spin in the plane, weakly compressible.
+/// Particles that spin in 2D, weakly compressible.
 const std::string plane_eddies = R"toml([time]
 end = 0.1
 [domain]

@@ -90,7 +90,7 @@ TEST_CASE(
     // a u'' + kappa w' + f = 0, g w'' - kappa (u' + 2 w) = 0 between y = -h and h with u = 0 there (Eringen 1966; Lukaszewicz 1999):
     //   w = f y/(2a - kappa) - B sinh(m y),   u = f (h^2 - y^2)/(2a - kappa) - kappa B/(a m) (cosh mh - cosh my),   m^2 = kappa (2a -
     //   kappa)/(a g), B = f h/((2a - kappa) sinh mh) where w = 0 at the walls, B = f/((2a - kappa) m cosh mh) where w' = 0.
-    // The second fluid has more coupling than viscosity, and the composed form: in the plane, which is quicker.
+    // The second fluid has more coupling than viscosity, and the composed form: in 2D, which is quicker.
     const double H = 1, h = H / 2, d = H / 24, f = 10;
     for (const Micropolar2 c : {Micropolar2{1.2, 1, 0.0324, 0.03}, Micropolar2{2, 2.6, 0.05, 0.03}}) {
         const double twice = 2 * c.a - c.kappa, m = std::sqrt(c.kappa * twice / (c.a * c.g));

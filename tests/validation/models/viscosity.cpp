@@ -51,7 +51,7 @@ double longest_step(Form form, int dimensions, double d, double nu) {
     return viscous_step(support_of(form) * d, (form == Form::monaghan ? monaghan_stiffness(dimensions) : 1) * nu);
 }
 
-/// Calls test(form, dimensions, depth of the box along z [m]) for all forms, in space and in the plane.
+/// Calls test(form, dimensions, depth of the box along z [m]) for all forms, in 3D and 2D.
 template <class F>
 void in_space_and_plane(double depth, const F& test) {
     for (Form form : all_forms)

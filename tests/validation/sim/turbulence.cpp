@@ -1,4 +1,4 @@
-/// Turbulence in the plane against what its equations say of energy and enstrophy.
+/// Turbulence in 2D against what its equations say of energy and enstrophy.
 #include <catch2/catch.hpp>
 
 #include "tests/support/benchmarks.h"

@@ -13,7 +13,7 @@ namespace {
 constexpr double length = 0.1, nu = 2e-5;
 
 /// Kinetic energy after `end` [s] over that at the start: an array of vortices at the Reynolds number 1000, 32 particles a wave.
-/// @param depth of the slab [m]; 0: in the plane
+/// @param depth of the slab [m]; 0: in 2D
 double energy_left(const std::string& pressure_keys, double end, double depth = 0.0125) {
     const std::string top = "max = [0.1, 0.1, " + std::to_string(depth) + "]\n";
     const std::string text = R"toml([time]
@@ -71,7 +71,7 @@ TEST_CASE(
 
 TEST_CASE("in the plane vortices at Reynolds 1000 keep their energy within a tenth over a turn",
           "[validation][pressure][shifting][plane]") {
-    // Over 2 spacings a particle has 12 neighbours in the plane, and .79 of .88 are left; over 3 it has 28, as in space over 2.
+    // Over 2 spacings a particle has 12 neighbours in 2D, and .79 of .88 are left; over 3 it has 28, as in 3D over 2.
     const double k = 2 * std::numbers::pi / length, end = 0.4, exact = std::exp(-4 * nu * k * k * end);
     CHECK(energy_left("gradient = \"difference\"\n", end, 0) == Approx(exact).epsilon(0.1));
 }
