@@ -20,7 +20,7 @@ bool take(std::istream& in, T& value) {
     return static_cast<bool>(in.read(reinterpret_cast<char*>(&value), sizeof value));
 }
 
-/// Whether what was taken as part of a larger value is a bool, and no other byte.
+/// Whether the byte read as part of a larger value is a valid bool (0 or 1).
 inline bool is_truth(const bool& taken) {
     unsigned char byte = 0;
     std::memcpy(&byte, &taken, 1);

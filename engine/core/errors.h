@@ -40,7 +40,7 @@ private:
 /// The world's failure: no EGL device, disk full, ffmpeg missing. Exit code 1.
 class EnvironmentError : public std::runtime_error {
 public:
-    /// @param what what failed @param tried what was tried, in order @param remedy what to install or free
+    /// @param what the failure @param tried the attempts, in order @param remedy what to install or free
     EnvironmentError(std::string what, std::string tried = "", std::string remedy = "");
 };
 

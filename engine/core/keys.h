@@ -1,5 +1,5 @@
 #pragma once
-/// Key tables: what keys a plain struct has in a file. One table gives reading with every error, the resolved file, the JSON Schema,
+/// Key tables: the keys of a plain struct in a file. One table gives reading with every error, the resolved file, the JSON Schema,
 /// the reference page and the sliders of a live view. Defaults are the struct's own member initialisers.
 ///
 ///     KeyTable time_keys() {
@@ -71,7 +71,7 @@ enum class KeyType { flag, integer, number, text, choice, expression, flags, int
 enum class InPlane {
     free,    ///< as ever: they are no vector of the flow's space
     vector,  ///< the third is 0 and may be left out
-    axis,    ///< only the third counts, the others are 0: what turns about z
+    axis,    ///< only the third counts, the others are 0: rotation about z
     cut      ///< of a shape, which the plane cuts: the third may be left out
 };
 
@@ -247,7 +247,7 @@ public:
     }
 
 private:
-    S fresh_{};  ///< what defaults and offsets are read from
+    S fresh_{};  ///< source of defaults and offsets
 };
 
 /// The shortest decimal that is this number, also for a float.
@@ -282,7 +282,7 @@ struct KeyCodec<T, std::enable_if_t<std::is_floating_point_v<T>>> {
     }
     static T read(const Value& v) { return static_cast<T>(v.number()); }
 };
-/// A value of any type: what it must be follows from elsewhere.
+/// A value of any type: its type follows from elsewhere.
 template <>
 struct KeyCodec<Value> {
     static void describe(Key& k) { k.type = KeyType::any; }

@@ -25,7 +25,7 @@ inline constexpr Index serial_below = 512;
 
 /// Calls f(begin, end) for fixed blocks that cover [0, n). The body is compiled once and always runs over the same blocks: inlined twice,
 /// for one thread and for several, the compiler might contract or vectorise the copies differently, and their bits would differ. Each call
-/// must write only what belongs to its block.
+/// must write only data of its block.
 template <class F>
 void parallel_blocks(Index n, Index block, F&& f) {
     const auto run = [&f](Index begin, Index end) __attribute__((noinline)) { f(begin, end); };
@@ -38,7 +38,7 @@ void parallel_blocks(Index n, Index block, F&& f) {
     for (Index b = 0; b < blocks; ++b) run(b * block, std::min(n, (b + 1) * block));
 }
 
-/// Calls f(i) for i in [0, n). Each f(i) must write only what belongs to i.
+/// Calls f(i) for i in [0, n). Each f(i) must write only data of i.
 template <class F>
 void parallel_for(Index n, F&& f) {
     parallel_blocks(n, 256, [&f](Index begin, Index end) {

@@ -15,7 +15,7 @@ public:
     WholeFile(const WholeFile&) = delete;
     WholeFile& operator=(const WholeFile&) = delete;
 
-    /// The name to write to: hidden and with another extension, so that what looks for *.png does not find half a picture.
+    /// The name to write to: hidden and with another extension, so that a search for *.png does not find partial images.
     const std::filesystem::path& temporary() const { return temporary_; }
     /// @throws EnvironmentError if it cannot be renamed
     void commit();

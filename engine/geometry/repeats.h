@@ -1,10 +1,10 @@
 #pragma once
-/// Periodic images of what has a shape: in a periodic domain a shape is there once a period, wherever it lies.
+/// Periodic images of shapes: in a periodic domain a shape exists once per period, wherever it is.
 #include "engine/geometry/shape.h"
 
 namespace whorl {
 
-/// The images of a bounded shape along the domain's periodic axes. The union of all of them is what the fluid meets.
+/// The images of a bounded shape along the domain's periodic axes. The fluid meets the union of all of them.
 class Repeats {
 public:
     Repeats() = default;

@@ -61,7 +61,7 @@ struct RigidBody {
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< from the own axes to the world's
     Vec3d velocity = Vec3d::Zero();                            ///< m/s, of the centre
     Vec3d spin_momentum = Vec3d::Zero();                       ///< angular momentum about the centre [kg m^2/s]
-    Wrench pressed;  ///< of the last step's pressure and contacts [N, N m]: what ExpectForce expects again
+    Wrench pressed;  ///< of the last step's pressure and contacts [N, N m], the prediction of ExpectForce
 
     /// At rest where the shape's own keys put it. @param density kg/m^3
     RigidBody() = default;

@@ -20,7 +20,7 @@ struct ShapeKeys {
     Vec3d normal{0, 1, 0};
     std::filesystem::path file;
     double scale = 1;
-    /// The flow is plane: what counts is the cut by the plane z = 0, for all z. A box or cylinder without depth reaches through the plane.
+    /// 2D flow: the section with the plane z = 0 counts, for all z. A box or cylinder without depth reaches through the plane.
     bool cut = false;
 };
 
@@ -66,14 +66,14 @@ public:
     virtual bool bounded() const { return true; }
     /// Whether its cuts across the axis are all the same, between two flat ends.
     virtual bool prismatic(int) const { return false; }
-    /// Volume, centre and moments of what is inside. This one sums over mesh().
+    /// Volume, centre and moments of the inside. This one sums over mesh().
     virtual Bulk bulk() const { return bulk_of(mesh(0, 0)); }
     /// For drawing. @param edge wanted length of an edge [m] @param extent half-width of a plane's drawn patch [m]
     virtual TriangleMesh mesh(Real edge, Real extent) const = 0;
     /// Points about a spacing apart on the surface at the signed distance `offset` [m] (nearer where the shape is too thin for it).
     /// This one throws darts on mesh(): blue noise; the same for the same shape. @throws InputError beyond 50 million points
     virtual std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const;
-    std::vector<std::string> remarks;  ///< what was left out of its mesh file, and faces that cross others
+    std::vector<std::string> remarks;  ///< parts left out of its mesh file, and faces that cross others
 };
 
 /// @throws InputError if a mesh file is missing, unreadable or not closed

@@ -36,7 +36,7 @@ struct Solid {
     Contact contact;                 ///< how it touches other solids
     std::optional<RigidBody> body;   ///< free: forces move it; position and spin only say where it starts
     Vec3d shift = Vec3d::Zero();     ///< m, added to `position`; follows from earlier motions (go_on_as)
-    Mat3d turn = Mat3d::Identity();  ///< before the turning by `spin` since t = 0: the scene's tilt, and what follows from earlier motions
+    Mat3d turn = Mat3d::Identity();  ///< before the turning by `spin` since t = 0: the scene's tilt, and the result of earlier motions
     Pose pose;
     Turned turned;
     Repeats repeats;      ///< of the shape in its pose
@@ -94,7 +94,7 @@ private:
     void place_images();
 };
 
-/// SolidParticles::flat at a distance from what is not flat [m].
+/// SolidParticles::flat at a distance from the nearest surface that is not flat [m].
 inline Real flat_beside(Real distance, Real support) { return std::clamp(distance / support - 1, Real(0), Real(1)); }
 
 /// Boundary particles: one layer on the solids' surfaces, about a spacing apart, half a spacing inside the solid.

@@ -38,7 +38,7 @@ class Table {
 public:
     /// A new file with its header line.
     Table(std::filesystem::path file, std::string_view header);
-    /// An old file, cut back to its first `bytes` (what it held at a checkpoint). @throws EnvironmentError if it is shorter
+    /// An old file, truncated to its first `bytes` (its length at a checkpoint). @throws EnvironmentError if it is shorter
     Table(std::filesystem::path file, std::uint64_t bytes);
     ~Table();
     Table(Table&& other) noexcept;

@@ -1,5 +1,5 @@
 #pragma once
-/// diagnostics.csv: what is conserved, what is bounded, what it cost; a row a frame.
+/// diagnostics.csv: conserved and bounded quantities and costs, one row per frame.
 #include <string>
 
 #include "engine/sim/energy_count.h"

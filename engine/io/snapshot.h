@@ -11,7 +11,7 @@ namespace whorl {
 /// Adds those of `fields` that are derived and that the run can give:
 /// vorticity:        curl u [1/s], from gradients by least squares over the neighbours: exact for linear velocities, at surfaces too
 /// q_criterion:      Q [1/s^2], where the flow turns more than it strains (q_criterion())
-/// spin_difference:  w - curl u/2 [1/s], what the spin has more than the flow around it; where the run has spins
+/// spin_difference:  w - curl u/2 [1/s], the spin relative to the flow around it; if the run has spins
 void add_derived_fields(const World& world, const std::vector<std::string>& fields, Frame& frame);
 
 /// grad u of every particle [1/s], row: component of u; 0 where a particle is alone.

@@ -6,7 +6,7 @@ namespace whorl {
 
 /// Solves A x = b from x = 0. @param r b; then the last residual @param x zeros; then the solution
 /// @param M as of conjugate_gradients(), symmetric and positive definite
-/// @param reference > 0, what the residual's norm sqrt(r.M r) is measured against
+/// @param reference > 0, scale of the residual's norm sqrt(r.M r)
 template <class T, class Operator, class Preconditioner>
 SolveReport bicgstab(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits, double reference) {
     const std::size_t n = r.size();

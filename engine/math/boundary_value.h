@@ -47,7 +47,7 @@ public:
 private:
     using Matrix = Eigen::Matrix<double, n, n>;
     class Cubics;
-    static constexpr int rows = first + n;  ///< of what is eliminated at once: conditions on a node, and the defects after it
+    static constexpr int rows = first + n;  ///< eliminated together: conditions on a node, and the defects after it
 
     template <int m, class F>
     static Vector<double, m> with_jacobian(const F& f, const Values& y, Eigen::Matrix<double, m, n>& jacobian);

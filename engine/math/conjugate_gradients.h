@@ -55,7 +55,7 @@ double apply_and_dot(const F& f, Span<const T> v, Span<T> y) {
 
 /// Goes on from a first guess whose residual is known, which saves a product with A (see conjugate_gradients for the rest).
 /// @param r b - A x; then the last residual
-/// @param reference > 0, what the residual is measured against in the chosen norm
+/// @param reference > 0, scale of the residual in the chosen norm
 /// @param Mr M r, where it is known already
 template <class T, class Operator, class Preconditioner>
 SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits,
@@ -110,7 +110,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
 /// @param A called as A(Span<const T> x, Span<T> y): y = A x; it may return x.y
 /// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r; it may return r.z
 /// @param x the first guess, then the solution; where the solver stops early, its last iterate
-/// @param reference what the residual is measured against in the chosen norm; 0: the norm of b itself
+/// @param reference scale of the residual in the chosen norm; 0: the norm of b
 /// @returns iterations and relative residuals; converged is false with a reason where a limit was reached or A or M are not definite
 template <class T, class Operator, class Preconditioner>
 SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span<const T> b, Span<T> x, const SolveLimits& limits,

@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// A text that is no expression; what() says why and in which column.
+/// A text that is not a valid expression; what() gives reason and column.
 struct ExpressionError : std::invalid_argument {
     ExpressionError(const std::string& what, int in_column) : std::invalid_argument(what), column(in_column) {}
     int column;  ///< of the text, from 1; 0: not known

@@ -1,5 +1,5 @@
 #pragma once
-/// Sparse matrices by rows: what coarse levels are made of.
+/// Sparse matrices by rows, for coarse levels.
 #include <vector>
 
 #include "engine/core/column.h"

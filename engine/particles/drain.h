@@ -21,8 +21,8 @@ struct Drain {
     Real after = 0;  ///< s: fluid that has been inside for this long is removed
 };
 
-/// Takes away what the drains let go at the end of a step of length dt [s]; the order of the rest stays. The store must have
-/// field::time_in_drain.
+/// Removes particles that have stayed in a drain for its delay, after a step of length dt [s]; keeps the order of the others. The store
+/// must have field::time_in_drain.
 /// @return how many particles went
 Index drain(ParticleStore& fluid, const std::vector<Drain>& drains, Real dt);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Values of neighbours, brought side by side: what lets a loop over neighbours run in vector registers.
+/// Gathers values of neighbours into contiguous memory, so that loops over neighbours run in vector registers.
 #if defined(__AVX512F__) && defined(__AVX512VL__)
 #include <immintrin.h>
 #endif

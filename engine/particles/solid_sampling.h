@@ -25,7 +25,7 @@ SolidParticles sample_solids(const Solids& solids, Real spacing, const Domain& d
 
 /// The part of a moving plane that needs boundary particles: where it meets the domain, and twice the support [m] about it, at any time
 /// until `end` [s]; of one that does not turn also where the domain is at first, seen along the normal. Periodic axes are filled where the
-/// plane keeps them. What a longer run wants contains what a shorter one does, at the same places.
+/// plane keeps them. The particles of a longer run include those of a shorter one.
 /// @param plane in its pose at t = 0
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end);
 

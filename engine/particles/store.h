@@ -1,5 +1,5 @@
 #pragma once
-/// The columns of the particles: allocated from what the stages declare, sorted, grown and shrunk together.
+/// The columns of the particles: allocated by the stages' declarations, sorted, grown and shrunk together.
 #include <map>
 #include <memory>
 #include <string>

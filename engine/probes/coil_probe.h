@@ -1,16 +1,16 @@
 #pragma once
-/// How a falling thread coils: frequency, radius and fall, with what slender-thread theory (Ribe 2004) means by them.
+/// How a falling thread coils: frequency, radius and fall, as defined by slender-thread theory (Ribe 2004).
 ///
-/// At every step, with z the height above `axis_point` along `axis_direction`, and velocities relative to what sticks to a solid (a plate
-/// may move):
+/// At every step, with z the height above `axis_point` along `axis_direction`, and velocities relative to particles stuck to a solid (a
+/// plate may move):
 /// 1. Thread speed U: the largest mean downward speed of a layer one spacing thick. The layer's number of particles gives the thread's
 /// radius a.
-/// 2. Pile: what moves slower than 0.1 U. Its top is where, counted from above, half a slice of thread (one spacing long) has been met,
+/// 2. Pile: particles slower than 0.1 U. Its top is where, counted from above, half a slice of thread (one spacing long) has been met,
 /// low-passed
 ///    over the time in which 4 a of thread are laid.
-/// 3. Falling thread: what is faster than 0.4 U, from 2.5 a below the pile's top to 10 a above it. Its mean place gives the angle of the
+/// 3. Falling thread: particles faster than 0.4 U, from 2.5 a below the pile's top to 10 a above it. Its mean place gives the angle of the
 /// coil.
-/// 4. Contact: what is slower than 0.7 U there, in four ranges of the speed (CoilTurns), gives radius and height of the circle on which
+/// 4. Contact: particles slower than 0.7 U there, in four ranges of the speed (CoilTurns), gives radius and height of the circle on which
 /// the
 ///    thread comes to rest. With `height` > 0 the thread's section at that height above the pile's top is taken for both instead, as it is.
 ///
@@ -19,9 +19,9 @@
 /// again when none was completed for three periods. pile_height is the height of the ground on which the thread lands just now: its centre
 /// line comes to rest one radius above. fall is from the nozzle to that ground, mean over the same turns as the frequency: the fall height
 /// of the theory.
-/// theory_frequency and theory_radius are what theory expects for that fall and for speed, nozzle, viscosity, gravity and surface tension
-/// as they are (coil_theory.h, coil_expectation.h); empty before a fall is known, and where the theory is not of such a thread or finds no
-/// coil.
+/// theory_frequency and theory_radius are the theoretical values for that fall and for speed, nozzle, viscosity, gravity and surface
+/// tension as they are (coil_theory.h, coil_expectation.h); empty before a fall is known, and where the theory is not of such a thread or
+/// finds no coil.
 #include <array>
 #include <optional>
 
@@ -155,7 +155,7 @@ private:
     double height_;
     Memory memory_;
     CoilTurns turns_;
-    std::optional<Pouring> pouring_;  ///< what the scene pours down the axis
+    std::optional<Pouring> pouring_;  ///< the scene's pouring along the axis
     CoilExpectation expectation_;
 };
 

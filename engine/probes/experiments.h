@@ -1,5 +1,5 @@
 #pragma once
-/// Probes of what experiments measure (docs/physics.md 13).
+/// Probes of quantities that experiments measure (docs/physics.md 13).
 #include "engine/probes/probes.h"
 
 namespace whorl {
@@ -20,7 +20,7 @@ std::unique_ptr<Probe> make_flux_probe(const ProbeKeys& keys, const World& world
 /// axis_point. Particles in nozzles do not count.
 std::unique_ptr<Probe> make_extent_probe(const ProbeKeys& keys);
 
-/// The flow in a box: energy, vorticity, and how far it is from what theory expects. largest_vorticity and mean_square_vorticity are of
+/// The flow in a box: energy, vorticity, and its distance from theory. largest_vorticity and mean_square_vorticity are of
 /// |curl u|, from gradients by least squares over two spacings. expected_energy is the kinetic energy that the same particles would have
 /// with the expected velocity v where they are, and velocity_error is sqrt(sum |u - v|^2/sum |v|^2). Both are empty where v is zero, and
 /// all but the energy where the box is empty.

@@ -1,5 +1,5 @@
 #pragma once
-/// Probes: what a scene asks to be measured while it runs, one CSV file each (probes/<name>.csv).
+/// Probes: measurements during a run that a scene requests, one CSV file each (probes/<name>.csv).
 #include <iosfwd>
 #include <limits>
 #include <memory>
@@ -61,7 +61,7 @@ public:
     virtual void load(std::istream&) {}
 };
 
-/// @throws EnvironmentError if what a probe has loaded is not its own
+/// @throws EnvironmentError if the loaded state is not of this kind of probe
 inline void check_saved(bool sound, const std::string& kind) {
     if (!sound) throw EnvironmentError("the saved state is not valid for a " + kind + " probe", "", "resume from an older checkpoint");
 }

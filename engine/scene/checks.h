@@ -1,5 +1,5 @@
 #pragma once
-/// Checks of a scene against its plan: each adds what is wrong, with its key.
+/// Checks of a scene against its plan: each reports problems with their keys.
 #include <utility>
 
 #include "engine/core/errors.h"
@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// Called with a key ("solid[0].slip"), what is wrong with it, the way out and what is allowed; the last two may be left out.
+/// Called with a key ("solid[0].slip"), its fault, a fix and the allowed values; the last two may be left out.
 class KeyProblems {
 public:
     KeyProblems(const Scene& scene, std::vector<Problem>& problems) : scene_(scene), problems_(problems) {}

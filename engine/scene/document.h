@@ -19,7 +19,7 @@ struct Change {
     std::string source;    ///< replaces file:line:column in messages: "--set emitter[0].speed=0.3"
     bool complete = true;  ///< false: the user gave no value
 };
-/// From "key=value". @param option "--set": what the user typed before it
+/// From "key=value". @param option the option before it, "--set"
 Change parse_change(const std::string& text, const std::string& option = "--set");
 
 /// Makes the change; appends to `problems` where its key or value cannot be read, or where it names a list entry that is not there.

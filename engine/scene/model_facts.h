@@ -67,7 +67,7 @@ const PressureFacts& facts_of(PressureModel model, PressureForm form = PressureF
 const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys);
 const MicropolarFacts& facts_of(MicropolarModel model);
 
-/// The facts of the models that a plan has chosen, and what follows from them together.
+/// The traits of the models that a plan has chosen, and their joint consequences.
 struct ModelFacts {
     PressureFacts pressure;
     ViscosityFacts viscosity;

@@ -1,5 +1,5 @@
 #pragma once
-/// The dimensionless numbers of a scene, and the lengths and speeds behind them: what decides which models it requires.
+/// The dimensionless numbers of a scene, and the lengths and speeds behind them, which decide the models.
 #include "engine/scene/scene_shapes.h"
 
 namespace whorl {
@@ -17,7 +17,7 @@ struct SceneNumbers {
     double spacing = 0;          ///< m
     double gravity = 0;          ///< m/s^2, the largest over the run
     double fall = 0;             ///< m, from the highest fluid down to the floor of the domain along gravity; 0 if that axis is periodic
-    double speed = 0;            ///< m/s, the largest of what emitters, blocks and solids are given and of a free fall
+    double speed = 0;            ///< m/s, the largest speed of emitters, blocks and solids and of a free fall
     double viscosity = 0;        ///< Pa s, the largest over blocks and emitters
     double nu = 0;               ///< m^2/s
     double step = 0;             ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
@@ -53,7 +53,7 @@ double fastest_of(const SolidKeys& solid, const Extent& extent, double end);
 double longest_side(const Extent& extent, int dimensions);
 double longest_side(const DomainKeys& domain);
 
-/// Area of an emitter's opening [m^2] and what it lets through until the end of the run [m^3].
+/// Area of an emitter's opening [m^2] and the volume through it until the end of the run [m^3].
 double opening_area(const EmitterKeys& emitter, int dimensions);
 double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);
 /// Particles in the column that a nozzle repeats, and in the layer of a solid before it is cut at the domain; about.

@@ -40,7 +40,7 @@ private:
     Described root_;
     std::vector<Section> sections_;
     bool plane_;
-    std::vector<std::string> panel_sets_;  ///< what panels set, "key=value"
+    std::vector<std::string> panel_sets_;  ///< settings of panels, "key=value"
     std::set<std::string> failed_, left_out_;
 };
 

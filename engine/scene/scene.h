@@ -1,5 +1,5 @@
 #pragma once
-/// A scene file as checked data: what the user asked for, every default filled in, nothing decided yet (that is plan.h's part).
+/// A scene file as checked data: the user's settings with every default; decisions are made in plan.h.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -110,7 +110,7 @@ struct FluidKeys {
     double surface_tension = 0;        ///< N/m
     double ink_diffusion = 0;          ///< m^2/s
     VectorExpression force;            ///< m/s^2, of t, x, y, z
-    std::optional<KernelKind> kernel;  ///< none: "auto", what the models want (Plan::kernel decides)
+    std::optional<KernelKind> kernel;  ///< none: "auto" (Plan::kernel decides by the models)
     std::optional<double> support;     ///< kernel radius over spacing; none: "auto" (Plan::support decides)
 };
 
@@ -153,7 +153,7 @@ struct ViscosityKeys {
     LaplacianForm without_spin() const { return laplacian.value_or(LaplacianForm::brookshaw); }
     double alpha = 0.002;    ///< xsph
     bool correction = true;  ///< full: corrected gradients; false: those of the note
-    double penalty = 0.3;    ///< full, full_assembled: of mu, on what alternates from particle to particle
+    double penalty = 0.3;    ///< full, full_assembled: over mu, on modes that alternate from particle to particle
 };
 
 struct MicropolarKeys {
@@ -310,7 +310,7 @@ struct Scene {
 
     std::string directory;                ///< of the scene file: mesh files are found from here
     std::map<std::string, Place> places;  ///< location of each given key: "emitter[0].position" -> file:line:column
-    /// Viscosity of what comes from emitter k - 1, or (k = 0) is there at the start.
+    /// Viscosity of fluid from emitter k - 1, or (k = 0) of the start.
     const Expression& viscosity_of_source(std::size_t k) const {
         return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
     }

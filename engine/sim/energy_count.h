@@ -1,5 +1,5 @@
 #pragma once
-/// The energy budget of a run: what each stage does to the fluid's energy, by cause.
+/// The energy budget of a run: change of the fluid's energy by each stage, by cause.
 #include "engine/sim/stage.h"
 
 namespace whorl {

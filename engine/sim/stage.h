@@ -1,6 +1,6 @@
 #pragma once
-/// Stages: structs whose operator() names what they read and write. make_stage() turns one into something that the step loop can run
-/// and the plan can print.
+/// Stages: structs whose operator() names the fields that they read and write. make_stage() turns one into something that the step loop can
+/// run and the plan can print.
 #include <algorithm>
 #include <functional>
 #include <string>
@@ -21,7 +21,7 @@ struct FieldAccess {
 
 struct Stage {
     std::string name;   ///< "density", "full viscosity"
-    std::string group;  ///< what run.json adds its time to: neighbours | density | viscosity | pressure | move | ...
+    std::string group;  ///< entry of run.json for its time: neighbours | density | viscosity | pressure | move | ...
     std::vector<FieldAccess> accesses;
     std::function<void(World&)> run = {};
     double EnergyBudget::*cause = nullptr;  ///< of the energy that the stage gives or takes; null: it has no column

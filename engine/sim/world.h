@@ -1,5 +1,5 @@
 #pragma once
-/// Everything that the stages of a run share. A stage gets from here what its operator() names, nothing else.
+/// Data shared by the stages of a run. A stage gets only the parts that its operator() names.
 #include "engine/particles/search.h"
 #include "engine/particles/surroundings.h"
 

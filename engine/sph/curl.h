@@ -26,7 +26,7 @@ inline CurlWeights curl_weights(CurlForm form, Real b_i) {
     }
 }
 
-/// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: what bounds the step
+/// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: this bounds the step
 /// of an explicit exchange. Waves along an edge and along the diagonals of the lattice are looked at.
 double largest_curl(KernelForm kernel, Real support, Real spacing);
 

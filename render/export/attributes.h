@@ -1,5 +1,5 @@
 #pragma once
-/// Arrays by name, a row a particle or vertex: what the files for other programs hold.
+/// Named arrays, one row per particle or vertex: content of the files for other programs.
 #include <deque>
 #include <map>
 #include <string>

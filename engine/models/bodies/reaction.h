@@ -1,6 +1,6 @@
 #pragma once
-/// Ledger entries: the opposite of what solids do to the fluid (docs/physics.md 7), and of what no force accounts for: a solver's residual,
-/// gradients that are not pairwise opposite.
+/// Ledger entries: the opposite of the solids' forces on the fluid (docs/physics.md 7), and of changes without a force: a solver's
+/// residual, gradients that are not pairwise opposite.
 #include <vector>
 
 #include "engine/core/parallel.h"
@@ -24,7 +24,7 @@ struct PushAt {
     PushAt(const Vec3& p, const Vec3& b) : push(p), back(b) {}
 };
 
-/// Writes to the ledgers the opposite of what the layers do to the particles. It acts where the particle is (unless `act` says
+/// Writes to the ledgers the opposite of the layers' forces on the particles. It acts where the particle is (unless `act` says
 /// otherwise): whatever the direction of the force, momentum and angular momentum of both together are conserved.
 /// @param scale mass [kg], times dt [s] if `act` gives accelerations
 /// @param act i -> (s, r, distance) -> change of the velocity of particle i by solid particle s: Vec3 or PushAt
@@ -65,7 +65,7 @@ Wrench momentum_of(Read<field::role> role, Span<const Vec3> x, const Change& cha
     });
 }
 
-/// Made before a stage writes its forces of one kind to the ledgers. share() gives what is left to the driven solids in proportion to the
+/// Made before a stage writes its forces of one kind to the ledgers. share() gives the remainder to the driven solids in proportion to the
 /// impulses that they have received since, so that the sum over all solids is the opposite of the fluid's change. If no driven solid is in
 /// touch, nothing. Angular momentum: not in periodic domains, where it depends on the origin.
 class Remainder {

@@ -29,7 +29,7 @@ enum class FrictionForm {
 /// the derivative of an energy, nu m u.(F u)/2. Solids with a slip length have no other part in the viscous terms.
 class WallFriction {
 public:
-    /// @param gate what the friction of a particle is weighted by @param solid_factor see models/boundary/wall.h
+    /// @param gate weight of a particle's friction @param solid_factor see models/boundary/wall.h
     void set(FrictionForm form, const Surroundings& around, SolidGate gate, Real solid_factor);
     /// Whether any particle feels it.
     bool acts() const { return acts_; }

@@ -31,7 +31,7 @@ Real touching_wall_sum(KernelForm kernel, Real support, Real spacing);
 /// kernel sum: with 1/(1 - this times that sum) the layer's own pairs make good for it.
 Real lacking_along_wall(KernelForm kernel, Real support, Real spacing);
 
-/// D over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: what makes forces along pairs as stiff as they should be in the mean
+/// D over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2: factor that gives forces along pairs the right stiffness in the mean
 /// over directions.
 Real along_pairs_factor(KernelForm kernel, Real support, Real spacing);
 

@@ -17,7 +17,7 @@ struct CoupledOptions {
     int enough(int dimensions) const { return dimensions == 2 ? enough_in_plane : enough_neighbours; }
 
     double bulk = 10;           ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
-    double smoothing = 0.15;    ///< penalty on what the linear field does not explain, over mu: removes zero-energy modes
+    double smoothing = 0.15;    ///< penalty on the residual of the linear fit, over mu: removes zero-energy modes
     double pair_smoothing = 5;  ///< the same along the pair only: keeps necks from growing without stiffening bending
     double thin_below = 0.8, thin_at = 0.6;  ///< middle over largest eigenvalue of M between which a thread turns thin (and is evened)
 

@@ -48,7 +48,7 @@ struct WallPoint {
     Index row = 0;            ///< of the particle in its block
     Index solid = 0;
     Real weight = 0;
-    Mat3 lateral = Mat3::Zero();  ///< what it adds to M along the wall
+    Mat3 lateral = Mat3::Zero();  ///< its part of M along the wall
 };
 
 /// As many rows as there are lanes, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`.
@@ -101,7 +101,7 @@ struct RowBlock {
 
 /// One pair of each row in a slice.
 struct PairLanes {
-    Lanes3 r, v;                   ///< v: what goes along with the positions, that of j less that of i
+    Lanes3 r, v;                   ///< v: value stored with the positions, that of j minus that of i
     Lanes r2, w;                   ///< r2: never 0
     const RowBlock::Place* other;  ///< places of j
 };
@@ -216,7 +216,7 @@ public:
     }
     Mat3 resolved(Index i) const { return block_of(i).resolved(neighbourhood[i]); }
 
-    /// The sum of what the blocks hold for particle i, in the order of the blocks. @param entries `pieces` for a touched particle of each
+    /// Sum of the blocks' values for particle i, in the order of the blocks. @param entries `pieces` for a touched particle of each
     template <std::size_t pieces = 1>
     std::array<Vec4, pieces> gathered(Span<const Vec4> entries, Index i) const {
         std::array<Vec4, pieces> sum{};

@@ -6,7 +6,7 @@
 ///   E(u) = sum_i |u_i - u*_i|^2 / 2 + K_i [ |D_i - T_i|^2 + Lambda_i/2 (tr D_i - s_i)^2 ] - q_i tr D_i + c_i S_i + c'_i S'_i
 ///
 ///   A_i = sum_j w (u_j - u_i) r^T      G_i = A_i M_i+      D_i = (P_i G_i + G_i^T P_i)/2
-///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        what the linear field does not explain
+///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        residual of the linear fit
 ///   S'_i = sum_j w/r^2 ((u_j - u_i).r - r.G_i r)^2               the same along the pair
 ///
 /// T_i is the curvature of the move (models/strain/curvature.h), s_i the change of volume that is asked for.
@@ -67,7 +67,7 @@ Lanes33 stress(const Lanes33& G, const CoefficientLanes& c, bool resolved, const
     return resolved_of(S);
 }
 
-/// Q = (P S - H) M+ - 2 c G, what the row's sums add to dE/dA: S the stress, H = 2 c' sum w/r^2 ((u_j - u_i).r - r.D r) r r^T.
+/// Q = (P S - H) M+ - 2 c G, the row's part of dE/dA: S the stress, H = 2 c' sum w/r^2 ((u_j - u_i).r - r.D r) r r^T.
 /// @param along sum w/r^2 ((u_j - u_i).r) r r^T
 template <class Resolved>
 Lanes33 row_force(const Lanes33& G, const SymmetricLanes& along, const CoefficientLanes& c, const SymmetricLanes& inverse_moment,
@@ -104,7 +104,7 @@ public:
     /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
     /// @param moving walls have their velocities, else none
     void apply(Span<const Vec3> u, Span<Vec3> y, bool moving = false) const;
-    /// y_i = free(i, ((1 + K) u)_i): free takes out what is prescribed. @param y not u itself @returns u.y
+    /// y_i = free(i, ((1 + K) u)_i): free removes prescribed components. @param y not u itself @returns u.y
     template <class F>
     double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
         find_forces(u);
@@ -119,7 +119,7 @@ public:
     /// The forces on walls alone, without a y: of apply(u, y, true) and of add_stress().
     void find_wall_forces(Span<const Vec3> u) const { find_forces(u, true, true); }
     void find_wall_forces(Span<const Real> q, Span<const Mat3> T) const { find_stress(q, T, true); }
-    /// Calls f(wall, force on it) for what the last of these four found [m/s].
+    /// Calls f(wall, force on it) for the result of the last of these four [m/s].
     template <class F>
     void each_wall_force(const F& f) const {
         for (const RowBlock& block : rows_->blocks)

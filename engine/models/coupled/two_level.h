@@ -2,7 +2,7 @@
 /// Preconditioner of the coupled solve:  z = B^-1 r + R Ac^-1 R^T r.
 ///
 /// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 48 particles, or more in large bodies (fewer where they hang
-/// together in pieces only); Ac = R^T A R, factored exactly. The diagonal settles what neighbours do to each other.
+/// together in pieces only); Ac = R^T A R, factored exactly. The diagonal handles the interaction of neighbours.
 #include "engine/models/coupled/strain_form.h"
 #include "engine/models/strain/coarse_level.h"
 

@@ -35,7 +35,7 @@ struct Move {
     }
 };
 
-/// u += dt f(t, x) for the free particles, f over the mass [m/s^2]. After Kick, and before what solves for the velocity.
+/// u += dt f(t, x) for the free particles, f over the mass [m/s^2]. After Kick, and before the solves for the velocity.
 class Force {
 public:
     explicit Force(VectorExpression f) : f_(std::move(f)) {}

@@ -9,9 +9,9 @@ namespace whorl {
 /// Coupling of bodies and pressure:
 ///   (D u)_i also holds  -h_ib.(v_b + w_b x a_ib),   h_ib = f_i rho_i sum_{s of b} V_s grad W(|r'_is|),   a_ib = x_i - c_b.
 /// A body that moves and turns with the fluid changes no density (w_i depends only on its position relative to i), hence its velocity
-/// at x_i. The transpose pushes the body at x_i with what it pushes i: momentum and angular momentum of both stay. In A = D M^-1 D^T a body
-/// adds six directions, of the weight of a particle's mass over its own: however light it is, A stays symmetric and positive semi-definite,
-/// and the step stable.
+/// at x_i. The transpose pushes the body at x_i with the opposite of its push on i: momentum and angular momentum are conserved. In A = D
+/// M^-1 D^T a body adds six directions, of the weight of a particle's mass over its own: however light it is, A stays symmetric and
+/// positive semi-definite, and the step stable.
 ///
 /// Contact is part of the solve: after a pressure q the bodies have the velocities v(q) = C(v - M_b^-1 m D_b^T q), C the law of
 /// geometry/body_contact.h. C is linear as long as the same contacts press and stick, so an active set of contacts goes with that of

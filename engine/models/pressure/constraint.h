@@ -60,10 +60,10 @@ struct ConstraintOptions {
 };
 
 /// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i + e_i <= rho_0,   and q_i = 0 where the density stays below, then u
-/// -= D^T q. e is what the move bends: rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q of the last step's pressure. Where rho_i exceeds
-/// rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search, and neither do
-/// single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid that fills a
-/// periodic domain, densities are held equal instead.
+/// -= D^T q. e is the curvature of the move: rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q of the last step's pressure. Where rho_i
+/// exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search, and
+/// neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid
+/// that fills a periodic domain, densities are held equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
@@ -79,7 +79,7 @@ private:
         Index pressed = 0, joining = 0;  ///< that press already; that are compressed and do not yet
         void operator+=(const ActiveSet& o) { squares += o.squares, pressed += o.pressed, joining += o.joining; }
     };
-    /// Sets matrix.presses and leaves in `rest` what b - A q is there. @param about_full kg/(m^3 s): how far short of being compressed a
+    /// Sets matrix.presses, and `rest` to b - A q there. @param about_full kg/(m^3 s): how far short of being compressed a
     /// particle may be and still join, where more join than press; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Real about_full, Span<Real> rest) const;
     double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
@@ -94,7 +94,7 @@ private:
     /// faster the shorter the step, and the pressure that throws it shortens the next one.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
     /// Share of the correction that keeps the whole fluid calm. An error e that all of a fluid of size L has moves its surface by e L,
-    /// which within a short step dt throws it up: a tank 1 m deep with e = 9e-4, what a lattice in 2D has, at 2 m/s where dt is 0.1 ms.
+    /// which within a short step dt throws it up: a tank 1 m deep with e = 9e-4 (a lattice in 2D) at 2 m/s if dt is 0.1 ms.
     /// The mean error is corrected no faster than with 3 % of sqrt(g L) + the mean speed. For fluid that solids hold. @returns 1 where it
     /// is slower, and where nothing moves or has weight
     Real calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const;
@@ -116,7 +116,7 @@ private:
         static Real weight(Real reach, Real distance) { return (reach - distance) * (reach - distance); }
     };
     std::vector<ByImages> pushes_of_images(const Surroundings& around, Span<const Real> q, Index i) const;
-    /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i, and what images do.
+    /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i, and the forces of images.
     void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
     /// Pressures for frames and probes: those that the forces of q amount to. Of a particle's part of the stress,

@@ -14,7 +14,7 @@ namespace whorl {
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
-/// energy of motion is gained; the centre of mass stays where it is but for what solids push and moves that are cut off. Up to a hundred
+/// energy of motion is gained; the centre of mass is fixed except for pushes by solids and moves that are cut off. Up to a hundred
 /// sweeps; if they are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
 /// are left alone, and so are particles near bodies lighter than the fluid, and scenes with bodies and without weight: there the bodies
 /// would have to give way. Writes the densities
@@ -35,13 +35,13 @@ private:
         std::vector<Index> dense, crowded, movers, touched;
         std::vector<int> seen;  ///< by particle: the last list that it is in
         int lists = 0;
-        Column<Vec3> push, moves, kicks;  ///< l_i own_i; and what a mover does [m] and takes up [m/s]
+        Column<Vec3> push, moves, kicks;  ///< l_i own_i; a mover's displacement [m] and velocity change [m/s]
         Column<Real> share;               ///< l_i f_i, 0 if not crowded
         explicit Scratch(Index n) : seen(n, 0), push(n), share(n, 0) {}
         /// The particles of `from` and their neighbours.
         void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
     };
-    /// @returns what is left too dense, in words; empty: nothing
+    /// @returns a text about particles that stay too dense; empty: none
     template <class Kernel>
     std::string relieve(const WallImage& wall, const Kernel& W, const Surroundings& around, Read<field::role> role, Span<Real> rho,
                         Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) const;

@@ -1,5 +1,5 @@
 #pragma once
-/// Damping of what the particles cannot resolve.
+/// Damping of motion that the particles cannot resolve.
 #include "engine/core/column.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"

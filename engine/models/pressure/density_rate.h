@@ -22,7 +22,7 @@ namespace whorl {
 struct WallImage {
     Real factor;   ///< on the solids' volumes
     Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
-    Real virial;   ///< on what the layer adds to a particle's virial (DensityRate::virial)
+    Real virial;   ///< factor on the layer's part of a particle's virial (DensityRate::virial)
     Real spacing;  ///< m
     Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
     /// By solid, 1: w stays as it is at `nearest`; empty: on it goes everywhere. So for free bodies lighter than the fluid: they would
@@ -188,7 +188,7 @@ struct DensityRate {
     /// @param rho written @param rate D u with prescribed and solid velocities included
     void build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                Span<Real> rate);
-    /// rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], what D leaves out of a straight move, with the neighbours as they are; solids turn
+    /// rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], the error of D for a straight move, with fixed neighbours; solids turn
     /// as they do within a step. @param rho at x @param poses of the solids: free bodies move with the velocities in them
     void bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v, const std::vector<Pose>& poses,
               Span<Real> change) const;

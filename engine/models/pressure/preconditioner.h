@@ -11,7 +11,7 @@ namespace whorl {
 struct PressurePreconditioner {
     std::function<void(Span<const Real> r, Span<Real> z)> apply;
     int levels = 1;
-    std::size_t bytes = 0;  ///< what it holds
+    std::size_t bytes = 0;  ///< its memory
 
     void operator()(Span<const Real> r, Span<Real> z) const { apply(r, z); }
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// The symmetric matrix of a pressure equation over particles, and what its preconditioners are.
+/// The symmetric matrix of a pressure equation over particles, and its preconditioners.
 #include <vector>
 
 #include "engine/core/column.h"
@@ -45,7 +45,7 @@ struct ClosedRegions {
     /// The small alpha of a full box comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
     /// pressure.
     void take_pins_away(PressureMatrix& matrix) const;
-    /// A singular region is solvable where its right-hand side has no mean: the walls take what is left.
+    /// Subtracts the mean of b over each singular region, so that it is solvable; the walls absorb the residual.
     void take_means_away(Span<Real> b) const;
 };
 

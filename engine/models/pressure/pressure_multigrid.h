@@ -26,7 +26,7 @@ ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& opti
 PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options = poisson_levels);
 
 /// Unknowns from which on multigrid beats the diagonal, set-up included (docs/reports/pressure.md has the tables). In the constraint the
-/// last step's pressures leave mostly what no coarse level sees: a dam break of 49 000 particles is 10 % slower with it.
+/// last step's pressures leave mostly errors that no coarse level resolves: a dam break of 49 000 particles is 10 % slower with it.
 inline constexpr double constraint_multigrid_above = 500000, poisson_multigrid_above = 5000;
 /// Whichever is faster for this many unknowns.
 PressurePreconditioner constraint_automatic(const ConstraintMatrix& matrix);

@@ -1,5 +1,5 @@
 #pragma once
-/// Explicit viscosity of the projection: Brookshaw's Laplacian less what it makes of a linear field.
+/// Explicit viscosity of the projection: Brookshaw's Laplacian minus its value for a linear field.
 #include "engine/models/boundary/friction.h"
 #include "engine/models/projection/projection_system.h"
 
@@ -13,7 +13,7 @@ namespace whorl {
 /// particles is right (3 % too weak else). nu_ij is the harmonic mean. At solids that the fluid sticks to, u_i - u_l of lattice layer l
 /// behind the wall continues the shear: (1 + depth_l/height_i)(u_i - u_wall), the factor at most 12. Near a free surface the plain form is
 /// left: the corrected one makes water at rest boil. It has a torque on fluid that turns as a whole. Free
-/// bodies are pushed, on their surface, by the opposite of what their layers add to the sums.
+/// bodies are pushed, on their surface, by the opposite of their layers' part of the sums.
 class CorrectedViscosity {
 public:
     explicit CorrectedViscosity(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}

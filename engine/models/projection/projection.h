@@ -26,7 +26,7 @@ public:
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
     /// The velocities after the pressure p over dt [s] and contact; the layer has them, too. add_product() then takes the contacts that
-    /// held as bound: what they did elsewhere is left to the next solve.
+    /// held as bound: their effect elsewhere is left to the next solve.
     void push(Span<const Real> p, double dt, const Surroundings& around);
     /// Sets the pressure in the ledgers of solids that a probe reads, are closed all around and not free: it acts on them as on bodies.
     /// @param p over the step @returns those solids
@@ -84,12 +84,12 @@ struct ProjectionBodyMove {
     void operator()(const Surroundings& around) const;
 };
 
-/// u* = u + (old pressure's share); then, `solves` times, for what divergence is left:
+/// u* = u + (old pressure's share); then, `solves` times, for the remaining divergence:
 ///
 ///   sum_j 2 V |W'|/r (p_i - p_j) + air_i p_i = -rho_0 (D u)_i/(theta dt),    u -= theta dt L sum_j V (p_j - p_i) grad W / rho_0
 ///
-/// The field `pressure` is the mean over the step, theta of the new one and (1 - theta) of the old: what moves the fluid. The solved one
-/// rings: what a single step does to it changes sign from step to step and dies as ((1 - theta)/theta)^n.
+/// The field `pressure` is the mean over the step, theta of the new one and (1 - theta) of the old: this moves the fluid. The solved one
+/// oscillates: an error of a single step changes sign from step to step and decays as ((1 - theta)/theta)^n.
 ///
 /// D is the trace of the corrected difference gradient over the fluid, and at walls the flux of the normal velocity that the flow has there
 /// relative to the wall. Walls have no pressure of their own: leaving them out of the matrix says that no flow goes through them.
@@ -136,7 +136,7 @@ struct ProjectionShift {
     void operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
 };
 
-/// The end of the step: x += dt/2 (u - u_start), both with what the shift takes along.
+/// The end of the step: x += dt/2 (u - u_start), both including the velocity transported by the shift.
 struct ProjectionMove {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Update<field::position> x) const;

@@ -122,7 +122,7 @@ struct ProjectionSystem {
     Column<Vec3> shift;             ///< m, of ProjectionShift
     Column<Real> surface_pressure;  ///< of a free surface, near it [Pa]; empty: 0
     Column<Vec3> surface_normal;    ///< outwards, where there is a surface_pressure
-    Column<Real> air;               ///< what is missing of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
+    Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;

@@ -73,7 +73,7 @@ private:
 /// A group of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
 void keep_definite(SymmetricBlocks& Ac);
 
-/// Ac from what all rows add, in the order of the tasks.
+/// Ac as the sum over all rows, in the order of the tasks.
 /// @param rows_of rows_of(task, sums) adds the task's rows @param block block(sum) is the 6x6 block of a sum
 template <class Sum, class Rows, class F>
 SymmetricBlocks coarse_blocks(int groups, Index tasks, const Rows& rows_of, const F& block) {

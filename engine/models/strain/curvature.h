@@ -24,8 +24,8 @@ struct velocity_gradient {
 /// T [1/s]. Exact for a rotation at constant rate. G counts up to dt |G| = 0.4 (0.28 radian a step), and T up to 0.2 |G|.
 Mat3 curvature_strain(const Mat3& G, Real dt);
 
-/// Across directions that the neighbours do not resolve G has no columns. The fluid is taken to turn rigidly with what is resolved, or a
-/// line of particles that turns would have no T along itself.
+/// Across directions that the neighbours do not resolve G has no columns. The fluid is assumed to turn rigidly with the resolved
+/// directions, or a line of particles that turns would have no T along itself.
 /// @param P Moment::resolved
 Mat3 turned_rigidly(const Mat3& G, const Mat3& P);
 

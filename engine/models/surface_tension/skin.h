@@ -14,7 +14,7 @@ namespace whorl {
 struct Skin {
     static constexpr double bare = 0.9, complete = 0.985;  ///< the outermost layer of a lattice has c = 0.69, the second 0.95
     /// The tension that drops of 6 to 11 spacings in radius have, over that of a uniform density: their outermost particles come a
-    /// little closer. Chosen between what their pressure and their period say (0.86 to 0.88, 0.88 to 0.95).
+    /// little closer. Chosen between the values from pressure and period (0.86 to 0.88, 0.88 to 0.95).
     static constexpr double packed = 0.9;
     /// For pulls that are spread over the neighbours, which adds to the tension: drops of 6 and 8 spacings from a lattice,
     /// jittered and of blue noise have 1.41 to 1.61 in their pressure, 1.47 in their period.
@@ -27,7 +27,7 @@ struct Skin {
     /// Tension of a flat face of uniform density with these shares over that of all pairs: n/2 int s(z) z pull(z) dz over sigma,
     /// pull(z) that of a half-space at the distance z.
     static double flat_tension();
-    /// S = 1/(packed flat_tension()): what makes the skin's tension sigma.
+    /// S = 1/(packed flat_tension()), which makes the skin's tension sigma.
     static double strength(bool spread = false);
 };
 

@@ -65,7 +65,7 @@ private:
     void set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x);
     void find_shares(const Cohesion& cohesion, Index count, double spacing);
     /// a_i += K sum_j (s_i + s_j)/2 (1 - q)^2 ((a_j - a_i).r_ij) r_ij/r^2 of the changes a of the velocity, `times` times: along the pairs,
-    /// so momentum and angular momentum stay. Less is left of what presses the layers of the skin onto each other.
+    /// so momentum and angular momentum stay. The pressure between the layers of the skin is smaller.
     void spread_pulls(const Cohesion& cohesion, Read<field::role> role);
 
     SurfaceTensionOptions options_;

@@ -54,7 +54,7 @@ public:
     Index size() const { return static_cast<Index>(own_.size()); }
     /// The block of row i and column j; zero where there is none.
     Mat3 block(Index i, Index j) const;
-    /// The note's c_{u_i u_i} ... c_{w_i w_i} alone, with the 1 of the mass and without what the second ring adds to the entry.
+    /// The note's c_{u_i u_i} ... c_{w_i w_i} alone, with the 1 of the mass and without the second ring's part of the entry.
     const Mat3& printed_own(Index i) const { return own_[i]; }
     std::size_t bytes() const;
 
@@ -73,7 +73,7 @@ private:
 
     std::vector<Rows> rows_;
     Column<Mat3> own_;
-    Column<Vec3> known_force_;  ///< what the walls' velocities and T add; empty: nothing
+    Column<Vec3> known_force_;  ///< from the walls' velocities and T; empty: none
     BlockDiagonal diagonal_;
     std::vector<char> free_;
     bool touches_wall_ = false, printed_ = false;

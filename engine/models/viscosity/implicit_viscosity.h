@@ -30,7 +30,7 @@ public:
     virtual void force(Span<const Vec3> u, Span<Vec3> y) const = 0;
     /// z is near A^-1 r; symmetric and positive definite on the free particles, 0 on the others.
     virtual void precondition(Span<const Vec3> r, Span<Vec3> z) const = 0;
-    /// z = B^-1 r with the true 3x3 diagonal blocks B of A: what the residual is measured by.
+    /// z = B^-1 r with the true 3x3 diagonal blocks B of A, for the norm of the residual.
     virtual void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const = 0;
     virtual bool touches_wall() const = 0;
     /// false: A is not, and conjugate gradients give way to BiCGSTAB.
@@ -39,7 +39,7 @@ public:
     virtual bool rotations_are_free() const = 0;
     /// Free bodies among the unknowns: two entries each behind the particles'. Null: none.
     virtual const ViscousBodies* bodies() const { return nullptr; }
-    /// Writes what the solids that are no unknowns take from the fluid to their ledgers. @param u those of the last force()
+    /// Writes the impulses of the fluid on solids that are not unknowns to their ledgers. @param u those of the last force()
     virtual void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const = 0;
 };
 
@@ -72,7 +72,7 @@ private:
     std::vector<char> free_;
 };
 
-/// Removes the mean translation and rotation from a velocity field: what is left carries no momentum and no angular momentum.
+/// Removes the mean translation and rotation from a velocity field: the rest has no momentum and no angular momentum.
 class RigidMotions {
 public:
     /// Removes nothing.

@@ -8,14 +8,14 @@ namespace whorl {
 /// A body k has two entries behind the particles': the velocity v of its centre c and its angular velocity w. To particle i its layer
 /// moves, continued behind the surface (models/boundary/wall.h), with
 ///   V_s = stretch U_i - w x r,   U_i = v + w x a_i,   a_i = x_i - c,   r = x_i - x_s,
-/// so what it adds to the sums over pairs is linear in U_i and w, with these sums over its particles near i.
+/// so its part of the sums over pairs is linear in U_i and w, with these sums over its particles near i.
 struct BodyTouch {
     Index particle = 0, body = 0;
     Vec3 arm = Vec3::Zero();                           ///< a_i [m]
     Vec3 g = Vec3::Zero();                             ///< sum stretch w r
     Mat3 N = Mat3::Zero();                             ///< sum w r r^T
     Real h = 0;                                        ///< sum stretch^2 w
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< of the last product: what the body takes from i, over m
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< of the last product: force of i on the body, over m
 
     Vec3 at(const Vec3& v, const Vec3& w) const { return v + w.cross(arm); }
 };

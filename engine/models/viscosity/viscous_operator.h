@@ -80,7 +80,7 @@ private:
         Mat3 matrix() const { return Eigen::Map<const Eigen::Matrix<Real, 4, 4, Eigen::RowMajor>>(lane).topLeftCorner<3, 3>(); }
         Vec3 beside() const { return {lane[3], lane[7], lane[11]}; }
     };
-    /// w r_ij, and what the penalty couples the pair by: 2 w (c_i + c_j).
+    /// w r_ij, and the penalty's coupling of the pair: 2 w (c_i + c_j).
     struct alignas(4 * sizeof(Real)) Pair {
         Vec3 wr;
         Real spring;
@@ -116,7 +116,7 @@ private:
     WallFriction friction_;
     Column<Real> dt_nu_;         ///< dt mu/rho_0; valid where there is friction
     Column<Wall> wall_;          ///< empty: there are no solids
-    Column<Mat3d> wall_moment_;  ///< what the solids add to M
+    Column<Mat3d> wall_moment_;  ///< the solids' part of M
     Column<Sixteen> M_, P_;      ///< M^+ and P
     Column<Sixteen> curvature_;  ///< 2 P T; empty: none
     Column<Real> K_, c_;         ///< dt mu/rho_0 without the volume that the friction counts; the penalty's coefficient
