@@ -24,7 +24,7 @@ void adopt_threads() { omp_set_num_threads(threads()); }
 void wait_passively(char** argv) {
     if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
     setenv("OMP_WAIT_POLICY", "passive", 1);
-    // Some tens of microseconds, which is what waking a thread takes. Between two loops of a solve that is enough: two threads on 16 000
+    // Some tens of microseconds, the time to wake a thread. Between two loops of a solve that is enough: two threads on 16 000
     // particles take 2.6 us a particle-step rather than 3.8 and more, and two such runs on the same two cores no longer than without (with
     // 2000 a third longer, with 10 000 twice as long).
     setenv("GOMP_SPINCOUNT", "1000", 1);

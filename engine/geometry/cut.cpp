@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// How deep a cut is drawn: far enough to both sides that it hides what flows around it.
+/// Depth of a drawn section: far enough to both sides to hide the flow around it.
 Vec3d half_depth(Real edge) { return {0, 0, static_cast<double>(edge)}; }
 
 class Rectangle final : public Shape {

@@ -67,7 +67,7 @@ public:
         if (error != std::errc()) fail(not_a_number(text, error), "allowed: whole numbers");
         return value;
     }
-    /// @param most what the number may be either way; where that is infinite, it may be nan as well
+    /// @param most largest magnitude of the number; if infinite, nan is also allowed
     double number(std::string_view text, double most = std::numeric_limits<double>::max()) const {
         double value = 0;
         std::errc error = read(text, value);

@@ -109,7 +109,7 @@ std::vector<LayerPoint> Shape::layer(Real offset, const LayerRegion& region) con
     }
     check_count(area / (d * d), "mesh");
 
-    // Sixteen darts for each place: what is left between them is hardly wide enough for one more.
+    // Sixteen darts for each place: remaining gaps are hardly wide enough for another.
     const Index count = static_cast<Index>(std::ceil(16 * area / (d * d))) + 64;
     std::vector<Dart> darts(count);
     parallel_for(count, [&](Index i) {

@@ -109,7 +109,7 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
         if (k < front.last) return k - front.first;
         return own + static_cast<int>(std::lower_bound(front.boundary.begin(), front.boundary.end(), k) - front.boundary.begin());
     };
-    // The front's lower triangle: own nodes, the boundary's rows of them, and what is left over for the parent.
+    // The front's lower triangle: own nodes, the boundary's rows of them, and the remainder for the parent.
     const int n = 6 * own, m = 6 * (all - own);
     Eigen::MatrixXd corner = Eigen::MatrixXd::Zero(n, n), below = Eigen::MatrixXd::Zero(m, n), rest = Eigen::MatrixXd::Zero(m, m);
     const auto add = [&](int row, int column, const auto& block) {

@@ -75,7 +75,7 @@ struct Emitter::State {
     Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back that far
     Solid end;
     Domain domain;
-    double faster = 1;         ///< area of the opening over what solids leave of it
+    double faster = 1;         ///< area of the opening over its part outside solids
     bool full = false;         ///< from the first on
     std::vector<Vec3> places;  ///< of the particles that fill it first, not yet in the store
     double ahead = 0;          ///< m, of the pipe that they fill: the column begins behind them
@@ -87,7 +87,7 @@ struct Emitter::State {
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< m, of a block of the column; its particles repeat with this period
     std::vector<Vec3> block;      ///< in the opening's frame: across in x and y, z in [0, length) is pushed out in this order
-    std::vector<Vec3> first;      ///< its first copy, which fits behind what filled the pipe before
+    std::vector<Vec3> first;      ///< its first copy, which fits behind the initial filling of the pipe
     std::vector<long> next_copy;  ///< of each particle of the block: how many of its copies have entered
     double pushed = 0;            ///< m, integral of the mean speed
 
@@ -112,7 +112,7 @@ struct Emitter::State {
 
     double mean_speed(double t) const { return t < start || t > stop ? 0 : faster * std::max(0.0, speed_of_time(t)); }
 
-    /// Integral of the mean speed over [t, t + dt], by Simpson's rule on what lies between start and stop.
+    /// Integral of the mean speed over [t, t + dt], by Simpson's rule on the part between start and stop.
     double push_during(double t, double dt) const {
         const double from = std::max(t, start), to = std::min(t + dt, stop);
         if (from >= to) return 0;
@@ -175,7 +175,7 @@ struct Emitter::State {
             if (moves(block[k])) first[k] = near[n++] - Vec3(0, 0, begin);
     }
 
-    /// Free fluid comes so near that it will feel what the pipe holds.
+    /// Whether free fluid is so near that it will feel the particles in the pipe.
     bool meets_fluid(const ParticleStore& fluid) const {
         const auto x = fluid.column<field::position>();
         const auto role_of = fluid.column<field::role>();

@@ -379,7 +379,7 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
     const bool among_themselves = x_own.data() == x_other.data();
     Column<Vec3>&found_own = pairs.found_own, &found_other = among_themselves ? pairs.found_own : pairs.found_other;
     if (found_own.size() != x_own.size() || found_other.size() != x_other.size() || x_own.empty() || x_other.empty()) return false;
-    const double spare = 0.99 * static_cast<double>(pairs.support - support);  // less what rounding may cost
+    const double spare = 0.99 * static_cast<double>(pairs.support - support);  // minus rounding errors
     const double own = farthest_move(found_own, x_own, domain);
     if (!(own + (among_themselves ? own : farthest_move(found_other, x_other, domain)) <= spare)) return false;
     Column<Vec3>().swap(pairs.found_own), Column<Vec3>().swap(pairs.found_other);  // not needed again before the next find_wide()

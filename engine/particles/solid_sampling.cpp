@@ -109,7 +109,7 @@ bool in_solid(const SolidParticles& particles, Index s, const Vec3& x, const Sol
 
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
     constexpr int samples = 1024;
-    constexpr double followed = 1000;  // s; what turns irregularly may be turned anyhow later
+    constexpr double followed = 1000;  // s; irregular rotations may have any orientation later
     const Vec3d on_plane = turning_point(*plane.shape), n = plane.shape->normal(Vec3::Zero()).cast<double>();
     LayerRegion at_rest{spacing, in_own_axes(domain, plane.pose), 3 * spacing, false};
     for (int a = 0; a < 3; ++a) {

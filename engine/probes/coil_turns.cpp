@@ -10,7 +10,7 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Value at rest of what is linear in speed^(3/2), by least squares over the ranges that were seen; none seen: 0.
+/// Value at rest of a quantity that is linear in speed^(3/2), by least squares over the ranges that were seen; none seen: 0.
 double at_rest(const std::array<std::optional<double>, CoilTurns::ranges>& values) {
     double n = 0, s = 0, ss = 0, v = 0, sv = 0;
     for (int k = 0; k < CoilTurns::ranges; ++k) {
@@ -48,7 +48,7 @@ void CoilTurns::add(const Sample& sample) {
     Memory& m = memory_;
     const double elapsed = std::max(0.0, sample.time - m.last_time);
     m.last_time = sample.time;
-    // 30 radii of thread are about the length of a turn, 4 what lies at the contact.
+    // 30 radii of thread are about the length of a turn, 4 4 the length at the contact.
     const double laid = elapsed * sample.speed / sample.radius;
     const bool first = m.thread_radius == 0;
     const double blend = first ? 1 : 1 - std::exp(-laid / 30), keep = std::exp(-laid / 4);

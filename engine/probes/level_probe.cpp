@@ -46,7 +46,7 @@ double LevelProbe::height(const World& world) const {
     std::vector<Vec3d> places;
     for (int k = 0; k <= last; ++k) places.push_back(from_ + (to_ - from_) * k / last);
     const std::vector<std::vector<Index>> near = particles_near(world, places, level_reach * d);
-    /// The fluid's share of the volume, less half of what solids leave free.
+    /// The fluid's share of the volume, minus half of the part outside solids.
     const auto excess = [&](std::size_t k, double distance) {
         const auto place = places[k].cast<Real>();
         double share = 0;

@@ -8,7 +8,7 @@
 namespace whorl {
 namespace {
 
-/// The scene with what the plan took where it says "auto".
+/// The scene with the plan's choices instead of "auto".
 Scene with_choices(const Scene& scene, const Plan& plan) {
     Scene chosen = scene;
     chosen.models = plan.chosen_models(scene.models);

@@ -159,7 +159,7 @@ double emitted_volume(const EmitterKeys& e, double end, int dimensions) {
 
 namespace {
 
-/// Collects the numbers of what is in the scene, one thing after the other.
+/// Collects the numbers of the scene's parts, one after the other.
 class Survey {
 public:
     Survey(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes), d_(scene.fluid.spacing) {

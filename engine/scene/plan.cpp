@@ -17,7 +17,7 @@
 namespace whorl {
 namespace {
 
-constexpr double next_to_nothing = 0.02;  ///< of the domain: what a room that is full leaves empty
+constexpr double next_to_nothing = 0.02;  ///< part of the domain that may be empty in a full room
 
 /// Viscous number above which solving viscosity and pressure together is faster than the pressure equation with implicit viscosity: a pour
 /// of 40, 12 and 4 times 1e-3 m^2/s (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068,
@@ -79,7 +79,7 @@ private:
     /// The viscous number decides the pressure model, and the model the support: explicit viscosity is judged at that of the others.
     static constexpr PressureFacts usual{};
 
-    /// Takes what the user chose, or the automatic choice with its reason.
+    /// Uses the user's choice, or the automatic one with its reason.
     template <class E>
     E choose(const char* key, E asked, E automatic, const std::string& reason) {
         const bool is_automatic = asked == E::automatic;
@@ -270,7 +270,7 @@ private:
         add_likely_causes(problems);
         throw InputError(in_order(std::move(problems), scene_.place("").file));
     }
-    /// A wrong unit is often what is behind the rest.
+    /// A wrong unit is often the cause of other problems.
     void add_likely_causes(std::vector<Problem>& problems) const {
         for (const ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) {
             const Place at = scene_.place(warning.key);

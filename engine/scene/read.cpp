@@ -217,7 +217,7 @@ Value take_quality(Value& root, std::vector<Problem>& problems) {
     return Value(std::move(valid));
 }
 
-/// A quality that was not asked for must be right as well: reports what it would add to the problems.
+/// Also checks qualities that were not chosen, and reports their problems.
 void check_quality(Value root, const Value& table, const std::string& file, const std::vector<Section>& sections,
                    std::vector<Problem>& problems) {
     std::vector<Problem> found;

@@ -34,7 +34,7 @@ Extent turned(const Extent& e, const Mat3d& turn) {
     return {middle - reach, middle + reach, e.volume};
 }
 
-/// The shape, or what is wrong with its mesh file, at the key that names it.
+/// The shape, or the error of its mesh file, at the key that names it.
 /// @param domain whose periodic axes repeat it; of a solid that depends on its pose
 std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, const ShapeKeys& keys, std::vector<Problem>& problems,
                                   const Domain* domain = nullptr) {

@@ -55,7 +55,7 @@ Json schema_of(const Key& key) {
     return s;
 }
 
-/// @param partial no key is required: what a [quality] table may hold
+/// @param partial no key is required, as in a [quality] table
 Json schema_of(const KeyTable& table, bool partial) {
     Json s = {{"type", "object"}, {"description", table.meaning}, {"additionalProperties", false}, {"properties", Json::object()}};
     Json required = Json::array();

@@ -44,7 +44,7 @@ public:
     }
 
 private:
-    /// @param text what follows the key
+    /// @param text the text after the key
     template <class... T>
     void add(const std::string& key, fmt::format_string<T...> text, T&&... values) {
         found_.push_back({key, key + fmt::format(text, std::forward<T>(values)...)});
@@ -79,7 +79,7 @@ private:
             add(name + ".speed", ": the fluid moves at {:.4g} m/s; speeds are in m/s", u);
     }
 
-    /// A floor may be much wider than what flows on it.
+    /// A floor may be much wider than the flow on it.
     bool size(const std::string& name, const ShapeKeys& shape, const Extent& e) {
         if (shape.kind == "plane") return false;  // it has no end, and no wrong one
         const bool mesh = shape.kind == "mesh";

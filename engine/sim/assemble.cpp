@@ -47,7 +47,7 @@ Stage neighbours() {
     stage.run = [](World& w) {
         const auto x = std::as_const(w.fluid).column<field::position>();
         const Real support = w.step.support;
-        // A step may begin with what the last one found where it ended. A resumed run has nothing of that kind.
+        // A step may start with the neighbours that the last one found at its end. A resumed run has none.
         const bool fresh = w.step.at_frame_time;
         if (fresh || !NeighbourSearch::narrow(x, x, support, w.step.domain, w.fluid_pairs))
             w.search.find(x, support, w.step.domain, w.fluid_pairs);

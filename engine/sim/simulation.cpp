@@ -463,7 +463,7 @@ void Simulation::load(std::istream& in) {
         if (solid.body) must_be_sound(solid.body->load(in));
     if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     s.steps_since_frame = 0;
-    s.changed_wrongly = wrong_viscosity(s.world);  // what was saved after a change may not have taken a step with it
+    s.changed_wrongly = wrong_viscosity(s.world);  // a state saved after a change may not have made a step with it
     s.world.step.gravity = scene().domain.gravity(s.time).cast<Real>();
     s.world.step.time = s.time;
     s.world.solids.set_time(s.time, scene().time.look_ahead());

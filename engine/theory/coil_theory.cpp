@@ -294,7 +294,7 @@ double relative_change(const CoilParameters& a, const CoilParameters& b) {
     const auto compare = [&](double p, double q) {
         if (p == q) return;
         const double change = std::abs(p - q) / std::min(std::abs(p), std::abs(q));
-        if (!(change <= largest)) largest = change;  // what is not a number differs from everything
+        if (!(change <= largest)) largest = change;  // NaN differs from everything
     };
     compare(a.nozzle_radius, b.nozzle_radius), compare(a.speed, b.speed), compare(a.viscosity, b.viscosity);
     compare(a.gravity, b.gravity), compare(a.fall, b.fall), compare(a.surface_tension, b.surface_tension);

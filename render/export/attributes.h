@@ -18,7 +18,7 @@ struct Attribute {
     const void* data = nullptr;  ///< row after row
 };
 
-/// Attributes with the same number of rows. It points into what it was made of, which must outlive it.
+/// Attributes with the same number of rows. It points into its source, which must outlive it.
 class Attributes {
 public:
     explicit Attributes(std::size_t rows) : rows_(rows) {}
@@ -50,7 +50,7 @@ std::vector<std::string> component_names(const Attribute& attribute);
 /// Attributes of each particle for other programs, if the frame has them: position, velocity, density, pressure, viscosity, spin,
 /// vorticity, q_criterion, spin_difference, ink, age, radius (half a spacing), id, source. No internal fields of the solver.
 Attributes particle_attributes(const Frame& frame);
-/// Position and normal of each vertex, and what the fluid carries there.
+/// Position and normal of each vertex, and the fluid's values there.
 Attributes vertex_attributes(const TriangleMesh& mesh, const VertexFields& fields);
 
 /// The columns that a run has to put into its frames for these files, by their names there.

@@ -1,5 +1,5 @@
 #pragma once
-/// The flow as a lit cloud: what a volume is drawn from.
+/// The flow as a lit cloud, for drawing volumes.
 #include <array>
 #include <vector>
 
@@ -10,9 +10,9 @@ namespace whorl {
 /// The light that falls on a cloud, linear RGB.
 struct CloudLight {
     Vec3f towards = Vec3f::UnitY();  ///< the lamp, unit length
-    Vec3f lamp = Vec3f::Ones();      ///< what it adds on a white body that nothing shades
+    Vec3f lamp = Vec3f::Ones();      ///< its light on an unshaded white body
     Vec3f sky = Vec3f::Zero();       ///< the same of the light from all round
-    float glow = 0;                  ///< what the cloud sends out by itself, of its colour
+    float glow = 0;                  ///< the cloud's emission, in its colour
 };
 
 /// On the nodes of a grid. Densities are parts of the strongest field's.

@@ -1,5 +1,5 @@
 #pragma once
-/// The flow on a grid, from the particles of a frame: what volumes and trails are drawn from.
+/// The flow on a grid, from the particles of a frame, for drawing volumes and trails.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -16,8 +16,8 @@ struct FlowGrid {
     Vec3f cell = Vec3f::Ones();    ///< m
     std::array<int, 3> n{0, 0, 0};
     std::array<bool, 3> periodic{false, false, false};
-    std::vector<Vec3f> along;  ///< what lines follow: velocity [m/s] or vorticity [1/s]; 0 where there is no fluid; may be left out
-    std::vector<Eigen::Vector4f> value;  ///< of what is shown
+    std::vector<Vec3f> along;  ///< field that lines follow: velocity [m/s] or vorticity [1/s]; 0 where there is no fluid; may be left out
+    std::vector<Eigen::Vector4f> value;  ///< of the shown field
     std::vector<float> cover;            ///< 0 no fluid near .. 1 full of it
 
     std::size_t index(int i, int j, int k) const { return grid_index(i, j, k, n[0], n[1]); }

@@ -14,7 +14,7 @@
 namespace whorl {
 namespace {
 
-/// Linear greys of what is not fluid: white paper, or black.
+/// Linear greys outside the fluid: white paper, or black.
 struct Tones {
     float paper, solid, outline;
 };

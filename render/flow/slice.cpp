@@ -21,7 +21,7 @@ float slice_position(const Frame& frame, const LookOptions& look, int axis) {
     return low <= high && frame.dimensions == 3 ? 0.5f * (low + high) : 0.5f * (frame.domain_min[axis] + frame.domain_max[axis]);
 }
 
-/// The way that streaks and arrows show to each side [s]: as chosen for the film, else what the fastest needs.
+/// The way that streaks and arrows show to each side [s]: as chosen for the film, else by the fastest flow.
 float way_shown(const PlaneField& field, const LookOptions& look, const PixelPlane& plane) {
     if (look.streak_time > 0) return look.streak_time;
     float fastest = 0;

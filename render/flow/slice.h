@@ -20,7 +20,7 @@ float flow_cover(float weight);
 /// The plane of the look's slice through the domain, in pixels. @param longest pixels of the longer side. Seen from the positive end of its
 /// axis.
 PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest);
-/// @param range of the colour map @param ground linear RGB of what inks lie on
+/// @param range of the colour map @param ground linear RGB of the ground under inks
 FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,
                      const Vec3f& ground);
 

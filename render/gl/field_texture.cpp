@@ -67,7 +67,7 @@ float eikonal(std::array<float, 3> a, float h) {
     return (sum + std::sqrt(std::max(0.0f, sum * sum - 3 * (squares - h * h)))) / 3;
 }
 
-/// Fills in what is unknown by sweeping in all eight diagonal directions.
+/// Fills in unknown values by sweeping in all eight diagonal directions.
 void sweep(Volume& v) {
     for (int direction = 0; direction < 8; ++direction) {
         const auto place = [&](int n, int count, int bit) { return (direction >> bit) & 1 ? count - 1 - n : n; };

@@ -29,7 +29,7 @@ public:
               int pixels);
     /// Draws the opaque shapes into the buffer of the solids.
     void draw(const SceneGeometry& scene, const FlowView& flow, const Eigen::Matrix4f& matrix);
-    /// The cloud, added to the picture over what `solids` holds.
+    /// The cloud, added to the image over the content of `solids`.
     /// @param no_vertices an array to draw the screen's triangle with
     void shade_cloud(const LookOptions& look, const View& view, const gl::Texture& solids, const Eigen::Matrix4f& matrix, int sample,
                      GLuint no_vertices);

@@ -68,7 +68,7 @@ private:
     gl::Framebuffer map_target_ = gl::framebuffer({map_.id()}, 0);
 
     Vec3f light_ = Vec3f::UnitY(), centre_ = Vec3f::Zero();
-    float radius_ = 1;  ///< of what the light sees [m]
+    float radius_ = 1;  ///< of the lit scene [m]
     Eigen::Matrix4f light_matrix_ = Eigen::Matrix4f::Identity();
     Vec3f area_ = Vec3f(0, 0, 1e-9f);  ///< centre x, z, half-width [m]
 };

@@ -122,7 +122,7 @@ struct Renderer::Device {
         glEnable(GL_PROGRAM_POINT_SIZE);
     }
     ~Device() {
-        context.make_current();  // or what is deleted would be another renderer's
+        context.make_current();  // otherwise another renderer's objects would be deleted
         glDeleteVertexArrays(1, &no_vertices);
     }
 
@@ -398,7 +398,7 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
     const std::array<float, 4> none{};
     glClearBufferfv(GL_COLOR, 2, none.data());
     glEnable(GL_SCISSOR_TEST);
-    const float lowest = shot.lowest() - 1e-4f;  // m: what lies on the ground is not cut to rags by rounding
+    const float lowest = shot.lowest() - 1e-4f;  // m: things on the ground are not cut irregularly by rounding
     if (shot.patterns != std::set{Pattern::plain}) {
         glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
         solid_depth.use();

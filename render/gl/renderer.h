@@ -12,7 +12,7 @@
 
 namespace whorl {
 
-/// An EGL device that was tried, and what came of it.
+/// An EGL device that was tried, and the outcome.
 struct DeviceAttempt {
     std::string name;  ///< "device 0 (EGL_EXT_device_drm)", "surfaceless", "default display"
     bool hardware = false;

@@ -21,7 +21,7 @@ void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
 
 std::pair<const float*, std::size_t> numbers(const std::vector<Vec3f>& v) { return {v.empty() ? nullptr : v[0].data(), 3 * v.size()}; }
 
-/// With what its vertices carry; 0 where they do not.
+/// With the values of its vertices; 0 without values.
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age, std::vector<CrustPlace> crust,
                    std::vector<Vec3f> velocity) {
     if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);

@@ -30,7 +30,7 @@ public:
     void draw_trails() const { trails_.draw(GL_TRIANGLES); }
     void draw_lines() const { lines_.draw(GL_TRIANGLES); }
     void draw_slice() const { slice_.draw(GL_TRIANGLES); }
-    /// `prepare` sets what the program wants to know of each solid that is `wanted`.
+    /// `prepare` sets the program's uniforms for each solid that is `wanted`.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
     /// The edges of containers, as strips as wide as the program of edge.vert makes them.

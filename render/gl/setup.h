@@ -39,7 +39,7 @@ Eigen::Vector2f lens_place(int sample, int samples);
 Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds);
 /// The matrix with the picture moved by a part of a pixel.
 Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& pixels, int width, int height);
-/// The matrix with all depths those of points nearer to the eye by a part of their distance: what touches the surface behind hides it.
+/// The matrix with all depths those of points nearer to the eye by a part of their distance: things that touch the surface behind hide it.
 Eigen::Matrix4f nearer(const Eigen::Matrix4f& matrix, float part);
 /// Places of the samples in a pixel, -0.5 .. 0.5: low discrepancy (Roberts' R2 sequence), the first in the middle.
 Eigen::Vector2f sample_place(int sample, int samples);

@@ -1,5 +1,5 @@
 #pragma once
-/// The solids of a frame as one distance field on the device: what they hide from each other, and where they throw shadow.
+/// The solids of a frame as one distance field on the device: for mutual occlusion and shadows.
 #include "engine/io/frame.h"
 #include "render/gl/objects.h"
 #include "render/surface/surface.h"

@@ -34,14 +34,14 @@ private:
     std::array<Vec3f, 9> light_;
 };
 
-/// 64^3 values between 0 and 1; on every coarser level each is the mean of eight, so that what is finer than a pixel is smooth.
+/// 64^3 values between 0 and 1; on every coarser level each is the mean of eight, so that detail finer than a pixel is smooth.
 gl::Texture lattice_noise();
 
 /// The empty background, cached while camera, look and ground do not change: only the light on the ground changes from image
 /// to image.
 class Backdrop {
 public:
-    /// All that it depends on: it is the same whatever was drawn before.
+    /// All dependencies: earlier images have no influence.
     struct Key {
         Mat3f to_ray;  ///< place in the picture (-1 .. 1, -1 .. 1, 1) -> direction
         Mat3f studio;  ///< world -> studio

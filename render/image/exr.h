@@ -11,7 +11,7 @@ inline constexpr float nothing_there = 1e10f;
 struct PictureLayers {
     int width = 0, height = 0;
     std::vector<float> light = {};       ///< red, green, blue, alpha a pixel: linear, Rec. 709, multiplied by alpha; of half precision
-    std::vector<float> shadow = {};      ///< red, green, blue: what the ground's light is multiplied by; only of a transparent picture
+    std::vector<float> shadow = {};      ///< red, green, blue: factors of the ground's light; only of a transparent picture
     std::vector<float> depth = {};       ///< m along the view axis; nothing_there where nothing is
     std::vector<float> normal = {};      ///< x, y, z of the world, towards the viewer; 0 where nothing is
     std::vector<float> motion = {};      ///< pixels to the right and up, from this picture to the next

@@ -1,4 +1,4 @@
-// Radiance pictures. stb reads them too, but takes zeros for what a file lacks and waits for ever in a row that is cut off.
+// Radiance pictures. stb also reads them, but replaces missing data by zeros and hangs in a truncated row.
 #include <fmt/format.h>
 
 #include <charconv>

@@ -23,7 +23,7 @@ struct CameraOptions {
     float fov = 30;  ///< degrees, vertical
     float distance = 0.4f, height = 0.1f, start_angle = 0, degrees_per_second = 20;
     std::vector<CameraKey> keys;
-    std::optional<Vec3f> min, max;  ///< m, corners of what "auto" shows; none: the domain's
+    std::optional<Vec3f> min, max;  ///< m, corners of the extent that "auto" shows; none: the domain's
     float aspect = 16.0f / 9;       ///< of the picture, width over height: follows from the scene's output
     float aperture = 0;             ///< m, diameter of the lens; 0: all is sharp
     std::optional<float> focus;     ///< m ahead, where it is sharp; none: at the target

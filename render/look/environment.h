@@ -19,7 +19,7 @@ struct Studio {
     Vec3f backdrop_low, backdrop_high, backdrop_glow;
     Vec3f key, window, rim, fill;  ///< the soft boxes; the window is the shadow light
     Vec3f sky;                     ///< the light that falls on a body from all round
-    Vec3f sun;                     ///< what the shadow light adds on a white surface that faces it
+    Vec3f sun;                     ///< the shadow light's illumination of a white surface that faces it
 };
 /// studio | dark | white; transparent and any other name: studio.
 Studio studio_of(const std::string& background);

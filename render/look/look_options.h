@@ -55,7 +55,7 @@ struct LookOptions {
     int lines = 400;                      ///< tubes and ribbons: number of particles with a line through them
     float line_width = 0;                 ///< m, of a tube where the field is strongest; 0: the spacing
     float line_length = 0;                ///< m, at most; 0: the domain's longest side
-    std::string title;                    ///< what the picture shows, in words; of a panel: its label
+    std::string title;                    ///< text on the image; of a panel: its label
     bool legend = false;
     bool time_stamp = false;
 };

@@ -60,7 +60,7 @@ std::vector<std::string> material_names();
 
 /// Radiance of a body that glows, from 0 cold to 1 as hot as it comes: the hotter, the yellower. Duplicated in opaque.frag.
 Vec3f glow_of(const Vec3f& emission, float heat);
-/// Heat of a crust's outside and what shows through its cracks, of an age over the time of cooling.
+/// Heat of a crust's outside and inside its cracks, at an age over the time of cooling.
 float heat_of_crust(float age);
 
 /// Textures of solids and of the ground, numbered as in textures.glsl; paper: the backdrop continues.

@@ -1,6 +1,6 @@
-// The crust of a cooling fluid: plates that part and show what is hot between them (render/surface/vertex_values.h).
+// The crust of a cooling fluid: plates that separate and show hot fluid between them (render/surface/vertex_values.h).
 uniform vec3 emission;
-uniform float cooling;       // s in which what is hot loses most of its glow; 0: the fluid has no age
+uniform float cooling;       // s in which hot fluid loses most of its glow; 0: the fluid has no age
 uniform bool has_crust;      // which says where its plates are
 uniform sampler2D crust_buffer;
 

@@ -1,9 +1,9 @@
-// The edge of a container: what a rod of glass mirrors; it is darker where one looks through more of it.
+// The edge of a container: reflections of a glass rod; it is darker where one looks through more of it.
 in vec3 world;
 in vec3 way;
 in float place;
 uniform float weight;
-layout(location = 0) out vec4 glass;   // light added, and how much of what is behind is held back
+layout(location = 0) out vec4 glass;   // light added, and fraction of the light behind that is blocked
 
 void main() {
     if (world.y < ground_height) discard;

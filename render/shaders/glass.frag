@@ -1,8 +1,8 @@
-// A container: only what its walls mirror, so that it never hides the fluid. Walls that lie level are left out: it has no lid.
+// A container: only the reflections of its walls, so that it never hides the fluid. Walls that lie level are left out: it has no lid.
 in vec3 world;
 in vec3 world_normal;
 uniform float weight;
-layout(location = 0) out vec4 glass;   // light added, and how much of what is behind is held back
+layout(location = 0) out vec4 glass;   // light added, and fraction of the light behind that is blocked
 
 void main() {
     vec3 n = normalize(world_normal);

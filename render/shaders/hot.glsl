@@ -1,4 +1,4 @@
-// Light that a hot fluid throws on a surface (render/gl/ground_light.h), over pi: what a white one gives back.
+// Light that a hot fluid throws on a surface (render/gl/ground_light.h), over pi: the reflection of a white one.
 uniform int patches;
 uniform vec4 patch_place[32];    // and area
 uniform vec4 patch_normal[32];

@@ -3,7 +3,7 @@
 // constant: bool finds_light: by itself in every pixel
 uniform bool has_field;
 uniform float fluid_hides;       // how much of the light from round about the fluid keeps: 1 honey and paint, 0 clear water
-uniform sampler2D light_kept;    // key's light, and what is open to the sky
+uniform sampler2D light_kept;    // key's light, and the visible fraction of the sky
 uniform sampler2D place_kept;    // what is open to the mirrored direction, distance from the eye (0: nothing), normal along two ways
 uniform mat4 to_kept;            // world -> clip of the pass
 

@@ -49,7 +49,7 @@ float soft_box(vec3 s, vec3 axis, vec3 right, vec2 size, float soft) {
     return ahead > 0.0 ? inside.x * inside.y : 0.0;
 }
 
-// @param blur 0 crisp .. 1 very soft: rough materials blur what they mirror
+// @param blur 0 crisp .. 1 very soft: rough materials blur reflections
 vec3 soft_boxes(vec3 d, float blur) {
     vec3 s = studio * d;
     float soft = 0.12 + 0.9 * blur;

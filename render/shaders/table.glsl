@@ -36,7 +36,7 @@ vec3 ground_behind(vec3 d, out bool found) {
     return eye + d * ((ground_height - eye.y) / min(d.y, -1e-3));
 }
 
-// Light on the ground over what it would get alone, at this place of the picture; 1 where there is no ground.
+// Light on the ground relative to an empty scene, at this place of the picture; 1 where there is no ground.
 vec3 shadow_behind(mat4 to_world, vec2 uv) {
     bool found;
     vec3 q = ground_behind(ray_behind(to_world, uv), found);

@@ -33,7 +33,7 @@ public:
         Index begin, end;
         Vec3f low, high;  ///< their box
     };
-    /// All particles in bunches whose boxes are no longer than `extent` [m] along any axis: what a bunch reaches is asked for once.
+    /// All particles in bunches whose boxes are no longer than `extent` [m] along any axis: the reach of a bunch is queried once.
     std::vector<Bunch> bunches(float extent) const;
 
     std::vector<float> x, y, z;   ///< m, sorted

@@ -27,7 +27,7 @@ std::string last_lines(std::string text) {
     return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600);
 }
 
-/// How ffmpeg ended, and its last words where it had any. @param code what wait() returned
+/// How ffmpeg ended, and its last output if any. @param code what wait() returned
 std::string end_of(const ChildProcess& ffmpeg, int code) {
     const int signal = ffmpeg.ended_by();
     const std::string words = last_lines(ffmpeg.output());

@@ -191,7 +191,7 @@ TEST_CASE("ranges that a new look leaves open use the whole film, whichever fram
     CHECK((one == draw("given", given, {})));
 }
 
-TEST_CASE("draw follows a run that goes on, beside its own images or in its folder if it makes none") {
+TEST_CASE("draw follows a running film, next to its images or in its folder if it makes none") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
@@ -201,7 +201,7 @@ TEST_CASE("draw follows a run that goes on, beside its own images or in its fold
     if (!draws_itself) words.emplace_back("--no-draw");
     test::Program program(words);
     REQUIRE(program.wait_until([&] { return fs::exists(run / "raw/000001.frame"); }));
-    program.signal(SIGSTOP);  // so that it does go on
+    program.signal(SIGSTOP);  // so that it still runs
     std::vector<std::string> draw{"draw", run.string(), "--quiet", "--set", "look.style=particles"};
     if (draws_itself) {
         const Outcome refused = test::whorl(draw);

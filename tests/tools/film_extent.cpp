@@ -96,7 +96,7 @@ TEST_CASE("the coarse run makes a scene's changes") {
     CHECK(shown_by(scratch.run()).max().x() == Approx(0.55).margin(0.05));
 }
 
-TEST_CASE("a coarse run is made once, and none for the camera of a room that is full, nor without images") {
+TEST_CASE("a coarse run is made once, and not for the camera of a full room or without images") {
     const test::FilmScratch scratch(hall);
     const auto runs_coarsely = [&](std::vector<std::string> words) {
         words.insert(words.begin(), {"render", scratch.scene(), "--frames", "1", "--overwrite", "--out", scratch.run(), "--no-video"});
@@ -118,7 +118,7 @@ TEST_CASE("a coarse run is made once, and none for the camera of a room that is 
     CHECK(shown_by(scratch.run()).sizes().isApprox(Vec3f::Constant(0.05f), 0.1f));
 }
 
-TEST_CASE("panels make one coarse run for the same flow, and one each if what is poured differs") {
+TEST_CASE("panels make one coarse run for equal flows, and one each if their emitters differ") {
     for (const auto& [set, runs] : {std::pair{"pressure.tolerance=1e-3", 1}, std::pair{"emitter[0].position=[0, 0.2, 0]", 2}}) {
         CAPTURE(set);
         const SceneFile file = read(std::string(hall) + "[[panel]]\n[[panel]]\nset = [\"" + set + "\"]\n");

@@ -1,4 +1,4 @@
-/// ns a particle of what the implicit solves consist of: a product with the operator of the full viscosity and with the pressure matrix,
+/// ns per particle of the parts of the implicit solves: a product with the operator of the full viscosity and with the pressure matrix,
 /// and their set-up once a step. A block of fluid on a floor, in the order of the curve, as in a run.
 #include <benchmark/benchmark.h>
 

@@ -39,7 +39,7 @@ private:
     Place* place_;
 };
 
-/// Builds the tree from what the parser meets.
+/// Builds the tree from the parser's events.
 struct TreeBuilder {
     const Place& now;
     JsonNode root;

@@ -20,7 +20,7 @@
 namespace whorl {
 namespace {
 
-/// Bounds of what the scene holds [m].
+/// Bounds of the scene's content [m].
 using Extent3 = Eigen::AlignedBox3d;
 
 /// Placement of an object of their scene: x = rotation (scale x_own) + translation.

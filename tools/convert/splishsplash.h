@@ -14,7 +14,7 @@ namespace whorl {
 struct ConvertedScene {
     std::string toml;
     std::vector<std::pair<std::string, TriangleMesh>> meshes;  ///< by their file names, which the scene refers to
-    std::vector<Problem> notes;                                ///< a line each: what was taken as what, and what has no equivalent
+    std::vector<Problem> notes;                                ///< one line each: translations, and keys without an equivalent
 };
 
 /// @param name begins the names of the mesh files

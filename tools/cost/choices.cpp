@@ -105,7 +105,7 @@ void extend_inside(SeenBox& extent, const SeenBox& part, const SeenBox& domain) 
     if (!inside.isEmpty()) extent.extend(inside);
 }
 
-/// What lies between the lowest and the highest half per cent along each axis, with the room of a particle.
+/// Extent between the lowest and the highest half per cent along each axis, plus the size of a particle.
 SeenBox usual_extent(const std::vector<Vec3f>& position, float spacing) {
     std::vector<float> along;
     Vec3f low, high;
@@ -137,7 +137,7 @@ SeenBox of_solid(const TriangleMesh& mesh, const Mat3f& rotation, const Vec3f& t
     return extent;
 }
 
-/// Follows what is let go at x with velocity u through a free fall, until a solid or the domain's end stops it or the film is over.
+/// Follows a point released at x with velocity u through a free fall, until a solid or the domain's end stops it or the film is over.
 /// @return where it was last inside the domain
 Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
     const Scene& scene = start.scene();

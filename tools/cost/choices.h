@@ -13,7 +13,7 @@ namespace whorl {
 using SeenBox = Eigen::AlignedBox3f;  ///< m, in the world's axes
 
 /// Grows by what a frame shows: 99 % of the fluid along each axis, so that a few drops do not widen the picture; the openings that fluid
-/// comes from; the solids that stand elsewhere than at the start. Nothing outside of the domain counts.
+/// comes from; the solids that have moved since the start. Nothing outside of the domain counts.
 void add_seen(SeenBox& extent, const Frame& frame, const Frame& start);
 
 /// Grows by the solids that reach into it, where that makes it less than half larger: the plate under honey is seen whole, a floor is not.
@@ -47,7 +47,7 @@ float film_streak_time(const LookOptions& look, const Simulation& simulation);
 /// automatic camera. @param start the run at its beginning
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
-/// What frames of a film show, the first of them first.
+/// Extent and ranges of a film's frames, in order.
 class Seen {
 public:
     explicit Seen(const LookOptions& look) : look_(look) {}
@@ -63,7 +63,7 @@ private:
     SeenBox extent_;
 };
 
-/// Whether the range of the colours goes by the flow: density keeps to 3 % about rest, inks to 1.
+/// Whether the range of the colours depends on the flow: density keeps to 3 % about rest, inks to 1.
 bool measures_range(const LookOptions& look);
 
 /// Puts what frames showed into what the scene leaves open. An empty extent and a size of 0 leave it open.

@@ -32,9 +32,9 @@ constexpr double share =
     0.03;                     ///< of a film's work that simulating it coarsely may take; images and steps longer than foreseen come on top
 constexpr double enough = 3;  ///< rough_seconds() of a coarse run, where a coarser one can show the film, too
 constexpr int coarsest = 8, most_moments = 64;
-constexpr int frames_a_picture = 60, most_pictures = 5;  ///< images drawn: one for so many frames of the film, at least one
+constexpr int frames_a_picture = 60, most_pictures = 5;  ///< images drawn: one per that many frames of the film, at least one
 
-/// The run does not depend on the colours' range, nor on what is made of the images, nor on the box that an automatic camera was given
+/// The run does not depend on the colours' range, the use of the images, or the box that an automatic camera was given
 /// for the film: only one of the scene's own counts.
 std::string key_of(SceneFile file) {
     file.look.range = {0, 0}, file.look.streak_time = 0;
@@ -57,7 +57,7 @@ double bytes_in_use() {
 }
 
 /// Draws moments of a coarse run of the whole film, with its camera, solids and size, and as many particles as the film has: what a picture
-/// costs hangs on how much of it the fluid covers.
+/// costs depends on how much of it the fluid covers.
 class PictureCosts {
 public:
     PictureCosts(const SceneFile& file, int coarser) : file_(file), coarser_(coarser), draws_(file.scene.output.frames) {}
@@ -66,7 +66,7 @@ public:
         if (!draws_) return;
         try {
             draw(frame, run);
-        } catch (const EnvironmentError&) {  // no EGL device: `whorl doctor` tells
+        } catch (const EnvironmentError&) {  // no EGL device: see `whorl doctor`
             draws_ = false, run.pictures.clear();
         }
     }
@@ -172,7 +172,7 @@ public:
     }
     const Simulation& simulation() const { return simulation_; }
 
-    /// Up to the film's end, or to so many seconds of rough_seconds(). @return false if it diverges before the end
+    /// Runs up to the film's end, or to the given seconds of rough_seconds(). @return false if it diverges before the end
     bool go(double seconds) {
         const Scene& scene = film_.scene();
         const int frames = frame_count(scene), moments = std::clamp(frames - 1, 1, most_moments);
@@ -249,7 +249,7 @@ private:
     Replay replay_;
     Seen seen_;
     std::vector<Frame> drawn_;  ///< whose images are drawn
-    double bytes_ = 0;          ///< beside the particles
+    double bytes_ = 0;          ///< in addition to the particles
     Simulation simulation_;
     Snapshots snapshots_;
     StepMeter meter_;
@@ -266,7 +266,7 @@ double more_iterations(const Plan& plan, int coarser) {
     return plan.pressure == PressureModel::ppe && plan.preconditioner != Preconditioner::multigrid ? std::pow(coarser, 0.6) : 1;
 }
 
-/// What the first steps of the film itself cost, where all of its fluid is there then and some steps are cheap: fewer particles have more
+/// Cost of the first steps of the film, if all of its fluid exists then and some steps are cheap: fewer particles have more
 /// boundary around them, and more of what a step costs whatever their number. If the flow of the coarse run needs more iterations, the
 /// solves cost more.
 void use_first_steps(const SceneFile& file, const Simulation& film, double most, CoarseRun& run) {
@@ -282,7 +282,7 @@ void use_first_steps(const SceneFile& file, const Simulation& film, double most,
     if (first.iterations > 0) run.stages["pressure"].particle *= std::max(1.0, run.iterations / first.iterations);
 }
 
-/// The film with particles as little larger as what it may take allows; its beginning if none of these runs to the end.
+/// The film with the smallest particles that the allowed cost permits; its beginning if none of these runs to the end.
 CoarseRun made_now(const SceneFile& file, const Simulation& film, const Watch& watch) {
     const double film_seconds = rough_film_seconds(file, film), most = share * film_seconds, wanted = std::max(enough, 0.1 * most);
     // Whole numbers, which a period can be divided by.
@@ -364,7 +364,7 @@ void keep_coarse_run(const SceneFile& file, const CoarseRun& run) try {
     all[key_of(file)] = run;
     if (all == before) return;
     fs::create_directories(cost_file().parent_path());
-    // Under a name of its own: another run may write at the same time.
+    // Under a separate name: another run may write at the same time.
     const fs::path own = fmt::format("{}.{}", cost_file().string(), getpid());
     write_text(own, all.dump(1) + "\n");
     fs::rename(own, cost_file());

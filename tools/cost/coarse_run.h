@@ -94,7 +94,7 @@ std::filesystem::path cost_file();
 
 /// The scene with what it leaves open for a whole film, from a coarse run: the range of its colours, which holds 99 % of the particles at
 /// each of up to 64 moments, and the box of an automatic camera, with what is seen at them (add_seen()). No run is made if nothing is open
-/// that hangs on the flow: the box of a room that is full at the start is the room. If larger particles cannot show the film, both are
+/// that depends on the flow: the box of a room that is full at the start is the room. If larger particles cannot show the film, both are
 /// estimates from the scene alone. Without images both stay open.
 /// @param start the film at its beginning @throws Interrupted
 SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch = {});
@@ -103,10 +103,10 @@ SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& wat
 double step_rate(const Simulation& film, const World& flow, double fastest);
 /// Rough CPU seconds of a simulation from its particles, models and limits of the step, the same on every machine.
 double rough_seconds(const Simulation& start);
-/// The same of a film with its images.
+/// Cost of a film with its images.
 double rough_film_seconds(const SceneFile& file, const Simulation& start);
 
-/// The frame of a coarse run with the film's own number of particles: each stands for `coarser` along every axis, which carry what it has.
+/// The frame of a coarse run with the film's own number of particles: each is replaced by `coarser` along every axis, with its values.
 Frame parted(const Frame& coarse, int coarser);
 
 }  // namespace whorl

@@ -31,8 +31,7 @@ double particles_at(const Scene& scene, const Plan& plan, double at_start, doubl
     double volume = 0;
     for (const EmitterKeys& e : scene.emitters) {
         volume += emitted_volume(e, time, plan.dimensions());
-        if (e.start <= time)
-            volume += opening_area(e, plan.dimensions()) * (plan.support + 0.5 * plan.spacing);  // what waits in the nozzle
+        if (e.start <= time) volume += opening_area(e, plan.dimensions()) * (plan.support + 0.5 * plan.spacing);  // fluid in the nozzle
     }
     return at_start + volume / plan.particle_volume();
 }

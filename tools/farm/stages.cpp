@@ -39,7 +39,7 @@ fs::path file_of(const FarmFilm& film, const FarmStage& stage, std::size_t task,
     return film.folder / "farm" / fmt::format("{}.{}.{}", stage.name, task, what);
 }
 
-/// A task that was begun, but not as far as a checkpoint, is begun anew.
+/// A task without a checkpoint starts from the beginning.
 void write_script(const FarmFilm& film, const FarmStage& stage, int threads) {
     std::string text = "#!/bin/bash\n# Runs one task of this stage: bash " + stage.name + ".sh NUMBER\n";
     // The folder is kept from others while tasks wait (RunFolder).
@@ -75,7 +75,7 @@ Tasks tasks_of(const FarmFilm& film, const FarmStage& stage) {
     return tasks;
 }
 
-/// Whether the stage can begin by what became of the one before it.
+/// Whether the stage can start, by the results of the one before it.
 bool may_begin(const FarmFilm& film, std::size_t stage) {
     return stage == 0 || film.stages[stage].after_failures ||
            tasks_of(film, film.stages[stage - 1]).done == film.stages[stage - 1].tasks.size();
@@ -142,8 +142,8 @@ bool run_here(const FarmFilm& film, const InterruptGuard& interrupt, FarmProgres
         for (std::size_t k = 0; k < film.stages[s].tasks.size(); ++k) {
             if (interrupt.interrupted()) return false;
             const pid_t task = start_program({"bash", script_of(film, film.stages[s]).string(), std::to_string(k)});
-            for (bool told = false; waitpid(task, nullptr, WNOHANG) != task; std::this_thread::sleep_for(std::chrono::milliseconds(20)))
-                if (interrupt.interrupted() && !std::exchange(told, true)) kill(-task, SIGINT);  // a film saves its state
+            for (bool sent = false; waitpid(task, nullptr, WNOHANG) != task; std::this_thread::sleep_for(std::chrono::milliseconds(20)))
+                if (interrupt.interrupted() && !std::exchange(sent, true)) kill(-task, SIGINT);  // a film saves its state
             progress.show();
         }
     return !interrupt.interrupted();

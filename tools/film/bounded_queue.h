@@ -33,7 +33,7 @@ public:
         return value;
     }
 
-    /// No more will come; what is in it still goes out.
+    /// No more items will come; items in it are still delivered.
     void close() {
         const std::lock_guard lock(mutex_);
         closed_ = true;

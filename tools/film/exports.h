@@ -1,5 +1,5 @@
 #pragma once
-/// A film's files for other programs: what --export and output.export ask for.
+/// A film's files for other programs, requested by --export and output.export.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -51,7 +51,7 @@ private:
     std::filesystem::path vtk_file(const char* part, int frame, const char* suffix) const;
     void add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film);
     void write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
-    /// @param carried what the fluid carries on the surface, made when it is first asked for
+    /// @param carried the fluid's values on the surface, computed at first use
     void write_vtk(const Frame& frame, const TriangleMesh& mesh, const std::function<const VertexFields&()>& carried);
     std::filesystem::path scene_file() const { return options_.folder / "scene" / (options_.name + ".glb"); }
 
@@ -60,7 +60,7 @@ private:
     std::vector<TimedFile> timed_;  ///< of the .pvd
 };
 
-/// Adds raw frames to what the scene exports.
+/// Adds raw frames to the scene's exports.
 void export_raw(Scene& scene);
 /// Fields that a frame needs for the scene's exports, in addition to positions and velocities.
 std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore& fluid);

@@ -45,7 +45,7 @@ void Film::start(const char* name, void (Film::*work)()) {
     });
 }
 
-/// @param stage the thread's name, or that and what it does
+/// @param stage the thread's name, or that and its task
 void Film::timed(const std::string& stage, const std::function<void()>& work) {
     const std::string thread = stage.substr(0, stage.find(' '));
     const auto cpu_so_far = [&] {

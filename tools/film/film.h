@@ -88,7 +88,7 @@ private:
     Exports exports_;  ///< the thread "export" has it
     Queue to_surface_{1}, to_draw_{1}, to_export_{1}, to_write_{1};
     std::vector<std::thread> threads_;
-    mutable std::mutex mutex_;  ///< of what follows
+    mutable std::mutex mutex_;  ///< protects the members below
     std::exception_ptr error_;
     std::shared_ptr<const Checkpoint> newest_state_;
     StageTimes times_;

@@ -19,7 +19,7 @@ struct Sacrifice {
 };
 
 /// Keeps a run to its budget of time by giving up accuracy in a set order, within bounds that the scene sets: first the solvers'
-/// tolerances, then the length of steps, then the surface's voxels, then samples a pixel. Never what the fluid is.
+/// tolerances, then the length of steps, then the surface's voxels, then samples per pixel. Never the fluid.
 class Governor {
 public:
     /// @param given the scene as the user wants it @param frames of the film
@@ -30,7 +30,7 @@ public:
     /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
     /// @return the scene to continue with, if it changed
     std::optional<SceneFile> after_frame(double seconds, int frame, double spent);
-    /// The scene with what is given up now.
+    /// The scene with the current reductions.
     SceneFile governed() const;
 
     bool has_budget() const { return given_.scene.budget.any(); }
@@ -108,12 +108,12 @@ private:
     Simulation& simulation_;
     NamedProbes probes_;
     Governor governor_;
-    std::optional<SceneFile> governed_;  ///< what the governor decided last
+    std::optional<SceneFile> governed_;  ///< the governor's last decision
     RunTotals totals_at_frame_;
     double largest_residual_ = 0;
 };
 
-/// The scene with every automatic choice as `plan` made it: what changes from here on cannot change the models.
+/// The scene with every automatic choice of `plan`: later changes cannot change the models.
 Scene with_models_of(const Plan& plan, const Scene& scene);
 
 }  // namespace whorl

@@ -149,7 +149,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
                                (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
     const std::vector<PanelKeys>& panels = file.scene.panels;
     const bool differences = std::any_of(panels.begin(), panels.end(), [](const PanelKeys& panel) { return !panel.difference.empty(); });
-    if (differences && file.scene.output.frames) export_raw(alone.scene);  // what a difference is drawn from
+    if (differences && file.scene.output.frames) export_raw(alone.scene);  // source of a difference
     std::vector<SceneFile> scenes;
     std::vector<Problem> problems;
     for (int k = 0; k < count; ++k) {

@@ -11,7 +11,7 @@ namespace whorl {
 
 /// The scenes of those panels that are runs: their keys put in, pictures as large as their place. Panels that show the same field through
 /// the same map share its range, so that equal colours mean equal values, and automatic cameras share their box.
-/// @throws InputError with what is wrong with a panel's keys
+/// @throws InputError with the problems of a panel's keys
 /// @param choose gives a run its range and its box; by default an estimate, which is enough for a plan
 using Choose = std::function<SceneFile(const SceneFile& run, const Simulation& start)>;
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose = {});
@@ -25,7 +25,7 @@ struct PanelCell {
     int run = -1;                        ///< its number among the runs; -1: a difference
     std::array<int, 2> between{-1, -1};  ///< the runs of a difference
 };
-/// One a panel, in the scene's order. @throws InputError if a difference names what is no run
+/// One a panel, in the scene's order. @throws InputError if a difference names a panel without a run
 std::vector<PanelCell> panel_cells(const SceneFile& file);
 
 /// Number of panels in a row: as the scene specifies; in 2D the number that makes the flow largest; else all of two or three, from four on

@@ -110,7 +110,7 @@ private:
         return has_checkpoint(folder) ? Next::goes_on : Next::begins;
     }
 
-    /// @throws InputError with what keeps a panel from going on
+    /// @throws InputError with the reason that a panel cannot continue
     void check_resumed() const {
         for (std::size_t k = 0; k < scenes_.size(); ++k)
             if (next_of(k) == Next::goes_on) {

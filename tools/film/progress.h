@@ -1,5 +1,5 @@
 #pragma once
-/// What a run says while it runs.
+/// Progress messages of a run.
 #include <functional>
 #include <string>
 #include <vector>
@@ -58,7 +58,7 @@ private:
     double iterations_ = 0;
 };
 
-/// The same of work without frames: "coarse run: 40 %  12 s left".
+/// Progress of work without frames: "coarse run: 40 %  12 s left".
 class PartProgress {
 public:
     PartProgress(std::string what, bool quiet);
@@ -71,10 +71,10 @@ private:
     double began_;
 };
 
-/// What to call with the part of a coarse run that is done (tools/cost/coarse_run.h): says at its beginning what it is for, then shows it.
+/// Callback for the completed part of a coarse run (tools/cost/coarse_run.h): prints its purpose at the start, then the progress.
 std::function<void(double)> watch_coarse_run(bool quiet);
 
-/// What nobody must miss: on standard error, or as an event on standard output.
+/// Prints an important message on standard error, or as an event on standard output.
 void tell_note(const std::string& text, bool json);
 /// 80 -> "1 min 20 s".
 std::string duration(double seconds);

@@ -66,7 +66,7 @@ void check_size_of_others(const RedrawRequest& request) {
     }
 }
 
-/// Frames to draw: all that the run has, or those that it has so far, then each new one until the run ends.
+/// Frames to draw: all of the run, or the existing ones, then each new one until the run ends.
 class Exported {
 public:
     /// @throws InputError if there is none, and none to wait for
@@ -97,7 +97,7 @@ public:
         for (;;) {
             if (const std::vector<int> numbers = ready(); !numbers.empty()) return newest_ = numbers.front();
             if (over_ || (request_.last > 0 && newest_ >= request_.last)) return 0;
-            held_.emplace(RunFolder::existing(request_.run, RunFolder::Hold::looking));  // waits for two seconds while the run goes on
+            held_.emplace(RunFolder::existing(request_.run, RunFolder::Hold::looking));  // waits for two seconds during the run
             over_ = held_->is_held();
             if (!over_) check_images_free(request_.run, request_.out);
             all_ = exported_frames(request_.run);
@@ -115,7 +115,8 @@ private:
     std::optional<RunFolder> held_;
 };
 
-/// With what the look leaves open. The frames so far do not show the whole film of a run that goes on: then a coarse run does.
+/// Sets the values that the look leaves open. The existing frames of an unfinished run do not show the whole film: then a coarse run is
+/// used.
 SceneFile with_choices_for(const RedrawRequest& request, const std::vector<int>& exported) {
     if (!request.goes_on) return with_choices_from(request.file, request.run, exported);
     const Simulation start(request.file.scene, make_plan(request.file.scene));
@@ -152,7 +153,7 @@ SceneFile with_choices_from(SceneFile file, const fs::path& run, const std::vect
         const Simulation start(file.scene, make_plan(file.scene));
         file.look.streak_time = film_streak_time(file.look, start);
         return with_estimates(file, start);
-    } catch (const InputError&) {  // this machine can draw what it has too little memory to simulate: each frame goes by itself
+    } catch (const InputError&) {  // this machine can draw the film but has too little memory to simulate it: each frame uses its own range
         return file;
     }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// run.json: what a run was, used and came to.
+/// run.json: settings, resources and results of a run.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -44,7 +44,7 @@ struct RunReport {
     double wall = 0, cpu = 0;            ///< s, over all parts of the run
     double predicted_wall = 0;           ///< s, for the whole run, before it began; 0: its costs were not known
     int resumed = 0;
-    bool draws = false;        ///< images of its own, now
+    bool draws = false;        ///< whether it draws images now
     double first_picture = 0;  ///< s after the start of this part
     std::string gl_device, encoder;
     StageTimes stages;  ///< over all parts of the run

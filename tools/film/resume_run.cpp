@@ -14,7 +14,7 @@
 namespace whorl {
 namespace {
 
-/// @throws InputError with every setting that decides the simulation and is not what it was
+/// @throws InputError with every changed setting that affects the simulation
 void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::filesystem::path& scene_file) {
     const Scene before = read_resolved(checkpoint.scene, scene_file.string()).scene;
     std::vector<Problem> problems;

@@ -102,8 +102,8 @@ private:
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
     int frame_ = 0;             ///< on its way
     Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
-    SceneFile file_;            ///< the request's, with what is chosen at the start put in
-    Replay replay_;             ///< what changes while the scene runs
+    SceneFile file_;            ///< the request's, with the choices of the start
+    Replay replay_;             ///< changes during the run
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
     std::string scene_text_, encoder_;
@@ -171,7 +171,7 @@ std::vector<double> Run::foreseen_frames(const Plan& plan) const {
     return frames;
 }
 
-/// What is chosen for the whole film stands in scene.resolved.toml and thereby in every checkpoint: a resumed film keeps it.
+/// Choices for the whole film are stored in scene.resolved.toml and thus in every checkpoint: a resumed film keeps them.
 SceneFile Run::chosen() const {
     check_probes(simulation_);
     SceneFile file = with_choices(request_.file, simulation_, watch_coarse_run(request_.quiet || request_.json));

@@ -1,5 +1,5 @@
 #pragma once
-/// A run from its scene to its run folder: what `whorl render` and `whorl resume` share.
+/// A run from its scene to its run folder: common part of `whorl render` and `whorl resume`.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -88,15 +88,15 @@ struct RedrawRequest {
     bool quiet = false;
 };
 
-/// What the look leaves open, from the frames that a run exported: all of them whichever are drawn, so that pieces agree. Also the time
+/// Values that the look leaves open, from all frames that a run exported, whichever are drawn, so that pieces agree. Also the time
 /// that streaks show. @param frames their numbers, rising @throws InputError where one is damaged
 SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames);
 
-/// @throws InputError if a run that goes on draws its own images where others are to go
+/// @throws InputError if an unfinished run draws its own images where others are to be drawn
 void check_images_free(const std::filesystem::path& run, const std::filesystem::path& out);
 
-/// Draws what render draws, to the bit where the look is the same. What the look leaves open goes by all frames, or by a coarse run while
-/// the run goes on. The video is encoded where all frames are drawn.
+/// Draws the images of render, bit-identical for the same look. Values that the look leaves open depend on all frames, or on a coarse run
+/// during the run. The video is encoded if all frames are drawn.
 /// @return an ExitCode @throws InputError where a frame is missing or damaged
 int redraw(const RedrawRequest& request);
 

@@ -131,7 +131,7 @@ Canvas plot_of_table(const std::string& title, const Probe& probe, const std::fi
         }
         plots.push_back(std::move(plot));
     }
-    // Diagrams of what this scene does not have, such as a spin, are left out.
+    // Diagrams of missing quantities, such as a spin, are left out.
     const auto empty = [](const CurvePlot& plot) { return plot.curves.empty(); };
     if (!std::all_of(plots.begin(), plots.end(), empty)) std::erase_if(plots, empty);
     return draw_plots(title, plots);

@@ -86,7 +86,7 @@ void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) 
     changed_.notify_all();
 }
 
-/// @param back what leads from the scene that is wanted now to the one before
+/// @param back changes from the current scene to the one before
 void Controls::remember(const std::vector<KeyDifference>& back) {
     Undo undo{{}, wall_seconds()};
     for (const KeyDifference& d : back)

@@ -28,7 +28,7 @@ public:
     void begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality);
     /// At `time` [s] these keys took other values.
     void add(double time, const std::vector<KeyChange>& changes);
-    /// @param time s, what the recording lasts until
+    /// @param time s, end of the recording
     std::string text(double time) const;
     /// @throws EnvironmentError (disk full)
     void write(double time) const;
@@ -65,7 +65,7 @@ struct Orders {
     bool playing = false;
     bool step = false;                    ///< one frame, although it does not play
     std::shared_ptr<PlannedScene> scene;  ///< where something changed
-    std::vector<KeyChange> changes;       ///< what leads from the scene before to this one
+    std::vector<KeyChange> changes;       ///< changes from the scene before to this one
     std::uint64_t revision = 0;           ///< of the scene
 };
 

@@ -284,7 +284,7 @@ void LiveLoop::say_pace() {
 double LiveLoop::wait_for_real_time() {
     if (!real_time_) return 0;
     const double frame = 1 / simulation_->scene().time.fps, now = wall_seconds();
-    due_ = std::max(due_ + frame, now - 0.1);  // what was missed is not made up for
+    due_ = std::max(due_ + frame, now - 0.1);  // missed frames are not caught up
     if (due_ > now && revision_ == stepped_) controls_.wait_for_change(due_ - now);
     return wall_seconds() - now;
 }

@@ -85,7 +85,7 @@ private:
 class ThreadShare {
 public:
     explicit ThreadShare(int cores) : cores_(cores), threads_(cores > 1 ? cores - 1 : 1) {}
-    /// After a step. @param wall s that it took @param work what it did, in units that do not depend on the threads
+    /// After a step. @param wall s that it took @param work its work, in units that do not depend on the threads
     void step(double wall, double work);
     int threads() const { return threads_; }
 

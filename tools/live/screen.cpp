@@ -106,7 +106,7 @@ void Screen::work() {
     while (const auto state = next(is_new)) draw(renderer, state, is_new);
 }
 
-/// Waits for what is to be drawn next. @return null if the screen was closed
+/// Waits for the next image to draw. @return null if the screen was closed
 std::shared_ptr<const Screen::State> Screen::next(bool& is_new) {
     using What = PictureOrder::What;
     std::unique_lock lock(mutex_);

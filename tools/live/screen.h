@@ -74,7 +74,7 @@ public:
     /// Wall seconds of the last image by stage: surface, draw.
     StageTimes times() const;
     std::string device() const;
-    /// @throws what ended the thread, if anything did
+    /// @throws the exception that ended the thread, if any
     void check() const;
 
 private:

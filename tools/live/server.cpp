@@ -353,7 +353,7 @@ void LiveServer::Http::get(const char* path, Handler handler) {
     server.Get(path, [this, handler](const Request& request, Response& response) { (this->*handler)(request, response); });
 }
 
-/// The user's mistakes are answered with what is wrong and what is allowed.
+/// The user's mistakes are answered with the fault and the allowed values.
 void LiveServer::Http::post(const char* path, JsonHandler handler) {
     methods[path] = "POST";
     server.Post(path, [this, handler](const Request& request, Response& response) {

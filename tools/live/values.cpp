@@ -35,7 +35,7 @@ const char* type_of(const Key& key) {
 /// The limits of the C++ type say nothing to people.
 Json bound(double v) { return std::isfinite(v) && std::abs(v) < 2e9 ? Json(v) : Json(); }
 
-/// Not a knob: names, files, what is written.
+/// Not a knob: names, files, output.
 bool hidden(const UsedKey& k) {
     for (const char* part : {"output.", "probe[", "camera.key"})
         if (k.path.rfind(part, 0) == 0) return true;

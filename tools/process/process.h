@@ -13,7 +13,7 @@ namespace whorl {
 
 enum ExitCode : int {
     exit_done = 0,
-    exit_failed = 1,        ///< the run failed: diverged, disk full, no EGL device; what was made stays
+    exit_failed = 1,        ///< the run failed: diverged, disk full, no EGL device; finished files are kept
     exit_bad_input = 2,     ///< the user's mistake; nothing was written
     exit_interrupted = 130  ///< SIGINT or SIGTERM; the state is saved
 };
@@ -46,7 +46,7 @@ pid_t start_program(const std::vector<std::string>& words, const std::filesystem
 /// look, separated by colons, as in PATH @return "" if no file is found
 std::filesystem::path program_called(const std::string& word, const std::string& folders);
 
-/// The number of the job that sbatch made. @param said what `sbatch --parsable` wrote: the number, in some places with the cluster's name
+/// The number of the job that sbatch made. @param said output of `sbatch --parsable`: the number, in some places with the cluster's name
 /// ("7;north"), among notices of the place's own @return "" where it made none
 std::string slurm_job(const std::string& said);
 

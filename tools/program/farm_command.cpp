@@ -35,7 +35,7 @@ int farm(FarmCommand command) {
     const bool here = options.on == "local";
     options.threads = o.threads > 0 ? o.threads : here ? static_cast<int>(std::max(1U, std::thread::hardware_concurrency())) : 1;
     options.quiet = o.quiet;
-    set_threads(options.threads);  // what the tasks have: the limits of time go by it
+    set_threads(options.threads);  // threads of a task: the time limits depend on it
     std::vector<SceneFile> files;
     std::vector<fs::path> folders;  // as they are printed
     for (const std::string& scene : command.scenes) {

@@ -85,7 +85,7 @@ int live(LiveOptions options) {
     };
     LiveLoop loop(controls, screen, journal, status, !options.unpaced, say);
     write_report(folder.path(), loop.simulation(), "running");
-    struct Serving {  // ends before what it answers from does
+    struct Serving {  // ends before its data sources
         LiveServer& server;
         ~Serving() { server.stop(); }
     };

@@ -17,7 +17,7 @@
 namespace whorl {
 namespace {
 
-/// Of each panel, which are run side by side, or of the scene.
+/// Estimates of each panel, which are run side by side, or of the scene.
 PreviewCost cost_of(const SceneFile& file, const Watch& watch) {
     PreviewCost cost;
     double memory = 0;
@@ -40,7 +40,7 @@ int plan(const Options& options) {
     const Simulation simulation(file.scene, plan);
     check_probes(simulation);
     const PreviewCost cost = cost_of(file, watch_coarse_run(options.json));
-    if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of what is run
+    if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of the panels' runs
     if (const std::string warning = memory_warning(cost.estimate, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
     const Preview preview{file, plan, simulation, cost};
     options.json ? print_json(preview) : print_text(preview);

@@ -27,7 +27,7 @@ struct PreviewRun {
     std::filesystem::path folder;
 };
 
-/// A scene as it would begin, and what its first step would obey.
+/// A scene at its start, and the limits of its first step.
 struct Preview {
     const SceneFile& file;
     const Plan& plan;

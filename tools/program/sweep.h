@@ -23,7 +23,7 @@ struct SweepOptions {
     std::string study;
     std::filesystem::path out;        ///< empty: out/<study name>
     int threads = 0;                  ///< of each run; 0: those that the jobs leave
-    int jobs = 0;                     ///< runs at the same time; 0: as many as do not disturb what is measured
+    int jobs = 0;                     ///< runs at the same time; 0: as many as do not disturb measurements
     std::string on = "local";         ///< local | slurm: where the runs are
     std::vector<std::string> sbatch;  ///< more options of sbatch
     std::string budget;               ///< "10min": stop after that long

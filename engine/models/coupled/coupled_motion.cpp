@@ -199,7 +199,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             if (stopped) x[i] = there;
             const Vec3 solid_velocity = velocity_over(solid, there, -dt);
             const Real approach = normal.dot(u[i] - solid_velocity);
-            if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out what comes too close
+            if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out particles that come too close
                 if (stopped && approach < 0) {
                     u[i] -= approach * normal;
                     if (recorded > 0) stopper[i] = static_cast<int>(k);

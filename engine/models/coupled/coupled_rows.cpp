@@ -423,7 +423,7 @@ Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
     return std::max(Real(0), open);
 }
 
-/// Solids near the particle: what they add to its density, and those that hold it.
+/// Solids near the particle: their part of its density, and those that hold it.
 void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held,
                                       const CoupledOptions& o, Neighbourhood& n) const {
     const Solids& solids = walls.solids;
@@ -598,7 +598,7 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
             const Index row = slice.row[lane];
             Neighbourhood& n = neighbourhood[block.begin + row];
             Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
-            if (slice.walls > 0)  // the fluid's mirror image makes it good for what is missing behind a wall
+            if (slice.walls > 0)  // the fluid's mirror image replaces the missing part behind a wall
                 for (const WallPoint& wall : block.walls)
                     if (wall.row == row) middle -= wall.normal * wall.normal.dot(middle);
             n.weights = weights[lane];

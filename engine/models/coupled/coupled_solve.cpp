@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// The part of a velocity that is solved for: nothing of a particle that is stuck or in a nozzle, what is tangential of one that slides.
+/// The unknown part of a velocity: none of a particle that is stuck or in a nozzle, the tangential part of a sliding one.
 struct Unknowns {
     Span<const std::int16_t> role;
     Span<const Vec3> slip;
@@ -95,7 +95,7 @@ void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_
 
 namespace {
 
-/// One step of the solve: its phases in order, and what they hand to each other.
+/// One step of the solve: its phases in order, and their shared data.
 struct CoupledStep {
     CoupledSystem& system;
     Read<field::position> x;
@@ -123,7 +123,7 @@ struct CoupledStep {
     Column<Vec3> solved{};      ///< the part that is not: first where the solver starts, then the solution [m/s]
     Column<Mat3> curvature{};   ///< T [1/s]
     Column<Real> divergence{};  ///< s, that the step asks for [1/s]
-    Column<Real> pressure{};    ///< q [m/s]: the multiplier, and what of the bulk term does not depend on u
+    Column<Real> pressure{};    ///< q [m/s]: the multiplier, and the part of the bulk term that does not depend on u
     Column<Vec3> load{};        ///< right-hand side, then the residual, to the end of the step [m/s]
     Column<Real> held{};        ///< see find_held()
     Column<Vec3> work{};
@@ -241,7 +241,7 @@ Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
 }
 
 /// The right-hand side.
-/// @returns what its residual is measured against: the loads on the fluid, not the large forces by which nozzle and solids hold their
+/// @returns the scale of its residual: the loads on the fluid, not the large forces by which nozzle and solids hold their
 /// neighbours; these count a little, for a fluid at rest that is only dragged along
 double CoupledStep::set_load() {
     parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
@@ -312,7 +312,7 @@ void CoupledStep::descend_along_last_change() {
 
 /// If fluid can leave only through a narrow opening (a piston before a slit, the first steps under weight), one update of the multiplier
 /// per step is far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the multiplier,
-/// preconditioned by lambda, with a solve for the velocities each. If they do not halve what is missing, or only move it about, there is no
+/// preconditioned by lambda, with a solve for the velocities each. If they do not halve the error, or only move it about, there is no
 /// way out, and all stays as it was.
 void CoupledStep::keep_volume(SolveReport& report) {
     constexpr double tolerated = 5e-4;  // mean change of volume in a step

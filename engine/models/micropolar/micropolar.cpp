@@ -195,7 +195,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         const Vec3 spin_smoothing = s.smooth_w.times(m * beta), rate = ahead * over_theta * (exchanged + diffused + tau);
         change[i] = dt * (rate + spin_smoothing);
 
-        // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does, whatever dt.
+        // Each force at the mean of the velocities before and after the kick: their works then add up to that of the kick, for any dt.
         const Vec3 u_mid = own.u + dt / 2 * a[i], w_mid = own.w + change[i] / 2;
         const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
         EnergyWork work;

@@ -54,7 +54,7 @@ bool fills_periodic_domain(const Surroundings& around, Index n) {
 
 /// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves
 /// nothing on a lattice, and else orders the particles, which lowers the mean density. c is what keeps the mean from rising, at most the
-/// pressure of the fastest particle's stop, which is what the time step is ready for; so this takes energy too, and never gives any.
+/// pressure of the fastest particle's stop, for which the time step is chosen; so this also removes energy, and never adds any.
 /// Pressures are of both signs.
 SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const StepContext& step, double mean_rate, Real fastest,
                                              Span<Real> q) {

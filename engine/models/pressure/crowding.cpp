@@ -127,7 +127,7 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
     const StepContext& step = around.step;
     const Index n = x.size();
     if (fills_periodic_domain(around, n)) return;                    // there densities are held equal, not below rho_0
-    if (around.solids.any_free() && step.gravity.isZero(0)) return;  // there bodies would have to take up what they do to particles
+    if (around.solids.any_free() && step.gravity.isZero(0)) return;  // there bodies would have to take up the reaction
     // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short
     // for that.
     Real reach = step.support + step.spacing / 5;

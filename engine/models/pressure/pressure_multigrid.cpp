@@ -98,7 +98,7 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
     return made;
 }
 
-/// A'_IJ = sum_i F_iI . F_iJ with F_iI = sum of row i of D^T over the members of I: what a pressure of 1 in the cell I does to particle i.
+/// A'_IJ = sum_i F_iI . F_iJ with F_iI = sum of row i of D^T over the members of I: the effect of a pressure of 1 in cell I on particle i.
 /// Inside a cell the sum is next to nothing; particles near a face have two cells, near an edge four.
 SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     constexpr Index block = 1024;
@@ -166,7 +166,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     });
 }
 
-/// A'_IJ = sum of the entries between members of I and of J: couplings add up, and so does what ties the members to surface and solids.
+/// A'_IJ = sum of the entries between members of I and of J: couplings add up, and so do the members' ties to surface and solids.
 SparseRows coarse_matrix(const PressureMatrix& A, const IndexGroups& groups) {
     return gather_rows(groups.groups(), groups.groups(), [&](Index g, const auto& add) {
         for (Index m = groups.first[g]; m < groups.first[g + 1]; ++m) {

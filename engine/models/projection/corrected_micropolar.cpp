@@ -65,7 +65,7 @@ CorrectedMicropolar::Terms CorrectedMicropolar::terms(const Surroundings& around
             .slip = slips(around.solids)};
 }
 
-/// (1 - exp(-z))/z: what a decay leaves in the mean over a step of a force that is constant.
+/// (1 - exp(-z))/z: mean effect over a step of a constant force with decay.
 Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
 
 template <class Kernel>
@@ -102,7 +102,7 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Kernel& whole, co
         a[i] += r.velocity();
         change[i] = dt * (ahead * over_theta * (exchanged + r.diffused + tau) + r.spin_smoothing);
 
-        // Each force at the mean of the velocities before and after the kick: their works then add up to what the kick does.
+        // Each force at the mean of the velocities before and after the kick: their works then add up to that of the kick.
         const Vec3 u_mid = u[i] + dt / 2 * a[i], w_mid = w[i] + change[i] / 2;
         EnergyWork work;
         work.gravity = energy * static_cast<double>(before.dot(u_mid));

@@ -85,8 +85,8 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
     });
 }
 
-/// Damps what a linear flow leaves of the velocities between particles near the surface, which no pressure resolves, at eight times the
-/// frequency of the shortest waves. With half of that gaps that a stretching surface opens grow, and a steep slosh diverges.
+/// Damps the deviation from a linear flow of the velocities between particles near the surface, which no pressure resolves, at eight times
+/// the frequency of the shortest waves. With half of that gaps that a stretching surface opens grow, and a steep slosh diverges.
 void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
@@ -149,7 +149,7 @@ Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field
     return pseudo_inverse(moment, step.dimensions()).template cast<Real>() * sum / step.rest_density;
 }
 
-/// Once: p and g get what the divergence of u asks for.
+/// One solve: p and g for the divergence of u.
 /// @param M of matrix_
 template <class Kernel>
 SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
@@ -319,7 +319,7 @@ void ProjectionShift::operator()(const Surroundings& around, Read<field::role> r
         }
         const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
         if (length > most) move *= most / length;
-        s.walls_of(i, [&](const WallTouch& touch) {  // what goes along with a move that a wall then takes back would add up
+        s.walls_of(i, [&](const WallTouch& touch) {  // velocity transported by a move that a wall then reverts would add up
             const Vec3& normal = around.layer.normal[touch.s];
             move += std::max(Real(0), -move.dot(normal) - std::max(Real(0), touch.height)) * normal;
         });

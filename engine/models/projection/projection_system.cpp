@@ -93,7 +93,7 @@ void set_linear_sums(const Kernel& W, const Surroundings& around, Index i, Linea
     sums.imbalance[i] = around.step.volume * imbalance;
 }
 
-/// Scales the fluxes of the walls around i to what the fluid's own sums lack there, so that with them the matrix is exact for a linear
+/// Scales the fluxes of the walls around i to the deficit of the fluid's sums there, so that with them the matrix is exact for a linear
 /// pressure: behind a round wall the columns of layers of a flat one are too full, by a third behind a ball of four spacings.
 void match_fluxes(const Surroundings& around, Index i, const Vec3& imbalance, ProjectionSystem& s) {
     Vec3 total = Vec3::Zero();
@@ -129,7 +129,7 @@ void find_surface(const Surroundings& around, Read<field::role> role, const std:
         if (role[i] != 0 || fullness[i] > densely) return;
         if (fullness[i] > loosely && !(s.inward[i].norm() > full.one_sided / 2)) return;
         Vec3 out = -s.inward[i].normalized();
-        s.walls_of(i, [&](const WallTouch& touch) {  // along the walls: what lies between a particle and a wall is no surface
+        s.walls_of(i, [&](const WallTouch& touch) {  // along the walls: the gap between a particle and a wall is not a surface
             const Vec3& normal = around.layer.normal[touch.s];
             out -= std::min(Real(0), out.dot(normal)) * normal;
         });

@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-/// An age is a sum of rounded steps, which may pass the last age that has a viscosity: then what there was shortly before.
+/// An age is a sum of rounded steps, which may pass the last age with a viscosity: then the value of shortly before is used.
 double viscosity_at(const Expression& f, double age, const Vec3d& x, const StepContext& step) {
     const double value = f(age, x);
     if (is_viscosity(value)) return value;

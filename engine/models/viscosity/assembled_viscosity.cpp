@@ -148,7 +148,7 @@ void AssembledOperator::set_up(const AssembledViscosityOptions& options, const S
     if (touches_wall_ && around.solids.any_probed()) gradients_ = std::make_shared<const Gradients>(std::move(g));
 }
 
-// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i, and what the penalty pulls.
+// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i, and the penalty's pull.
 void AssembledOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
     if (!gradients_) return;
     const Surroundings& around = step.around;

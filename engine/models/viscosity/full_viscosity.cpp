@@ -19,7 +19,7 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
         std::fill(aggregate.begin(), aggregate.end(), 0);
         return;
     }
-    // A resumed run starts at a frame time: it sets up what the run that never stopped does.
+    // A resumed run starts at a frame time: its set-up equals that of the uninterrupted run.
     const bool fresh = step.at_frame_time || coarse_.groups() == 0 || steps_since_refresh_ >= options_.refresh_every;
     const int groups =
         fresh ? form_aggregates(pairs, x.values, role.values, step.domain, step.support, options_.aggregate, aggregate) : coarse_.groups();

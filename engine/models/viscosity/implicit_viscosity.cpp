@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// sqrt(b.B^-1 b) of the right-hand side b: u* relative to its mean, and what walls and nozzles bring in.
+/// sqrt(b.B^-1 b) of the right-hand side b: u* relative to its mean, and the loads of walls and nozzles.
 double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<const Vec3> u, bool alone, double prescribed) {
     const Index n = s.u.size();
     const std::size_t all = u.size();
@@ -26,7 +26,7 @@ double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<con
         const Vec3 walls = alone ? Vec3(Vec3::Zero()) : Vec3(mean - reference[i]);
         reference[i] = s.role[i] == 0 ? Vec3(s.u[i] - mean + walls) : Vec3(Vec3::Zero());
     });
-    if (all > static_cast<std::size_t>(n)) {  // the bodies: M (u - mean), and what the walls do
+    if (all > static_cast<std::size_t>(n)) {  // the bodies: M (u - mean), and the walls' loads
         Column<Vec3> apart(all - static_cast<std::size_t>(n)), still_weighed(all - static_cast<std::size_t>(n)),
             weighed(all - static_cast<std::size_t>(n));
         for (std::size_t k = 0; k < apart.size(); ++k) apart[k] = u[n + k] - still[n + k];
@@ -109,7 +109,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const Remainder rest(s.around.solids, Push::viscous);
     if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.around.solids);
     if (!s.around.solids.any_probed()) return;
-    // The solve left (dE/du)/m: what solids and prescribed particles do is in it, the solver's residual is what it is short of 0.
+    // The solve left (dE/du)/m: it contains the forces of solids and prescribed particles; the solver's residual is its distance from 0.
     for (std::size_t k = 0; k < all; ++k) u[k] += change[k];
     A.force(u, z);
     A.write_ledgers(s, u);

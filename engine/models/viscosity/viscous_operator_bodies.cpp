@@ -1,4 +1,4 @@
-// Solids in the viscous operator: what the unknowns of free bodies do to the particles' sums, the transpose (viscous_bodies.h), and the
+// Solids in the viscous operator: effect of the unknowns of free bodies on the particles' sums, the transpose (viscous_bodies.h), and the
 // ledger entries of the other solids.
 #include <Eigen/LU>
 

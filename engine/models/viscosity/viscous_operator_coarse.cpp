@@ -1,4 +1,4 @@
-// R^T A R of the viscous operator, straight from what each particle's strain and penalty make of the rigid motions around it.
+// R^T A R of the viscous operator, directly from each particle's strain and penalty under the rigid motions around it.
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -77,7 +77,7 @@ struct ViscousOperator::CoarseRows {
         Eigen::Matrix<Real, 8, 6> strain = Eigen::Matrix<Real, 8, 6>::Zero();
         Mat4 products = Mat4::Zero();
     };
-    /// One group's share of what a particle sees.
+    /// One group's part of a particle's sums.
     struct Share {
         int number;   ///< in sums
         Moments S;    ///< sum w (1, arm) r^T, with the sign of u_i - u_j
@@ -164,7 +164,7 @@ void ViscousOperator::CoarseRows::add_own_motion(Index i) {
 }
 
 SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
-    // A task is a group's members; what is in none, by blocks of the store.
+    // A task is a group's members; particles without a group are in blocks of the store.
     constexpr Index outside = 1024;
     const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
     const auto rows_of = [&](Index task, GroupSums<CoarseRows::PairSum>& sums) {

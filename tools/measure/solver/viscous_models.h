@@ -13,7 +13,7 @@ struct ViscousModel {
     double support = 2;  ///< kernel radius over spacing that it is meant for
     /// The viscous acceleration [m/s^2] of the world's velocities, pairs found, density and viscosity set.
     std::function<std::vector<Vec3>(test::TestWorld&)> acceleration;
-    /// The stage that steps it, and what has to run before; empty for none.
+    /// The stage that steps it, and the stage that must run before; empty for none.
     std::function<std::vector<Stage>(double tolerance)> stages;
 };
 

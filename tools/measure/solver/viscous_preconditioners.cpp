@@ -65,7 +65,7 @@ struct Solver {
     bool holds_by_role;
 };
 
-/// The velocity after the first step, solved far beyond what a run asks for.
+/// The velocity after the first step, solved far beyond a run's tolerance.
 std::vector<Vec3> exact(double scale, double uneven, double K, const Solver& solver) {
     TestWorld w = coil(scale, uneven, 1, solver.stages(ViscousPreconditioner::two_level, {1e-6, 300}), solver.holds_by_role);
     w.step(K * d * d);
