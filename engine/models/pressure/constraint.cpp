@@ -197,7 +197,7 @@ std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(c
                                                                                Index i) const {
     std::vector<ByImages> all;
     if (D_.mirrors.size() == 0) return all;
-    const Real* slope = D_.image_slope.data() + D_.first_image(i);
+    const Real* slope = D_.image_slopes(i);
     D_.mirrors.of(i, [&](Index g, const Vec3& r, Real, Real) {
         const Real c = *slope++;
         const Mirrors::Image& image = D_.mirrors.image(g);

@@ -58,29 +58,43 @@ namespace {
 struct SolidMotion {
     Vec3 centre, velocity;  ///< m, m/s
     Mat3 back, turn;        ///< from the axes at the end to those at the start; back - 1
+    bool turns, rests;
     SolidMotion(const Solid& solid, const Pose& pose, Real dt)
         : centre(pose.angular_velocity.isZero(0) ? pose.translation : Vec3(solid.centre().cast<Real>())),
           velocity(pose.velocity_at(centre)),
           back(turn_by(-static_cast<double>(dt) * pose.angular_velocity.cast<double>()).toRotationMatrix().cast<Real>()),
-          turn(back - Mat3::Identity()) {}
+          turn(back - Mat3::Identity()), turns(!pose.angular_velocity.isZero(0)), rests(!turns && pose.velocity.isZero(0)) {}
     /// Displacement in the solid's axes of a particle at x with velocity v.
-    Vec3 relative(const Vec3& x, const Vec3& v, Real dt) const { return dt * (back * (v - velocity)) + turn * (x - centre); }
+    Vec3 relative(const Vec3& x, const Vec3& v, Real dt) const {
+        return turns ? Vec3(dt * (back * (v - velocity)) + turn * (x - centre)) : Vec3(dt * (v - velocity));
+    }
 };
 
 }  // namespace
+
+void DensityRate::join_rows(const Pairs& fluid) {
+    first = fluid.first, other = fluid.other;
+    if (mirrors.size() == 0) return;
+    const Pairs& images = mirrors.pairs();
+    const Index n = fluid.size();
+    joined_first_.resize(fluid.first.size()), resize_tightly(joined_, fluid.other.size() + images.other.size());
+    for (Index i = 0; i <= n; ++i) joined_first_[i] = fluid.first[i] + images.first[i];
+    parallel_for(n, [&](Index i) {
+        Index* const to = std::copy_n(fluid.other.data() + fluid.first[i], fluid.count(i), joined_.data() + joined_first_[i]);
+        const Index* const g = images.other.data() + images.first[i];
+        std::transform(g, g + images.count(i), to, [n](Index image) { return n + image; });
+    });
+    first = joined_first_, other = joined_;
+}
 
 void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                         Span<Real> rate) {
     mirrors.find(around, wall.gate.threshold > 0);
     const StepContext& step = around.step;
     const Span<const Vec3> of_images = mirrors.velocities(u.values, [&](Index k) { return around.solids.all[k].pose.velocity; });
-    first = around.pairs.first;
-    other = around.pairs.other;
     const Index n = around.pairs.size();
+    join_rows(around.pairs);
     resize_tightly(slope, other.size() + most_lanes);  // bend() reads whole groups
-    const Column<Index>& images = mirrors.pairs().other;
-    image_slope.resize(images.size() + most_lanes), image_other.resize(images.size());
-    std::transform(images.begin(), images.end(), image_other.begin(), [&](Index g) { return around.pairs.size() + g; });
     period = around.pairs.period;
     x.resize(n + mirrors.size()), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
     for (Index g = 0; g < mirrors.size(); ++g) x[n + g] = padded(mirrors.pairs().x_other[g]);
@@ -88,11 +102,11 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
         parallel_for(around.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
             x[i] = padded(around.pairs.x_own[i]);
-            Real* to[2] = {slope.data() + first[i], image_slope.data() + first_image(i)};
+            Real* to = slope.data() + first[i];
             const DensityRow row = density_row(
                 wall, W, around, mirrors, i,
                 [&]<bool image>(const Pairs::Group& group, const Real* c) {
-                    to[image] = std::copy(c, c + group.count, to[image]);
+                    to = std::copy(c, c + group.count, to);
                     alignas(64) Real v[3][Pairs::Group::most];
                     group.gather(image ? of_images.data() : u.values.data(), v);
                     Real part = 0;
@@ -131,9 +145,8 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             // Change of the fluid's sum, which was rho_i/f_i.
             Real linear = 0, moved = mass * W.value(0);
             const Real left = 1 - mirrors.part(i);
-            const Real* slopes[2] = {slope.data() + first[i], image_slope.data() + first_image(i)};
+            const Real* c = slope.data() + first[i];
             mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
-                const Real*& c = slopes[image];
                 alignas(64) Real u[3][Pairs::Group::most];
                 group.gather(image ? of_images.data() : v.data(), u);
                 for (int a = 0; a < 3; ++a)
@@ -156,10 +169,11 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             Real w = 0, w_moved = 0, w_linear = 0;
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const Index k = around.layer.solid[s];
-                const Vec3 at = around.layer.position[s] + r, to = r + motions[k].relative(at, v[i], dt);
+                const Vec3 at = around.layer.position[s] + r, straight = dt * v[i];
+                const Vec3 to = r + (motions[k].rests ? straight : motions[k].relative(at, v[i], dt));
                 const WallImage::Share share = wall.share(W, r, distance, around.layer, s);
                 w += share.value;
-                w_linear += share.gradient.dot(dt * (v[i] - poses[k].velocity_at(at)));
+                w_linear += share.gradient.dot(motions[k].rests ? straight : Vec3(dt * (v[i] - poses[k].velocity_at(at))));
                 w_moved += wall.share(W, to, to.norm(), around.layer, s).value;
             });
             if (left < 1) w *= left, w_linear *= left, w_moved *= left;
@@ -173,31 +187,25 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
 
 /// In four sums side by side: one after the other each would wait for the one before.
 template <bool periodic, class F>
-Padded DensityRate::sum_over_row(Index i, const F& term) const {
+[[gnu::always_inline]] inline Padded DensityRate::sum_over_row(Index i, const F& term) const {
     const Padded xi = x[i];
     Padded length = Padded::Zero(), inverse = Padded::Zero();
     if constexpr (periodic) {
         length = padded(period);
         for (int a = 0; a < 3; ++a) inverse[a] = period[a] > 0 ? 1 / period[a] : 0;
     }
+    const auto one = [&](std::size_t k) {
+        const Index j = other[k];
+        Padded r = xi - x[j];
+        if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
+        return Padded(term(slope[k], j, r));
+    };
     Padded sum[4] = {Padded::Zero(), Padded::Zero(), Padded::Zero(), Padded::Zero()};
-    const Index images = mirrors.count(i);
-    for (int part = 0; part < (images > 0 ? 2 : 1); ++part) {
-        const std::size_t from = part == 0 ? first[i] : first_image(i);
-        const Real* const c = (part == 0 ? slope.data() : image_slope.data()) + from;
-        const Index* const row = (part == 0 ? other.data() : image_other.data()) + from;
-        const Index count = part == 0 ? static_cast<Index>(first[i + 1] - from) : images;
-        const auto one = [&](Index k) {
-            const Index j = row[k];
-            Padded r = xi - x[j];
-            if constexpr (periodic) r -= length.cwiseProduct(r.cwiseProduct(inverse).array().round().matrix());
-            return Padded(term(c[k], j, r));
-        };
-        Index k = 0;
-        for (; k + 4 <= count; k += 4)
-            for (Index a = 0; a < 4; ++a) sum[a] += one(k + a);
-        for (; k < count; ++k) sum[0] += one(k);
-    }
+    const std::size_t end = first[i + 1];
+    std::size_t k = first[i];
+    for (; k + 4 <= end; k += 4)
+        for (std::size_t a = 0; a < 4; ++a) sum[a] += one(k + a);
+    for (; k < end; ++k) sum[0] += one(k);
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 

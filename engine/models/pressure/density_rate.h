@@ -58,7 +58,7 @@ struct WallImage {
     /// A convex edge is seen as an image before each face that i is in front of, h -> h [1 + (stretch - 1)(h/d - 1)], other edges at their
     /// positions.
     template <class Kernel>
-    Share edge_share(const Kernel& W, const Vec3& r, const SolidParticles& layer, Index s) const {
+    [[gnu::noinline]] Share edge_share(const Kernel& W, const Vec3& r, const SolidParticles& layer, Index s) const {
         const Vec3 &normal = layer.normal[s], &one = layer.face[s];
         Vec3 image = r, g = r;
         const auto face = [&](const Vec3& n) {
@@ -167,12 +167,10 @@ inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
 /// what moving solids do It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of
 /// D^T q on the fluid.
 struct DensityRate {
-    Span<const std::size_t> first;  ///< rows of the pairs that it was built from
-    Span<const Index> other;
+    Span<const std::size_t> first;  ///< rows of the pairs that it was built from, each followed by its images
+    Span<const Index> other;        ///< particles; images from size() on
     Column<Real> slope;        ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
-    Column<Real> image_slope;  ///< c_ij of pairs with images
-    Column<Index> image_other;   ///< the images of those pairs, from size() on
-    mutable Column<Padded> x;    ///< m, of the particles and of their images; the last component is f_i q_i in a product
+    mutable Column<Padded> x;  ///< m, of the particles and of their images; the last component is f_i q_i in a product
     Vec3 period = Vec3::Zero();  ///< Domain::period()
     Column<Real> fill;           ///< f_i
     Column<Vec3> own;            ///< own_i [kg/m^4]
@@ -195,18 +193,18 @@ struct DensityRate {
     /// Calls f(j, g) for row i: neighbours, or owners of images that are, and g_ij.
     template <class F>
     void row(Index i, const F& f) const {
-        for (std::size_t k = first[i]; k < first[i + 1]; ++k) f(other[k], gradient(i, other[k], slope[k]));
-        const Real* c = image_slope.data() + first_image(i);
-        mirrors.of(i, [&](Index g, const Vec3& r, Real, Real) { f(mirrors.owner(g), *c++ * r); });
+        for (std::size_t k = first[i]; k < first[i + 1]; ++k)
+            f(other[k] < size() ? other[k] : mirrors.owner(other[k] - size()), gradient(i, other[k], slope[k]));
     }
-    /// The first pair of i with an image.
-    std::size_t first_image(Index i) const { return mirrors.count(i) > 0 ? mirrors.pairs().first[i] : 0; }
+    /// c_ij of the images of i.
+    const Real* image_slopes(Index i) const { return slope.data() + first[i + 1] - mirrors.count(i); }
     /// v = D^T q where free, 0 elsewhere; from size() on that of the images.
     void transposed(Span<const Real> q, Span<Padded> v) const;
     /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.
     void apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const;
 
 private:
+    void join_rows(const Pairs& fluid);
     Vec3 gradient(Index i, Index j, Real c) const {
         Vec3 r = (x[i] - x[j]).template head<3>();
         for (int a = 0; a < 3; ++a)
@@ -216,6 +214,9 @@ private:
     /// sum over neighbours j of i, images from size() on, of term(c_ij, j, r_ij).
     template <bool periodic, class F>
     Padded sum_over_row(Index i, const F& term) const;
+
+    std::vector<std::size_t> joined_first_;  ///< rows of particles and images; unused without images
+    Column<Index> joined_;
 };
 
 }  // namespace whorl
