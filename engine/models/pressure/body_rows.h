@@ -21,6 +21,10 @@ public:
     /// @param D built; its diagonal gets the bodies' share
     void build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D);
     bool empty() const { return bodies_.empty(); }
+    /// Whether fluid is in reach of a body.
+    bool touched() const {
+        return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return !body.touches.empty(); });
+    }
     /// Sets 1 for the particles that press on a body.
     void mark(std::vector<char>& particles) const {
         for (const Body& body : bodies_)

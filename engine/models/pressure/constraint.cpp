@@ -124,7 +124,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
     // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
-    const double share = !bodies_.empty() ? strict_share : usual_share;
+    const double share = bodies_.touched() ? strict_share : usual_share;
     double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
