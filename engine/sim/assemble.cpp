@@ -62,7 +62,7 @@ Stage neighbours() {
 Stage move_solids() {
     return {"solids", "move", {}, [](World& w) {
                 w.solids.set_time(w.step.time + w.step.dt, w.step.dt);
-                w.solid_particles.follow(w.solids);
+                if (w.solids.any_moving()) w.solid_particles.follow(w.solids);
             }};
 }
 

@@ -18,33 +18,41 @@ double work_of(const Solids& solids) {
     });
 }
 
+/// m sum of f(v_i + dt a_i) over the particles outside nozzles, a only of free ones. Plain arrays: such a loop is five times as fast.
+/// @param a null: none
+template <class F>
+double sum_outside(const World& w, Span<const Vec3> v, const Real* a, const F& f) {
+    const auto* const at = reinterpret_cast<const Real*>(v.data());
+    const std::int16_t* const role = w.fluid.column<field::role>().data();
+    const Real dt = w.step.dt;
+    const auto of = [=](Index i, Real x, Real y, Real z) { return static_cast<double>(role[i] >= 0) * f(double(x), double(y), double(z)); };
+    const auto sum = a == nullptr ? parallel_sum(w.fluid.size(), [=](Index i) { return of(i, at[3 * i], at[3 * i + 1], at[3 * i + 2]); })
+                                  : parallel_sum(w.fluid.size(), [=](Index i) {
+                                        const Real kick = role[i] == 0 ? dt : Real(0);
+                                        return of(i, at[3 * i] + kick * a[3 * i], at[3 * i + 1] + kick * a[3 * i + 1],
+                                                  at[3 * i + 2] + kick * a[3 * i + 2]);
+                                    });
+    return static_cast<double>(w.step.mass) * sum;
+}
+
+constexpr auto square = [](double x, double y, double z) { return x * x + y * y + z * z; };
+
 double kinetic_energy(const World& w, bool accelerated) {
-    const auto u = w.fluid.column<field::velocity>();
-    const auto role = w.fluid.column<field::role>();
-    const auto a = accelerated ? w.fluid.column<field::acceleration>() : Span<const Vec3>();
-    return 0.5 * static_cast<double>(w.step.mass) * parallel_sum(w.fluid.size(), [&](Index i) {
-               if (role[i] < 0) return 0.0;
-               return (accelerated && role[i] == 0 ? Vec3(u[i] + w.step.dt * a[i]) : u[i]).cast<double>().squaredNorm();
-           });
+    const auto* const a = accelerated ? reinterpret_cast<const Real*>(w.fluid.column<field::acceleration>().data()) : nullptr;
+    return 0.5 * sum_outside(w, w.fluid.column<field::velocity>(), a, square);
 }
 
 double potential_energy(const World& w, const Vec3d& g) {
     if (g.isZero(0)) return 0;
-    const auto x = w.fluid.column<field::position>();
-    const auto role = w.fluid.column<field::role>();
-    return -static_cast<double>(w.step.mass) *
-           parallel_sum(w.fluid.size(), [&](Index i) { return role[i] < 0 ? 0.0 : g.dot(x[i].cast<double>()); });
+    return sum_outside(w, w.fluid.column<field::position>(), nullptr,
+                       [gx = -g.x(), gy = -g.y(), gz = -g.z()](double x, double y, double z) { return gx * x + gy * y + gz * z; });
 }
 
 }  // namespace
 
 Energies energies_of(const World& w, const Vec3d& gravity, double micro_inertia) {
     Energies all{kinetic_energy(w, false), potential_energy(w, gravity), 0};
-    if (!w.fluid.has<field::spin>()) return all;
-    const auto spin = w.fluid.column<field::spin>();
-    const auto role = w.fluid.column<field::role>();
-    all.spin_energy = 0.5 * static_cast<double>(w.step.mass) * micro_inertia *
-                      parallel_sum(w.fluid.size(), [&](Index i) { return role[i] < 0 ? 0.0 : spin[i].cast<double>().squaredNorm(); });
+    if (w.fluid.has<field::spin>()) all.spin_energy = 0.5 * micro_inertia * sum_outside(w, w.fluid.column<field::spin>(), nullptr, square);
     return all;
 }
 

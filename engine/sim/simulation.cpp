@@ -313,7 +313,7 @@ struct Simulation::State {
     void prepare(double dt) {
         world.step.dt = static_cast<Real>(dt);
         world.solids.set_time(time, dt);
-        world.solid_particles.follow(world.solids);
+        if (world.solids.any_moving()) world.solid_particles.follow(world.solids);
         emit();
         if (steps_since_frame % sort_every == 0) sort();
     }

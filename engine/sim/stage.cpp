@@ -18,18 +18,11 @@ void declare_fields(const std::vector<Stage>& stages, ParticleStore& store) {
 
 namespace {
 
-bool finite(const Real* values, int components) {
-    for (int c = 0; c < components; ++c)
-        if (!std::isfinite(values[c])) return false;
-    return true;
-}
-
 /// The lowest index with a non-finite value, -1 where there is none.
 Index first_not_finite(const Real* values, int components, Index n) {
-    const double first = -parallel_max(n, -static_cast<double>(n), [&](Index i) {
-        return finite(values + static_cast<std::size_t>(i) * components, components) ? -static_cast<double>(n) : -static_cast<double>(i);
-    });
-    return first < n ? static_cast<Index>(first) : -1;
+    const auto wrong = [](Real v) { return !std::isfinite(v); };
+    if (parallel_sum(n * components, [=](Index k) { return wrong(values[k]) ? 1.0 : 0.0; }) == 0) return -1;
+    return static_cast<Index>(std::find_if(values, values + std::ptrdiff_t(n) * components, wrong) - values) / components;
 }
 
 }  // namespace
