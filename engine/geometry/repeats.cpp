@@ -15,6 +15,7 @@ Repeats::Repeats(const Shape& shape, const Domain& domain, const Mat3& rotation,
         const bool along = rotation.row(a).cwiseAbs().maxCoeff(&own) > 1 - Real(1e-6);
         endless_[a] = period_[a] > 0 && along && shape.prismatic(own) && 2 * half_[a] >= period_[a] * (1 - Real(1e-5));
         if (endless_[a]) period_[a] = 0;
+        if (period_[a] > 0) axes_ |= 1U << a;
     }
 }
 

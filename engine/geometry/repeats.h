@@ -26,14 +26,15 @@ public:
         image = near;
         Real best = distance(near);
         // The nearest image by its centre need not be the nearest by its surface: along each axis the second nearest may be.
-        for (unsigned other = 1; other < 8; ++other) {
+        for (unsigned other = 1; other <= axes_; ++other) {
+            if ((other & ~axes_) != 0) continue;
             Vec3 at = near;
             bool may = true;
             for (int a = 0; a < 3 && may; ++a) {
                 if (!(other >> a & 1)) continue;
                 at[a] -= std::copysign(period_[a], near[a] - centre_[a]);
                 const Real apart = std::abs(at[a] - centre_[a]) - half_[a];  // lower bound of the distance to that image
-                may = period_[a] > 0 && (apart <= 0 || apart < best);
+                may = apart <= 0 || apart < best;
             }
             if (!may) continue;
             if (const Real there = distance(at); there < best) best = there, image = at;
@@ -45,6 +46,7 @@ private:
     Vec3 period_ = Vec3::Zero();  ///< m, 0: not repeated
     Vec3 centre_ = Vec3::Zero(), half_ = Vec3::Zero();
     std::array<bool, 3> endless_{false, false, false};
+    unsigned axes_ = 0;  ///< bit a: images follow each other along axis a
     bool any_ = false;
 };
 
