@@ -53,22 +53,27 @@ double filled_volume(Span<const Vec3> x, const Domain& domain, const Solids& sol
             for (const Index i : sheets[static_cast<std::size_t>(from)]) {
                 const int b = cell_of(x[i], 1), c = cell_of(x[i], 2);
                 const Vec3 own = centre(from, b, c) - x[i];
-                for (int l = -reach[1]; l <= reach[1]; ++l)
+                for (int l = -reach[1]; l <= reach[1]; ++l) {
+                    const Real across = (own + edge.cwiseProduct(Vec3(Real(k), Real(l), 0))).head<2>().squaredNorm();
+                    if (!(across < far * far * d * d)) continue;
                     for (int m = -reach[2]; m <= reach[2]; ++m) {
-                        const Real r2 = (own + edge.cwiseProduct(Vec3(Real(k), Real(l), Real(m)))).squaredNorm();
+                        const Real along = own[2] + edge[2] * Real(m), r2 = across + along * along;
                         if (!(r2 < far * far * d * d)) continue;
                         const auto at = static_cast<std::size_t>(wrapped(b + l, 1)) * static_cast<std::size_t>(cells[2]) +
                                         static_cast<std::size_t>(wrapped(c + m, 2));
                         nearest[at] = std::min(nearest[at], r2);
                     }
+                }
             }
         }
+        Real distance = 0;  // from solids, at least
         for (std::size_t at = 0; at < nearest.size(); ++at) {
             const Real away = std::sqrt(nearest[at]) / d;
-            if (!(away < far)) continue;
-            Real distance = 0, open = 1;
             const int b = static_cast<int>(at) / cells[2], c = static_cast<int>(at) % cells[2];
-            if (solids.nearest(centre(a, b, c), distance) >= 0) open = std::clamp(Real(0.5) + 2 * distance / d, Real(0), Real(1));
+            distance = c == 0 ? 0 : distance - edge[2];
+            if (!(away < far)) continue;
+            if (distance < d / 4) solids.nearest(centre(a, b, c), distance);
+            const Real open = std::clamp(Real(0.5) + 2 * distance / d, Real(0), Real(1));
             const auto within = [&](Real r) { return std::clamp(Real(0.5) + 2 * (r - away), Real(0), Real(1)); };
             filled[a] += double(open * (within(near) + (flat - near) / (far - near) * (within(far) - within(near))));
         }
