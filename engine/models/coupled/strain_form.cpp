@@ -78,6 +78,7 @@ void StrainForm::find_forces(Span<const Vec3> u, bool moving, bool at_walls) con
         std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
+            if (at_walls && slice.walls == 0) continue;
             const CoefficientLanes& c = coefficients(block, k);
             const PairSums sum = sum_pairs(rows.pairs_with(block, slice, at), kept);
             const Lanes33 G = sum.A * slice.inverse_moment;
@@ -121,6 +122,7 @@ void StrainForm::find_stress(Span<const Real> q, Span<const Mat3> T, bool at_wal
         const Vec4* at = rows.positions(block);
         for (std::size_t k = 0; k < block.slices.size(); ++k) {
             const RowSlice& slice = block.slices[k];
+            if (at_walls && slice.walls == 0) continue;
             const CoefficientLanes& c = coefficients(block, k);
             Lanes33 stress;
             for (Index lane = 0; lane < lane_count; ++lane) {

@@ -145,7 +145,7 @@ public:
     const CoupledRows& rows() const { return *rows_; }
 
 private:
-    /// Forces of the product and of stresses. @param at_walls only those of blocks with walls
+    /// Forces of the product and of stresses. @param at_walls only those of slices with walls
     void find_forces(Span<const Vec3> u, bool moving = false, bool at_walls = false) const;
     void find_stress(Span<const Real> q, Span<const Mat3> T, bool at_walls) const;
     /// (1 + K) u of particle i, given the forces.
