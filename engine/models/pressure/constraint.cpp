@@ -26,7 +26,7 @@ constexpr double strict_share = 0.1;
 /// at 0.2; so by 2.4 and 1.8 %). A tolerance looser than the default loosens this as much.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / ConstraintOptions{}.limits.tolerance); }
 /// For steps with hardly any load: the least fraction of the tolerated density error to solve to, and the limit of rounding.
-constexpr double least_share = 0.02, least_tolerance = 1e-6;
+constexpr double least_share = 0.005, least_with_bodies = 0.02, least_tolerance = 1e-6;
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
     return parallel_sum(static_cast<Index>(now.size()), [&](Index i) { return before[i] != now[i]; });
@@ -110,8 +110,22 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
 double ConstraintPressure::tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const {
     const double asked =
         std::sqrt(parallel_sum(D_.size(), [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
-    const double least = std::max(least_share * options_.limits.tolerance, least_tolerance);
+    const double least = std::max((bodies_.empty() ? least_share : least_with_bodies) * options_.limits.tolerance, least_tolerance);
     return std::max(largest_residual(options_.limits.tolerance) * asked / worst_rate, least);
+}
+
+void ConstraintPressure::scale_to_work(ConstraintMatrix& matrix, Span<Real> q) {
+    struct Sums {
+        double asked = 0, done = 0;
+        void operator+=(const Sums& o) { asked += o.asked, done += o.done; }
+    };
+    const Sums work = parallel_sum(D_.size(), Sums{}, [&](Index i) {
+        return Sums{static_cast<double>(q[i]) * b_[i], static_cast<double>(q[i]) * residual_[i]};
+    });
+    if (!(work.done > 0)) return;
+    const auto scale = static_cast<Real>(std::clamp(work.asked / work.done, 0.5, 2.0));
+    parallel_for(D_.size(), [&](Index i) { q[i] *= scale, residual_[i] *= scale; });
+    parallel_for(static_cast<Index>(matrix.force.size()), [&](Index i) { matrix.force[i] *= scale; });
 }
 
 /// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still
@@ -136,7 +150,8 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         matrix.presses.assign(n, 1);
         if (round > 0) matrix.push(q);
         D_.apply(matrix.force, matrix.presses, residual_);
-        if (!bodies_.empty()) bodies_.add_rates(q, matrix.presses, residual_);
+        if (bodies_.empty()) scale_to_work(matrix, q);
+        else bodies_.add_rates(q, matrix.presses, residual_);
         const ActiveSet set = choose(matrix, q, round == 0 ? about_full * step.rest_density / step.dt : 0, rest);
         const double left = std::sqrt(set.squares);
         report.last_residual = left / worst_rate;
@@ -295,7 +310,11 @@ Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, boo
     // is 0.5 %: correcting unevenness that alternates from neighbour to neighbour needs large velocities.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
-    return excess > 0 || filled ? correction_share(filled || at_body) * excess / time : excess / step.dt;
+    // Densities below rest_density by no more than the solves leave are corrected by the same share. If they were filled within a step,
+    // particles would fall in one step and be stopped in the next one.
+    const Real left = bodies_.empty() ? static_cast<Real>(0.1 * options_.limits.tolerance) * rho_0 : Real(0);
+    const Real corrected = filled ? excess : std::max(excess, -left);
+    return correction_share(filled || at_body) * corrected / time + (excess - corrected) / step.dt;
 }
 
 Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const {

@@ -73,6 +73,9 @@ public:
 private:
     /// A q <= b as complementarity. matrix.force must be, and will be, D^T q.
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
+    /// Scales q so that q.(b - A q) = 0, for residual_ = A q and matrix.force = D^T q: the pressures then carry the weight. A residual that
+    /// all particles share may be as small as the tolerance, and yet be most of what a short step brings to a deep fluid.
+    void scale_to_work(ConstraintMatrix& matrix, Span<Real> q);
     /// Which particles press in a round.
     struct ActiveSet {
         double squares = 0;              ///< of the residuals of the following
