@@ -127,17 +127,16 @@ TEST_CASE("images cost by their moment of the film, and the time left uses that 
 TEST_CASE("a coarse run takes at most 5 % of the film's predicted work, with and without images", "[cost]") {
     const test::ScratchFolder cache;
     const Environment home("XDG_CACHE_HOME", cache.path().string());
-    for (const char* scene : {"honey_coil", "dam_break", "karman_street"})
-        for (const char* images : {"true", "false"}) {
-            CAPTURE(scene, images);
-            const SceneFile file = shipped(scene, {"time.end=0.15", std::string("output.frames=") + images, "output.size=[64, 36]"});
-            const Simulation start(file.scene, make_plan(file.scene));
-            const CoarseRun run = coarse_run(file, start);
-            // As in rough_seconds(): 5e-6 s a particle-step of these models.
-            CHECK(run.particle_steps * 5e-6 < 0.05 * rough_film_seconds(file, start));
-            CHECK(run.pictures.empty() == (images[0] == 'f'));
-            CHECK(find_coarse_run(file)->particle_steps == run.particle_steps);
-        }
+    for (const auto& [scene, images] : {std::pair{"honey_coil", "true"}, {"dam_break", "false"}, {"karman_street", "false"}}) {
+        CAPTURE(scene);
+        const SceneFile file = shipped(scene, {"time.end=0.1", std::string("output.frames=") + images, "output.size=[64, 36]"});
+        const Simulation start(file.scene, make_plan(file.scene));
+        const CoarseRun run = coarse_run(file, start);
+        // As in rough_seconds(): 5e-6 s a particle-step of these models.
+        CHECK(run.particle_steps * 5e-6 < 0.05 * rough_film_seconds(file, start));
+        CHECK(run.pictures.empty() == (images[0] == 'f'));
+        CHECK(find_coarse_run(file)->particle_steps == run.particle_steps);
+    }
 }
 
 TEST_CASE("an interrupt ends a coarse run at its next step, and nothing is kept of it", "[cost]") {

@@ -28,11 +28,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double share =
-    0.03;                     ///< of a film's work that simulating it coarsely may take; images and steps longer than foreseen come on top
-constexpr double enough = 3;  ///< rough_seconds() of a coarse run, where a coarser one can show the film, too
+constexpr double share = 0.04;  ///< part of a film's work that its coarse simulation may take; images are in addition
+constexpr double enough = 3;    ///< rough_seconds() of a coarse run, where a coarser one can show the film, too
 constexpr int coarsest = 8, most_moments = 64;
-constexpr int frames_a_picture = 60, most_pictures = 5;  ///< images drawn: one per that many frames of the film, at least one
+constexpr int frames_a_picture = 100, most_pictures = 5;  ///< images drawn: one per that many frames of the film, at least one
 
 /// The run does not depend on the colours' range, the use of the images, or the box that an automatic camera was given
 /// for the film: only one of the scene's own counts.
