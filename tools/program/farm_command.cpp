@@ -75,7 +75,7 @@ int farm(FarmCommand command) {
     for (std::size_t k = 0; k < ends.size(); ++k) {
         for (const std::string& failure : ends[k].failures) fmt::print(stderr, "whorl: {}\n", failure);
         if (!ends[k].stopped.empty())
-            fmt::print(stderr, "whorl: {} was interrupted; continue with:  {}\n", files[k].scene.name,
+            fmt::print(stderr, "whorl: {} was interrupted; continue with: {}\n", files[k].scene.name,
                        remaining_commands(files[k], folders[k], ends[k].stopped));
         else if (ends[k].failures.empty()) fmt::print("{}\n", folders[k].string());
         if (code == exit_done && !ends[k].failures.empty()) code = exit_failed;
