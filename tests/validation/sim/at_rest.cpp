@@ -458,7 +458,7 @@ slip = "free"
         const double error = std::abs(sum / exact - 1);
         ++frames, off += error > 0.05, farthest = std::max(farthest, error);
     }
-    CHECK(off <= 0.012 * frames);  // one of 83
+    CHECK(off <= frames / 80);
     CHECK(farthest < 0.08);
 }
 
