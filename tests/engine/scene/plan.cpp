@@ -312,6 +312,9 @@ TEST_CASE("the projection is chosen if fluid fills its space, and warned of if i
     CHECK_THAT(warnings(projection + tank + block("[0.4, 0.2, 0.2]"))[0],
                Catch::Contains("it diverges or loses volume if a column collapses"));
     CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
+    CHECK(
+        message(projection + tank + block("[0.4, 0.2, 0.2]") + "[[solid]]\nshape = \"sphere\"\nposition = [0.2, 0.1, 0.1]\nradius = 0.05\n")
+            .find("diverges next to a solid in the fluid, such as solid[1]") != std::string::npos);
     CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]"))
               .find("a surface meets solids at 90 degrees") != std::string::npos);
     const auto drop = [&](const std::string& pressure, double wetting) {
