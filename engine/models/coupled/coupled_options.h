@@ -29,7 +29,7 @@ struct CoupledOptions {
     double meeting_in_space = 0.15;  ///< at this part of the rate there (1 in the plane): at rest more are loose than compressed
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
-    double memory = 0.98, weight_memory = 0.999;  ///< from step to step, of the multiplier; of its part from 0 to the fluid's weight
+    double memory = 0.98, weight_memory = 0.9999;  ///< from step to step, of the multiplier; of its part from 0 to the fluid's weight
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound a step
     double evening_rate = 1,
