@@ -46,8 +46,8 @@ Rest rest(const std::vector<std::string>& changes, bool closed) {
 
 namespace {
 
-/// A column, a closed box and a slot of five spacings.
-void stays_at_rest(const std::string& sampling) {
+/// A slot of five spacings; also a column and a closed box.
+void stays_at_rest(const std::string& sampling, bool slot_only = false) {
     const std::string scattered = "block.0.sampling=" + sampling;
     for (const auto& [words, closed, changes] :
          {std::tuple("column", false, std::vector<std::string>{scattered}),
@@ -55,6 +55,7 @@ void stays_at_rest(const std::string& sampling) {
           std::tuple("slot", false,
                      std::vector<std::string>{scattered, "block.0.max=[0.15625,1]", "solid.0.max=[0.15625,1.4]",
                                               "probe.0.from=[0.078125,0.0625]", "probe.0.to=[0.078125,0.9375]"})}) {
+        if (slot_only && std::string(words) != "slot") continue;
         INFO(words << ", " << sampling);
         const Rest r = rest(changes, closed);
         CHECK(r.speed < 0.005);
@@ -64,11 +65,12 @@ void stays_at_rest(const std::string& sampling) {
 
 }  // namespace
 
-TEST_CASE("water in a column, a closed box and a slot of five spacings stays at rest under the projection", "[validation][projection]") {
-    stays_at_rest("jittered");
+TEST_CASE("water in a slot of five spacings stays at rest under the projection", "[validation][projection]") {
+    stays_at_rest("jittered", true);
 }
 
-TEST_CASE("water from a lattice in a column, a box and a slot stays at rest under the projection", "[validation][projection][long]") {
+TEST_CASE("water in a column, a closed box and a slot stays at rest under the projection", "[validation][projection][long]") {
+    stays_at_rest("jittered");
     stays_at_rest("lattice");
 }
 
