@@ -36,7 +36,7 @@ async function send() {
     for (const path of Object.keys(changes)) {
       const knob = knobs.get(path);
       if (knob && !reply.ok && state) knob.show(state.values[path], true);
-      if (knob) knob.wrong.textContent = reply.ok ? '' : reply.error;
+      if (knob) knob.wrong.textContent = reply.ok ? '' : reply.error, knob.refused = reply.ok ? 0 : Date.now();
     }
     answered(reply);
   }
@@ -272,9 +272,10 @@ function makeKnob(key) {
     row.dataset.changed = '1', row.dataset.value = shown;
     if (key.live) set({[key.path]: value});
   };
-  const knob = {row, wrong, key, put: () => {}, show(value, force) {
+  const knob = {row, wrong, key, refused: 0, put: () => {}, show(value, force) {
     const text = JSON.stringify(value);
-    if (text !== shown && !force) wrong.textContent = '';
+    // A state that was on its way when a value was refused is no new cause.
+    if (text !== shown && !force && Date.now() - this.refused > 1000) wrong.textContent = '';
     // What is just being moved or typed into is not pulled away.
     if (!force && (text === shown || Date.now() - held < 700 || (fields.contains(document.activeElement) && document.activeElement.type === 'text'))) return;
     shown = text;
