@@ -65,8 +65,8 @@ void check_printed(const Scene& scene, const Plan& plan, std::vector<Problem>& p
     if (plan.viscosity == ViscosityModel::full)
         refuse("models.viscosity", "the matrix-free models.viscosity = \"full\", whose gradients have the volume V_i,",
                "use \"full_assembled\", or \"explicit\"");
-    if (plan.facts.micropolar.spins && plan.micropolar != MicropolarModel::seed)
-        refuse("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"", "use \"seed\"");
+    if (plan.facts.micropolar.spins && plan.micropolar != MicropolarModel::notes)
+        refuse("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"", "use \"notes\"");
     if (scene.viscosity.laplacian == LaplacianForm::split)
         refuse("viscosity.laplacian", "viscosity.laplacian = \"split\"", "use \"brookshaw\" or \"monaghan\"");
 }

@@ -172,7 +172,7 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
         }
         if (solid.shape.kind == "plane")
             report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "use a box");
-        if (solid.inside)
+        if (solid.container)
             report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body",
                    "make a hollow body from a mesh");
         if (solid.slip == Slip::navier)

@@ -78,7 +78,8 @@ private:
         const SolidKeys& s = scene_.solids[static_cast<std::size_t>(k)];
         const Vec3d size = (e.max - e.min).eval();
         const bool endless = !size.allFinite();  // a plane has no wrong size
-        if (endless || s.inside || size.head(plan_.dimensions()).minCoeff() <= longest_side(scene_.domain)) return report(key, what, hint);
+        if (endless || s.container || size.head(plan_.dimensions()).minCoeff() <= longest_side(scene_.domain))
+            return report(key, what, hint);
         const std::string name = entry_name("solid", static_cast<std::size_t>(k));
         report(name + "." + size_key(s.shape),
                fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m): {}", name, size.maxCoeff(),
@@ -258,8 +259,8 @@ private:
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
             inside_solid(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
-                         scene_.solids[static_cast<std::size_t>(k)].inside
-                             ? "a container (inside = true) is closed all round: make it as high as the emitter, or move one of them"
+                         scene_.solids[static_cast<std::size_t>(k)].container
+                             ? "a container (container = true) is closed all round: make it as high as the emitter, or move one of them"
                              : "move one of them",
                          k);
         const double widest = e.shape == "disc" ? 2 * e.radius : std::max(e.width, plan_.dimensions() == 2 ? 0 : e.thickness);
@@ -311,7 +312,7 @@ private:
             }
         if (s.shape.kind == "plane" && s.rotation.is_zero())
             across_a_period(name, shapes_.solids.all[i].turn * s.shape.normal.normalized());
-        if (s.inside || s.position.depends_on_time() || !s.rotation.is_zero()) return;
+        if (s.container || s.position.depends_on_time() || !s.rotation.is_zero()) return;
         const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
         if (!outside(e.min + at, e.max + at) || (s.shape.kind == "mesh" && oversized(name, s.shape, e))) return;

@@ -31,7 +31,7 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
                         ", which is in the fluid",
                     "use pressure.form = \"constraint\", or \"auto\", which does so");
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
-        if (scene.domain.dimensions == 3 && !scene.solids[k].inside && scene.solids[k].shape.kind != "plane")
+        if (scene.domain.dimensions == 3 && !scene.solids[k].container && scene.solids[k].shape.kind != "plane")
             problem("pressure.form",
                     "in 3D with a free surface, pressure.form = \"projection\" diverges next to a solid in the fluid, such as " +
                         entry_name("solid", k),

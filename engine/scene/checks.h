@@ -58,8 +58,8 @@ struct ScaleWarning {
 /// A warning for each opening, domain, speed, density, gravity or shape that is out of proportion.
 std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
 
-/// Warnings about containers (inside = true), which are closed all round: solids that move through the wall, and fluid that flies against
-/// the lid.
+/// Warnings about containers (container = true), which are closed all round: solids that move through the wall, and fluid that flies
+/// against the lid.
 std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes& shapes);
 
 /// The key that makes a shape as large as it is: "radius".

@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-constexpr double seed_transfer_below = 0.4;  ///< Pa s, in the source notes
+constexpr double notes_transfer_below = 0.4;  ///< Pa s, in the source notes
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double length_of_spin(const Scene& scene) { return scene.micropolar.spin_length > 0 ? scene.micropolar.spin_length : scene.fluid.spacing; }
@@ -177,7 +177,7 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
             "{:.3g} Pa s and {} grow, the fastest by exp({:.3g}) in the run. No time step and no exchange scheme bounds that; XSPH "
             "smoothing only damps short waves. "
             "models.micropolar = "
-            "\"eringen\" always dissipates, and so does \"seed\" with fluid.viscosity >= micropolar.transfer_viscosity",
+            "\"eringen\" always dissipates, and so does \"notes\" with fluid.viscosity >= micropolar.transfer_viscosity",
             n.coupling, n.viscosity, n.effective_viscosity(),
             from > 0 ? fmt::format("waves longer than {:.3g} m", from) : std::string("waves of every length"), rate * scene.time.end));
     }
@@ -191,10 +191,11 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
                         "steady flow gives it. A micropolar.micro_inertia of {:.2g} m^2 would answer in a tenth of the run",
                         n.response_time(), scene.time.end, -100 * std::expm1(-scene.time.end / n.response_time()),
                         0.2 * scene.time.end * n.coupling / n.density));
-    if (const double transfer = scene.micropolar.transfer_viscosity;
-        plan.micropolar == MicropolarModel::seed && !n.grows() && !scene.micropolar.effective_viscosity && transfer >= seed_transfer_below)
-        add(fmt::format("micropolar.transfer_viscosity = {:g} Pa s: the source of \"seed\" takes less than {:g}", transfer,
-                        seed_transfer_below));
+    if (const double transfer = scene.micropolar.transfer_viscosity; plan.micropolar == MicropolarModel::notes && !n.grows() &&
+                                                                     !scene.micropolar.effective_viscosity &&
+                                                                     transfer >= notes_transfer_below)
+        add(fmt::format("micropolar.transfer_viscosity = {:g} Pa s: the source of \"notes\" takes less than {:g}", transfer,
+                        notes_transfer_below));
     if (n.coupling == 0) add("the micropolar coupling is 0: the spin does nothing to the flow");
 }
 
@@ -234,9 +235,9 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
         for (const char* key :
              {"fluid.viscosity", "micropolar.transfer_viscosity", "micropolar.spin_viscosity", "micropolar.micro_inertia"})
             if (given(scene, key)) report(key, std::string(key) + " is chosen by micropolar.effective_viscosity", "leave one of them out");
-    if (plan.micropolar == MicropolarModel::seed && plan.spin.grows() && !calibrates && !given(scene, "micropolar.transfer_viscosity"))
+    if (plan.micropolar == MicropolarModel::notes && plan.spin.grows() && !calibrates && !given(scene, "micropolar.transfer_viscosity"))
         report("models.micropolar",
-               fmt::format("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
+               fmt::format("models.micropolar = \"notes\" would feed energy in: its coupling, fluid.viscosity + the default "
                            "micropolar.transfer_viscosity = {:g} Pa s, "
                            "is more than twice the {:g} Pa s that models.viscosity = \"{}\" applies",
                            scene.micropolar.transfer_viscosity, plan.spin.viscosity, name_of(plan.viscosity)),

@@ -113,7 +113,7 @@ const std::vector<ViscosityFacts>& viscosity_models() {
 const std::vector<MicropolarFacts>& micropolar_models() {
     static const std::vector<MicropolarFacts> rows{
         {.model = MicropolarModel::none, .name = "none"},
-        {.model = MicropolarModel::seed, .name = "seed", .spins = true, .coupling_by_mu = 1},
+        {.model = MicropolarModel::notes, .name = "notes", .spins = true, .coupling_by_mu = 1},
         {.model = MicropolarModel::bender, .name = "bender", .spins = true},
         {.model = MicropolarModel::eringen, .name = "eringen", .spins = true, .viscosity_by_transfer = 1},
     };

@@ -243,7 +243,8 @@ private:
         const SolidKeys& s = scene_.solids[i];
         const Vec3d axis = s.shape.to - s.shape.from;
         const double R = s.shape.radius;
-        if (!s.inside || s.shape.kind != "cylinder" || scene_.domain.dimensions == 2 || axis.cross(up_).norm() > 1e-3 * axis.norm()) return;
+        if (!s.container || s.shape.kind != "cylinder" || scene_.domain.dimensions == 2 || axis.cross(up_).norm() > 1e-3 * axis.norm())
+            return;
         SpunVessel v{i};
         for (const double t : sample_times(0, scene_.time.end)) v.rate = std::max(v.rate, std::abs(s.rotation(t).dot(up_)));
         v.climb = v.rate * v.rate * R * R / (2 * n_.gravity);

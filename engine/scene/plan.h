@@ -11,7 +11,7 @@ namespace whorl {
 
 /// rho Du/Dt = ... + viscosity Lap u + coupling curl w;   micro_inertia rho Dw/Dt = spin_viscosity Lap w + coupling (curl u - 2 w) + rho
 /// tau.
-///   seed:     viscosity = mu,        coupling = mu + mu_t     (the source notes)
+///   notes:    viscosity = mu,        coupling = mu + mu_t     (the source notes)
 ///   bender:   viscosity = mu,        coupling = mu_t          (Bender et al. 2017, whose fluid has mu = 0)
 ///   eringen:  viscosity = mu + mu_t, coupling = mu_t          (Eringen 1966)
 struct MicropolarNumbers {

@@ -57,7 +57,7 @@ public:
         probes();
         scene_.identities = scene_.any_flux();
         for (const int pixels : scene_.output.size)
-            if (pixels % 2 != 0 && scene_.output.video && scene_.output.frames) {
+            if (pixels % 2 != 0 && scene_.output.video && scene_.output.images) {
                 reader_.disagree({"output.size"}, "output.size has the odd number " + std::to_string(pixels),
                                  "a video needs even sizes: output.video = false (--no-video) films without one");
                 break;

@@ -27,6 +27,20 @@ bool is_zero(const Value& v) {
     return v.is_number() ? v.number() == 0 : v.as<bool>() && !*v.as<bool>();
 }
 
+/// Old names of keys and values in the table or key `where`. @return the name that replaces `old`, "" if it is not an old name
+std::string renamed(const std::string& where, const std::string& old) {
+    struct Row {
+        std::string where, old, now;
+    };
+    static const std::vector<Row> rows{{"solid", "inside", "container"},
+                                       {"drain", "after", "delay"},
+                                       {"output", "frames", "images"},
+                                       {"models.micropolar", "seed", "notes"}};
+    for (const Row& row : rows)
+        if (row.where == where && row.old == old) return row.now;
+    return "";
+}
+
 std::vector<std::string> names_in(const KeyTable& table) {
     std::vector<std::string> names;
     for (const Key& k : table.keys) names.push_back(k.name);
@@ -75,6 +89,7 @@ void Reader::unknown(const Value& v, const std::string& name, const KeyTable& ta
     const std::string where = path.empty() ? "" : (path.back() == ']' ? " in " + path : " in [" + path + "]");
     std::string hint = near.empty() ? "" : "did you mean \"" + near + "\"?";
     if (near.empty()) hint = key_elsewhere(name);
+    if (const std::string now = renamed(path.substr(0, path.find('[')), name); !now.empty()) hint = "it is called \"" + now + "\"";
     problems.push_back({v.key_place, "unknown key \"" + name + "\"" + where, hint, fmt::format("allowed: {}", fmt::join(names, ", "))});
 }
 
@@ -115,7 +130,10 @@ void Reader::read_key(const Key& key, void* object, const Value& v, const std::s
     const Value::List* list = v.as<Value::List>();
     key.read(object, plane_ ? key.with_depth(v) : v, path, problems);
     if (plane_ && problems.size() == before && list && list->size() == 3) check_in_plane(key, v, path);
-    if (problems.size() > before) failed_.insert(path);
+    if (problems.size() == before) return;
+    failed_.insert(path);
+    if (const std::string* text = v.as<std::string>())
+        if (const std::string now = renamed(path, *text); !now.empty()) problems.back().hint = "it is called \"" + now + "\"";
 }
 
 void Reader::check_in_plane(const Key& key, const Value& v, const std::string& path) {

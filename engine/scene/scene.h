@@ -60,7 +60,7 @@ struct KeyCodec<Inks> {
 
 enum class PressureModel { automatic, none, wcsph, ppe, coupled };
 enum class ViscosityModel { automatic, none, xsph, explicit_laplacian, full, full_assembled };
-enum class MicropolarModel { none, seed, bender, eringen };
+enum class MicropolarModel { none, notes, bender, eringen };
 enum class BoundaryModel { automatic, none, akinci, ppe };
 enum class ShiftingModel { automatic, none, fickian };
 /// Images of the fluid in walls (models/pressure/mirrors.h). automatic: flat in 2D, and in 3D if a probe reports forces or pressures.
@@ -200,7 +200,7 @@ struct EmitterKeys {
 struct SolidKeys {
     ShapeKeys shape;
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
-    bool inside = false;                  ///< the fluid is inside the shape
+    bool container = false;               ///< the fluid is inside the shape
     Slip slip = Slip::no;
     double slip_length = 0;             ///< m, navier
     double wetting = 0.5;               ///< the solid's pull on the fluid over the fluid's own, with surface tension
@@ -213,7 +213,7 @@ struct SolidKeys {
 
 struct DrainKeys {
     ShapeKeys shape;
-    double after = 0;  ///< s
+    double delay = 0;  ///< s
 };
 
 struct StreamKeys {
@@ -273,7 +273,7 @@ struct PanelKeys {
 };
 
 struct OutputKeys {
-    bool frames = true, video = true;
+    bool images = true, video = true;
     std::string format = "png";          ///< of the pictures: png | exr
     double checkpoint_every = 5;         ///< s of wall time
     std::vector<std::string> exports;    ///< points, mesh, obj, vdb, scene, vtk, raw

@@ -97,10 +97,10 @@ KeyTable model_keys() {
     t.key("micropolar", &ModelKeys::micropolar, "", "particles with a spin of their own");
     t.key("boundary", &ModelKeys::boundary, "", "how solids act on the fluid's density and pressure");
     t.key("shifting", &ModelKeys::shifting, "", "small moves that keep particles evenly spread");
-    t.key(
-        "notes", &ModelKeys::notes, "",
-        "forms of the source notes (full_assembled; ppe; wcsph with seed): amended, or as_printed, which sets and changes what the tables "
-        "of docs/physics.md 14 list");
+    t.key("notes", &ModelKeys::notes, "",
+          "forms of the source notes (full_assembled; ppe; wcsph with micropolar \"notes\"): amended, or as_printed, which sets and "
+          "changes what the tables "
+          "of docs/physics.md 14 list");
     return t;
 }
 
@@ -303,7 +303,7 @@ KeyTable solid_keys() {
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
     t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t").live();
     t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").in(InPlane::axis).live();
-    t.key("inside", &SolidKeys::inside, "", "the fluid is inside the shape: a container");
+    t.key("container", &SolidKeys::container, "", "the fluid is inside the shape");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
           "how far behind the surface the fluid, continued straight, would stick: u - u_wall = slip_length du/dn")
@@ -339,7 +339,7 @@ KeyTable solid_keys() {
 KeyTable drain_keys() {
     KeyTableOf<DrainKeys> t("a place from which fluid is taken away");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
-    t.key("after", &DrainKeys::after, "s", "fluid that has been inside for this long is removed").at_least(0);
+    t.key("delay", &DrainKeys::delay, "s", "fluid that has been inside for this long is removed").at_least(0);
     return t;
 }
 
@@ -435,7 +435,7 @@ KeyTable panel_keys() {
 
 KeyTable output_keys() {
     KeyTableOf<OutputKeys> t("what is written into the run folder");
-    t.key("frames", &OutputKeys::frames, "", "pictures: frames/000001.png ...");
+    t.key("images", &OutputKeys::images, "", "images: frames/000001.png ...");
     t.key("format", &OutputKeys::format, "", "of the pictures; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
         .one_of({"png", "exr"});
     t.key("video", &OutputKeys::video, "", "<name>.mp4");

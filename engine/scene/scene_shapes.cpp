@@ -76,7 +76,7 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
     solid.shape = std::move(shape);
     solid.position = keys.position;
     solid.spin = keys.rotation;
-    solid.inside = keys.inside;
+    solid.inside = keys.container;
     solid.turn = turned_by(keys.tilt);
     solid.slip_length = slip_length_of(keys);
     solid.material = keys.material;

@@ -15,7 +15,7 @@ public:
     LidWarnings(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes), d_(scene.fluid.spacing) {}
     std::vector<std::string> all() {
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (scene_.solids[k].inside && shapes_.solids.all[k].shape->bounded()) warn_of_lid(k);
+            if (scene_.solids[k].container && shapes_.solids.all[k].shape->bounded()) warn_of_lid(k);
         return std::move(all_);
     }
 
@@ -30,11 +30,11 @@ private:
         const std::vector<double> times = sample_times(0, scene_.time.end);
         const auto warn = [&](const std::string& what, const char* reach) {
             all_.push_back(
-                fmt::format("{} of solid[{}] (inside = true), which is closed all round; make it as high as {}", what, k, reach));
+                fmt::format("{} of solid[{}] (container = true), which is closed all round; make it as high as {}", what, k, reach));
         };
         for (std::size_t j = 0; j < scene_.solids.size(); ++j) {
             const SolidKeys& solid = scene_.solids[j];
-            if (j == k || solid.inside || !solid.position.depends_on_time() || !shapes_.solids.all[j].shape->bounded()) continue;
+            if (j == k || solid.container || !solid.position.depends_on_time() || !shapes_.solids.all[j].shape->bounded()) continue;
             const Extent& e = shapes_.solid_extent[j];
             bool through = false;
             for (int corner = 0; corner < 8 && !through; ++corner) {

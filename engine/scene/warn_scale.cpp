@@ -99,7 +99,8 @@ private:
         const SolidKeys& s = scene_.solids[i];
         const Extent& e = shapes_.solid_extent[i];
         // Walls at the domain's end hold fluid: their particles are outside.
-        if (size(name, s.shape, e) || !s.inside || !holds_domain(*shapes_.solids.all[i].shape, s.position(0), scene_.fluid.spacing)) return;
+        if (size(name, s.shape, e) || !s.container || !holds_domain(*shapes_.solids.all[i].shape, s.position(0), scene_.fluid.spacing))
+            return;
         const double across = longest_side(e, scene_.domain.dimensions);
         add(name + "." + size_key(s.shape), ": this container is {} across and holds the whole domain of {}, so it holds nothing back; {}",
             length(across), length(longest_side(scene_.domain)), size_hint(s.shape, across));

@@ -386,7 +386,7 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
 std::vector<Drain> make_drains(const Scene& scene) {
     std::vector<Drain> drains;
     for (const DrainKeys& keys : scene.drains)
-        drains.push_back({make_shape(keys.shape, scene.domain.box()), static_cast<Real>(keys.after)});
+        drains.push_back({make_shape(keys.shape, scene.domain.box()), static_cast<Real>(keys.delay)});
     return drains;
 }
 

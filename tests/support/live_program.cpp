@@ -54,7 +54,7 @@ shape = "cylinder"
 from = [0, 0, 0]
 to = [0, 0.012, 0]
 radius = 0.12
-after = 0.28
+delay = 0.28
 [[probe]]
 name = "coil"
 kind = "coil"

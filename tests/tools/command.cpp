@@ -161,7 +161,7 @@ TEST_CASE("the options of the command line change the scene and show up in the r
     CHECK(file.scene.time.fps == 12);
     CHECK(file.scene.seed == 5);
     CHECK_FALSE(file.scene.output.video);
-    CHECK(file.scene.output.frames);
+    CHECK(file.scene.output.images);
     CHECK(file.scene.output.exports == std::vector<std::string>{"points", "vdb"});
     CHECK(file.scene.fluid.spacing == 0.02);
     CHECK(file.look.exposure == 2);

@@ -129,7 +129,7 @@ TEST_CASE("a coarse run takes at most 5 % of the film's predicted work, with and
     const Environment home("XDG_CACHE_HOME", cache.path().string());
     for (const auto& [scene, images] : {std::pair{"honey_coil", "true"}, {"dam_break", "false"}, {"karman_street", "false"}}) {
         CAPTURE(scene);
-        const SceneFile file = shipped(scene, {"time.end=0.1", std::string("output.frames=") + images, "output.size=[64, 36]"});
+        const SceneFile file = shipped(scene, {"time.end=0.1", std::string("output.images=") + images, "output.size=[64, 36]"});
         const Simulation start(file.scene, make_plan(file.scene));
         const CoarseRun run = coarse_run(file, start);
         // As in rough_seconds(): 5e-6 s a particle-step of these models.
@@ -142,7 +142,7 @@ TEST_CASE("a coarse run takes at most 5 % of the film's predicted work, with and
 TEST_CASE("an interrupt ends a coarse run at its next step, and nothing is kept of it", "[cost]") {
     const test::ScratchFolder cache;
     const Environment home("XDG_CACHE_HOME", cache.path().string());
-    const SceneFile file = shipped("dam_break", {"output.frames=false"});
+    const SceneFile file = shipped("dam_break", {"output.images=false"});
     const Simulation start(file.scene, make_plan(file.scene));
     int steps = 0;
     CHECK_THROWS_AS(coarse_run(file, start,

@@ -27,7 +27,7 @@ TEST_CASE("exported particles keep their ids through sorting, emitters, drains a
 shape = "box"
 min = [-0.02, -0.01, -0.02]
 max = [0.02, 0.004, 0.02]
-after = 0.1
+delay = 0.1
 )");
     const auto render = [&](const std::string& until) {
         return test::whorl(

@@ -113,7 +113,7 @@ TEST_CASE("a coarse run is made once, and not for the camera of a full room or w
     std::ofstream(scratch.scene())
         << "name = \"full\"\n[time]\nend = 0.1\n[domain]\nmin = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\n[fluid]\n"
            "spacing = 5e-3\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\n[[solid]]\nshape = \"box\"\n"
-           "min = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\ninside = true\n[output]\nsize = [64, 36]\n";
+           "min = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\ncontainer = true\n[output]\nsize = [64, 36]\n";
     CHECK_FALSE(runs_coarsely({}));
     CHECK(shown_by(scratch.run()).sizes().isApprox(Vec3f::Constant(0.05f), 0.1f));
 }

@@ -101,7 +101,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(scene.emitters[1].radius == Approx(0.08));
     CHECK((scene.emitters[1].direction - Vec3d(0, -1, 0)).norm() < 1e-8);
     REQUIRE(scene.solids.size() == 3);
-    CHECK(scene.solids[0].inside);
+    CHECK(scene.solids[0].container);
     CHECK(scene.solids[0].shape.max == Vec3d(1, 3, 1));
     CHECK(scene.solids[2].density == 400);
     CHECK(scene.solids[1].shape.file.filename() == "tank_body_1.obj");  // so that several scenes can be imported into one folder
@@ -249,7 +249,7 @@ TEST_CASE("an imported 2D scene has two coordinates, and a scene without an end 
     const Scene scene = read_scene_file(out).scene;
     CHECK(scene.domain.dimensions == 2);
     CHECK(scene.time.max_step == 0.002);
-    CHECK(scene.solids[0].inside);
+    CHECK(scene.solids[0].container);
 }
 
 }  // namespace import_test

@@ -81,7 +81,7 @@ TEST_CASE("a panel's label is the title of its images unless it has a title") {
 }
 
 TEST_CASE("a scene may give keys that only a panel's style or model takes") {
-    const Scratch scratch(std::string(drop) + "set = [\"models.micropolar=seed\", \"look.style=opaque\"]\n[micropolar]\n" +
+    const Scratch scratch(std::string(drop) + "set = [\"models.micropolar=notes\", \"look.style=opaque\"]\n[micropolar]\n" +
                           "transfer_viscosity = 0.5\n[look]\ncolour = \"#ff0080\"\n");
     std::string text = read_whole(scratch.scene());
     text.erase(text.find("set = "), text.find('\n', text.find("set = ")) - text.find("set = "));
@@ -265,7 +265,7 @@ TEST_CASE("a panel with images of another size, or without images, is refused be
         CHECK_FALSE(fs::exists(scratch.run()));
     };
     refused("output.size=[1280, 720]", "all panels have the same size");
-    refused("output.frames=false", "a panel without pictures leaves its place in the film empty");
+    refused("output.images=false", "a panel without pictures leaves its place in the film empty");
 }
 
 TEST_CASE("a film of panels does not continue with a panel of another size, and names the image") {

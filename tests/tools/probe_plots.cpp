@@ -36,7 +36,7 @@ max = [0.08, 0.08]
 shape = "box"
 min = [0, 0]
 max = [0.2, 0.2]
-inside = true
+container = true
 [[probe]]
 name = "wave"
 kind = "level"

@@ -279,7 +279,7 @@ max = [0.08, 0.05, 0.08]
 shape = "box"
 min = [0, 0, 0]
 max = [0.1, 0.1, 0.1]
-inside = true
+container = true
 )");
     const Outcome run = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
     INFO(run.err);
@@ -304,7 +304,7 @@ TEST_CASE("solves that end at their limit are reported once, with residual and k
         const Scratch scratch(
             "name = \"short\"\n[time]\nend = 0.02\nfps = 100\n[domain]\nmin = [-0.02, -0.02, -0.02]\nmax = [0.12, 0.12, 0.12]\n"
             "[fluid]\nspacing = 0.01\nviscosity = 10\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.05, 0.1, 0.05]\n"
-            "velocity = [\"y\", \"0\", \"0\"]\n[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.05]\ninside = true\n" +
+            "velocity = [\"y\", \"0\", \"0\"]\n[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.05]\ncontainer = true\n" +
             models);
         const Outcome run = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
         INFO(run.err);

@@ -442,8 +442,8 @@ void Converter::body(const JsonNode& node) {
     shapes_ += "\n[[solid]]\n";
     if (box) shapes_ += fmt::format("shape = \"box\"\nmin = {}\nmax = {}\n", vector(extent.min()), vector(extent.max()));
     else mesh_shape(mesh, at, fmt::format("body_{}", made_.meshes.size() + 1));
-    if (inside) line(shapes_, "inside", "true");
-    if (inside && !inverted) note(node, "isWall", "and fluid is inside: taken as a container (inside = true)");
+    if (inside) line(shapes_, "container", "true");
+    if (inside && !inverted) note(node, "isWall", "and fluid is inside: taken as a container (container = true)");
     if (!dynamic) return;
     const auto density = node.number_of("density");
     line(shapes_, "density", number(density.value_or(1000)));

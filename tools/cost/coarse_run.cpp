@@ -59,7 +59,7 @@ double bytes_in_use() {
 /// costs depends on how much of it the fluid covers.
 class PictureCosts {
 public:
-    PictureCosts(const SceneFile& file, int coarser) : file_(file), coarser_(coarser), draws_(file.scene.output.frames) {}
+    PictureCosts(const SceneFile& file, int coarser) : file_(file), coarser_(coarser), draws_(file.scene.output.images) {}
 
     void measure(const Frame& frame, CoarseRun& run) {
         if (!draws_) return;
@@ -338,7 +338,7 @@ double rough_seconds(const Simulation& start) {
 
 double rough_film_seconds(const SceneFile& file, const Simulation& start) {
     const std::array<int, 2>& size = file.scene.output.size;
-    const double image = file.scene.output.frames ? 1.5e-7 * size[0] * size[1] : 0;
+    const double image = file.scene.output.images ? 1.5e-7 * size[0] * size[1] : 0;
     return rough_seconds(start) + frame_count(file.scene) * image;
 }
 
@@ -371,7 +371,7 @@ void keep_coarse_run(const SceneFile& file, const CoarseRun& run) try {
 }
 
 SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch) {
-    if (!file.scene.output.frames) return file;
+    if (!file.scene.output.images) return file;
     if (measures_range(file.look) || (wants_extent(file) && !starts_full(start.scene()))) choose_from(file, coarse_run(file, start, watch));
     return with_estimates(std::move(file), start);
 }

@@ -61,7 +61,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     const Scene& scene = file.scene;
     Estimate e;
     e.frames = frame_count(scene);
-    e.drawn = scene.output.frames && !c.pictures.empty();
+    e.drawn = scene.output.images && !c.pictures.empty();
     const double fastest = step_rate(simulation, simulation.world(), plan.expected_speed);
     const double interval = scene.time.frame_interval();
 
@@ -103,7 +103,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     e.frame = last.frame;
     const double pixels = static_cast<double>(scene.output.size[0]) * scene.output.size[1];
     e.memory = c.bytes_a_particle * most + bytes_without_pictures;
-    if (scene.output.frames) e.memory += bytes_with_pictures + bytes_a_pixel * pixels + (shows_field(file.look) ? 0 : bytes_with_surface);
+    if (scene.output.images) e.memory += bytes_with_pictures + bytes_a_pixel * pixels + (shows_field(file.look) ? 0 : bytes_with_surface);
     return e;
 }
 
@@ -113,7 +113,7 @@ Estimate estimate(const SceneFile& file) {
     return estimate(file, plan, simulation, coarse_run(file, simulation));
 }
 
-double shared_bytes(const Scene& scene) { return bytes_without_pictures + (scene.output.frames ? 70e6 : 0); }
+double shared_bytes(const Scene& scene) { return bytes_without_pictures + (scene.output.images ? 70e6 : 0); }
 
 std::string memory_warning(const Estimate& estimate, double free_bytes) {
     if (estimate.memory <= free_bytes) return "";

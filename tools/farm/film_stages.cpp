@@ -43,7 +43,7 @@ FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path
 
 void add_panels(const std::string& threads, FarmFilm& film) {
     const Choose choose = [&](const SceneFile& run, const Simulation& start) { return with_choices(run, start); };
-    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.frames ? choose : Choose{});
+    const std::vector<SceneFile> runs = panel_scenes(film.file, film.file.scene.output.images ? choose : Choose{});
     film.files.emplace_back(film.folder / "scene.resolved.toml", resolved_toml(with_choices_of(film.file, runs)));
     FarmStage panels{"panels", {}};
     for (std::size_t k = 0; k < runs.size(); ++k) {
@@ -69,10 +69,10 @@ void add_one(const std::string& threads, int most_pieces, FarmFilm& film) {
     const Estimate e = estimate(film.file);
     film.files = {{film.folder / "scene.resolved.toml", text}, {scene, text}};
     FarmStage simulate{"simulate", {}}, draw{"draw", {}}, encode{"encode", {}};
-    add(run_task(name, scene, film.folder, threads, output.frames ? std::vector<std::string>{"--no-draw"} : std::vector<std::string>{}),
+    add(run_task(name, scene, film.folder, threads, output.images ? std::vector<std::string>{"--no-draw"} : std::vector<std::string>{}),
         e.film, e.memory, simulate);
     film.stages = {simulate};
-    if (!output.frames) return;
+    if (!output.images) return;
     const int frames = frame_count(film.file.scene);
     const int pieces = std::min(frames, most_pieces > 0 ? most_pieces : std::max(1, std::min(8, frames / 10)));
     const auto frames_before = [&](int piece) { return static_cast<std::int64_t>(piece) * frames / pieces; };
@@ -102,7 +102,7 @@ FarmFilm farm_film(const SceneFile& file, const fs::path& folder, const FarmOpti
 std::string remaining_commands(const SceneFile& file, const fs::path& folder, const std::string& stage) {
     if (stage == "draw") return "whorl draw " + folder.string();
     if (stage == "encode") return "whorl video " + folder.string();
-    const bool drawn_later = stage == "simulate" && file.scene.output.frames;
+    const bool drawn_later = stage == "simulate" && file.scene.output.images;
     return fmt::format("whorl resume {0}{1}", folder.string(),
                        drawn_later ? fmt::format(" --no-draw, then whorl draw {}", folder.string()) : "");
 }

@@ -136,8 +136,8 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
     const auto check_pictures = [](const Scene& panel, const Scene& plain) {
         if (panel.output.size != plain.output.size)
             throw InputError({}, "all panels have the same size, that of their place in the film", "give output.size to the whole scene");
-        if (panel.output.frames != plain.output.frames)
-            throw InputError({}, "a panel without pictures leaves its place in the film empty", "give output.frames to the whole scene");
+        if (panel.output.images != plain.output.images)
+            throw InputError({}, "a panel without pictures leaves its place in the film empty", "give output.images to the whole scene");
     };
     check_format(file.scene, file.scene.place("output.format"));
     SceneFile alone = file;
@@ -149,7 +149,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
                                (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
     const std::vector<PanelKeys>& panels = file.scene.panels;
     const bool differences = std::any_of(panels.begin(), panels.end(), [](const PanelKeys& panel) { return !panel.difference.empty(); });
-    if (differences && file.scene.output.frames) export_raw(alone.scene);  // source of a difference
+    if (differences && file.scene.output.images) export_raw(alone.scene);  // source of a difference
     std::vector<SceneFile> scenes;
     std::vector<Problem> problems;
     for (int k = 0; k < count; ++k) {

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// Whether they are to be drawn now.
-bool wants_pictures(const RunRequest& request) { return request.file.scene.output.frames && !request.no_draw; }
+bool wants_pictures(const RunRequest& request) { return request.file.scene.output.images && !request.no_draw; }
 
 fs::path panel_folder(const fs::path& run_folder, std::size_t run) { return run_folder / "panels" / std::to_string(run + 1); }
 
@@ -65,7 +65,7 @@ public:
         if (!request_.quiet && !request_.json)
             std::fprintf(stderr, "%s of %zu panels: %s\n", counted(frames, "frame").c_str(), scenes_.size(),
                          (filmed && scene_.output.video ? video() : folder_.path()).c_str());
-        if (!request_.quiet && !request_.json && request_.no_draw && scene_.output.frames && frames > 0)
+        if (!request_.quiet && !request_.json && request_.no_draw && scene_.output.images && frames > 0)
             std::fprintf(stderr, "draw each panel (whorl draw %s), then put them together: whorl resume %s\n",
                          panel_folder(folder_.path(), 0).c_str(), folder_.path().c_str());
         return failed_ ? exit_failed : exit_done;
@@ -73,7 +73,7 @@ public:
 
 private:
     Choose choice() const {
-        if (!scene_.output.frames) return {};
+        if (!scene_.output.images) return {};
         return [watch = watch_coarse_run(request_.quiet || request_.json)](const SceneFile& run, const Simulation& start) {
             return with_choices(run, start, watch);
         };
@@ -93,7 +93,7 @@ private:
 
     /// Whether a longer film needs missing frames: the colours of a difference depend on all frames of both runs.
     bool lacks_frames_of_differences() const {
-        if (!has_differences() || !scene_.output.frames) return false;
+        if (!has_differences() || !scene_.output.images) return false;
         for (std::size_t k = 0; k < scenes_.size(); ++k)
             if (report_of(panel_folder(folder_.path(), k)).value("status", "") == "done" && !is_done(k) && !has_raw(k)) return true;
         return false;

@@ -136,7 +136,7 @@ void resume_from_newest(RunRequest& request) {
     const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
     request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
     check_end(request.folder, before, checkpoint->frame, *request.frames);
-    if (request.file.scene.output.frames && !request.no_draw) check_pictures(request.folder, checkpoint->frame);
+    if (request.file.scene.output.images && !request.no_draw) check_pictures(request.folder, checkpoint->frame);
     request.from = std::move(checkpoint);
 }
 

@@ -39,7 +39,7 @@ FilmOptions film_options(const RunRequest& request, const SceneFile& file, int f
     const Scene& scene = file.scene;
     FilmOptions options;
     options.folder = request.folder;
-    options.images = scene.output.frames && !request.no_draw;
+    options.images = scene.output.images && !request.no_draw;
     if (options.images && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
     options.name = scene.name;
     options.exports = scene.output.exports;
@@ -159,7 +159,7 @@ std::optional<Estimate> Run::foreseen(SceneFile file, const Plan& plan) const {
     if (!costs) return std::nullopt;
     // When the film is resumed its scene is this one.
     if (!request_.from) keep_coarse_run(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
-    if (request_.no_draw) file.scene.output.frames = false;
+    if (request_.no_draw) file.scene.output.images = false;
     return estimate(file, plan, simulation_, *costs);
 }
 
@@ -183,7 +183,7 @@ void Run::make_folders() {
     // The file that marks a run folder is written first: if the disk is full, the folder stays empty, and the next run can use it.
     write_text(folder_.path() / "scene.resolved.toml", scene_text_);
     std::vector<std::string> names;
-    if (scene_.output.frames) names.emplace_back("frames");
+    if (scene_.output.images) names.emplace_back("frames");
     if (!scene_.probes.empty()) names.emplace_back("probes");
     for (const std::string& name : names) fs::create_directories(folder_.path() / name);
     spdlog::drop("run");
@@ -284,7 +284,7 @@ void Run::say_done(double wall) {
     if (const RunTotals& totals = simulation_.totals(); totals.unconverged_solves > 0)
         progress_->note(fmt::format("{} solves of {} steps ended before their tolerance (run.json: first_troubles)",
                                     totals.unconverged_solves, totals.steps));
-    const bool video = scene_.output.frames && scene_.output.video && !request_.no_draw;
+    const bool video = scene_.output.images && scene_.output.video && !request_.no_draw;
     const std::string folder = folder_.path().string();
     const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
     progress_->say(fmt::format("{}, done in {}{}: {}", counted(frames_written(), "frame"), duration(wall), expected,
@@ -385,7 +385,7 @@ std::unique_ptr<FramedRun> begin_run(const RunRequest& request) {
     if (!film_options(request, request.file, 0).video.empty()) {
         check_video_rate(request.file.scene);
         encoder = check_encoder(without_video(request.from || request.earlier == RunFolder::Earlier::begun_again));
-    } else if (request.file.scene.output.frames && request.file.scene.output.video) encoder = encoder_version();
+    } else if (request.file.scene.output.images && request.file.scene.output.video) encoder = encoder_version();
     return std::make_unique<Run>(request, plan, std::move(encoder));
 }
 

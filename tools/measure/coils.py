@@ -22,7 +22,7 @@ def coil(m, row, spacing, turns=7):
     circle, phase = f"{R:.6g}*max(0, min(1, ({down + 1.5 / f:.6g}-t)*{f:.6g}))", f"({2 * math.pi * f:.6g}*t)"
     run = m.render("scenes/studies/coil_on_plate.toml", f"coils/row{row}-{spacing:g}-{turns}", f"fluid.spacing={spacing:g}",
                    f"fluid.viscosity={1000 * c['viscosity']:g}", f"emitter[0].speed={c['speed']:g}",
-                   f"emitter[0].position=[0, {c['fall']:g}, 0]", f"drain[0].after={0.6 / f:.6g}", f"time.end={down + turns / f:.6g}",
+                   f"emitter[0].position=[0, {c['fall']:g}, 0]", f"drain[0].delay={0.6 / f:.6g}", f"time.end={down + turns / f:.6g}",
                    f'solid[0].position=["{circle}*cos{phase}", "0", "{circle}*sin{phase}"]')
     return run.last("probes/coil.csv"), run
 

@@ -19,9 +19,9 @@ def curls(m):
 
 def three_runs(m, scene, times, spin, finer):
     """Energy, energy across and enstrophy at these times: coarse, coarse with spin, fine. nan where a run has diverged."""
-    seed = ["models.micropolar=seed", "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0", *spin]
+    spinning = ["models.micropolar=notes", "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0", *spin]
     found = []
-    for words, settings in (("coarse", []), ("spin", seed), ("fine", finer)):
+    for words, settings in (("coarse", []), ("spin", spinning), ("fine", finer)):
         rows = m.solver("vorticity", f"scenes/studies/{scene}.toml", *(a for s in settings for a in ("--set", s)), "--times", *times,
                         name=f"vorticity-{scene}-{words}")
         at = {number(r["time"]): r for r in rows}
@@ -68,7 +68,7 @@ def towed_post(m):
 @table("spin_cost", "CPU ns a particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
 def spin_cost(m):
     rows = []
-    for words, panel in zip(("with spin (`seed`)", "without spin", "without viscosity, too"),
+    for words, panel in zip(("with spin (`notes`)", "without spin", "without viscosity, too"),
                             m.render("scenes/studies/spin_cost.toml", "spin_cost", threads=2).panels):
         ns = {name: 1e9 * stage["cpu_seconds"] / panel["particle_steps"] for name, stage in panel["stages"].items() if name != "write"}
         parts = [ns.get("neighbours", 0), ns.get("density", 0), ns.get("pressure", 0), ns.get("viscosity", 0) + ns.get("micropolar", 0)]

@@ -83,7 +83,7 @@ int draw(const DrawOptions& options) {
     if (!elsewhere) request.made = before.scene.output.exports;
     request.goes_on = goes_on, request.quiet = options.shared.quiet;
     read_frames(options.frames, request);
-    request.file.scene.output.frames = true;  // also of a run that made none
+    request.file.scene.output.images = true;  // also of a run that made none
     if (!request.quiet)
         for (const std::string& warning : camera_warnings(request.file)) std::fprintf(stderr, "warning: %s\n", warning.c_str());
     return redraw(request);

@@ -49,7 +49,7 @@ int farm(FarmCommand command) {
         RunFolder::check_fresh(folder);  // of all of them, before one is touched
         folders.push_back(std::move(folder));
     }
-    const auto wants_video = [](const SceneFile& file) { return file.scene.output.frames && file.scene.output.video; };
+    const auto wants_video = [](const SceneFile& file) { return file.scene.output.images && file.scene.output.video; };
     for (const SceneFile& file : files)
         if (wants_video(file)) check_video_rate(file.scene);
     if (here && std::any_of(files.begin(), files.end(), wants_video)) check_encoder(without_video(false));

@@ -45,7 +45,7 @@ CameraNames names_of(const CameraOptions& camera, double time) {
 }  // namespace
 
 std::vector<std::string> camera_warnings(const SceneFile& file) {
-    if (!file.scene.output.frames || (file.camera.kind == "auto" && !file.camera.min)) return {};
+    if (!file.scene.output.images || (file.camera.kind == "auto" && !file.camera.min)) return {};
     const CameraOptions& camera = file.camera;
     const Scene& scene = file.scene;
     std::vector<double> times{0, 0.5 * scene.time.end, scene.time.end};

@@ -26,7 +26,7 @@ struct Options {
     std::string size;                          ///< "1280x720"; output.size
     std::optional<double> fps;                 ///< time.fps
     std::string quality = "standard";          ///< draft | standard | fine: the [quality.*] table that is laid over the scene
-    bool no_video = false, no_images = false;  ///< output.video, output.frames
+    bool no_video = false, no_images = false;  ///< output.video, output.images
     bool no_draw = false;                      ///< the pictures are drawn later, from raw frames (whorl draw)
     std::vector<std::string> exports;          ///< output.export
     int threads = 0;                           ///< 0: all cores

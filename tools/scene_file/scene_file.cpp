@@ -74,7 +74,7 @@ std::vector<Change> changes_of(const Options& options) {
         add("output.size", "[" + std::to_string(std::stoi(width)) + ", " + std::to_string(std::stoi(height)) + "]",
             "--size " + options.size);
     }
-    if (options.no_images) add("output.frames", "false", "--no-images"), add("output.video", "false", "--no-images");
+    if (options.no_images) add("output.images", "false", "--no-images"), add("output.video", "false", "--no-images");
     if (options.no_video) add("output.video", "false", "--no-video");
     if (!options.exports.empty()) {
         Value::List list;

@@ -32,7 +32,7 @@ viscosity = 4
 [models]
 pressure = "wcsph"
 viscosity = "explicit"
-micropolar = "seed"
+micropolar = "notes"
 [micropolar]
 transfer_viscosity = 2
 micro_inertia = 0.01
@@ -284,7 +284,7 @@ TEST_CASE("on a lattice all curls of a rigid rotation are twice its rate, and th
 
 TEST_CASE("a scene without a micropolar model has no spin and no other field of it", "[micropolar]") {
     std::string plain = eddies;
-    plain.erase(plain.find("micropolar = \"seed\""), plain.find("[[block]]") - plain.find("micropolar = \"seed\""));
+    plain.erase(plain.find("micropolar = \"notes\""), plain.find("[[block]]") - plain.find("micropolar = \"notes\""));
     Simulation with = simulation_of(eddies), without = simulation_of(plain);
     CHECK(with.world().fluid.has<field::spin>());
     for (const char* name : {"spin", "spin_change"}) CHECK(without.world().fluid.find(name) == nullptr);

@@ -37,6 +37,22 @@ const std::vector<Case> cases = {
     {"spacing = 0.01", "spacing = 0.01\nforce = [\"µ\", -inf, inf]",
      "bad.toml:5:15: fluid.force[1] = -inf is not a finite number\n"
      "bad.toml:5:21: fluid.force[2] = inf is not a finite number"},
+    {"shape = \"box\"", "inside = true\nshape = \"box\"",
+     "bad.toml:6:1: unknown key \"inside\" in block[0]; allowed: shape, min, max, position, from, to, radius, file, scale, velocity, spin, "
+     "ink, sampling"},
+    {"",
+     "[[solid]]\nshape = \"plane\"\ninside = true\n[[drain]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nafter = 1\n"
+     "[output]\nframes = false\n[models]\nmicropolar = \"seed\"",
+     "bad.toml:11:1: unknown key \"inside\" in solid[0]; it is called \"container\"; allowed: shape, min, max, from, to, radius, normal, "
+     "file, "
+     "scale, position, rotation, container, slip, slip_length, density, velocity, tilt, friction, bounce, wetting, material\n"
+     "bad.toml:16:1: unknown key \"after\" in drain[0]; it is called \"delay\"; allowed: shape, min, max, position, from, to, radius, "
+     "file, "
+     "scale, delay\n"
+     "bad.toml:18:1: unknown key \"frames\" in [output]; it is called \"images\"; allowed: images, format, video, size, panel_columns, "
+     "chart, "
+     "checkpoint_every, export\n"
+     "bad.toml:20:14: models.micropolar = \"seed\" is not known; it is called \"notes\"; allowed: none, notes, bender or eringen"},
     {"spacing = 0.01", "spacing = [0.01]", "bad.toml:4:11: fluid.spacing must be a number [m], not a list of 1"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = 9", "bad.toml:5:11: fluid.support = 9 is out of range; allowed: at least 1.2, at most 6"},
     {"spacing = 0.01", "spacing = 0.01\nsupport = \"wide\"",
@@ -148,7 +164,8 @@ const std::vector<Case> cases = {
      "1e-3, without a unit; put expressions in quotes"},
     {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
     {"", "[micropolar]\nmicro_inertia = 1",
-     "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"seed\", \"bender\" or \"eringen\", not to \"none\"; remove "
+     "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"notes\", \"bender\" or \"eringen\", not to \"none\"; "
+     "remove "
      "it, or change models.micropolar"},
     {"", "[[emitter]]\nposition = [0, 0, 0]\nspeed = 1",
      "bad.toml:9:1: emitter[0].radius is missing; of the round opening [m]; allowed: more than 0"},

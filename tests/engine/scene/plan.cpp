@@ -62,7 +62,7 @@ TEST_CASE("a container's lid is named where a solid moves through it and where f
         const std::string text =
             "[time]\nend = 1\n[domain]\nmin = [-0.3, -0.1, -0.3]\nmax = [0.3, 0.9, 0.3]\n[fluid]\nspacing = 0.01\n[[block]]\n" + box +
             "0.05, 0.1]\n[[solid]]\n" + box + height +
-            ", 0.1]\ninside = true\n[[solid]]\nshape = \"sphere\"\nradius = 0.02\nposition = [\"0\", \"0.1+0.2*t\", \"0\"]\n"
+            ", 0.1]\ncontainer = true\n[[solid]]\nshape = \"sphere\"\nradius = 0.02\nposition = [\"0\", \"0.1+0.2*t\", \"0\"]\n"
             "[[emitter]]\nposition = [0.05, 0.08, 0]\ndirection = [0, 1, 0]\nradius = 0.02\nstop = 0.1\nspeed = " +
             speed + "\n";
         const std::vector<std::string> all = make_plan(read_scene_text(text, "s.toml")).warnings;
@@ -112,7 +112,7 @@ TEST_CASE("the plan warns of a spun edge past the rim or the domain, and of coup
             make_plan(scene_with({}, fmt::format("[time]\nend = 1\n[domain]\nmin = [-0.06, -0.01, -0.06]\nmax = [0.06, {}, 0.06]\n"
                                                  "[fluid]\nspacing = 6e-3\n{}[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\n"
                                                  "to = [0, 0.036, 0]\nradius = 0.048\n[[solid]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\n"
-                                                 "to = [0, {}, 0]\nradius = 0.048\ninside = true\nrotation = [0, \"20*min(t, 1)\", 0]\n",
+                                                 "to = [0, {}, 0]\nradius = 0.048\ncontainer = true\nrotation = [0, \"20*min(t, 1)\", 0]\n",
                                                  top, models, lid)));
         return std::any_of(plan.warnings.begin(), plan.warnings.end(), [&](const std::string& w) {
             return w.find("solid[0] turns at 20 /s: ") == 0 && w.find(what) != std::string::npos;
@@ -298,7 +298,7 @@ TEST_CASE("a background pressure is a warning if blocks leave room, not in a ful
 TEST_CASE("the projection is chosen if fluid fills its space, and warned of if it has a surface", "[plan][pressure]") {
     const std::string start = "[time]\nend = 1\n[domain]\nmin = [-0.1, -0.1, -0.1]\nmax = [1, 1, 0.3]\n[fluid]\nspacing = 0.01\n",
                       projection = "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n",
-                      tank = "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.2]\n";
+                      tank = "[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.2]\n";
     const auto block = [](const char* max) { return std::string("[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = ") + max + "\n"; };
     const auto message = [&](const std::string& text) -> std::string {
         try {
@@ -348,7 +348,7 @@ max = [0.2, 0.1]
 shape = "box"
 min = [0, 0]
 max = [0.2, 0.2]
-inside = true
+container = true
 )toml";
     const Plan plan = make_plan(scene_with({}, tank));
     CHECK(plan.estimated_particles == Approx(200));

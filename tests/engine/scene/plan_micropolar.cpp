@@ -22,7 +22,7 @@ gravity = [0, 0, 0]
 spacing = 0.05
 viscosity = 4
 [models]
-micropolar = "seed"
+micropolar = "notes"
 [[block]]
 shape = "box"
 min = [0, 0, 0]
@@ -45,22 +45,22 @@ TEST_CASE("micropolar systems differ in viscosity and coupling, and long waves f
                    scene_with({"models.micropolar=" + model, "micropolar.transfer_viscosity=2", "micropolar.micro_inertia=0.01"}, eddies))
             .spin;
     };
-    CHECK(numbers("seed").viscosity == Approx(4));
-    CHECK(numbers("seed").coupling == Approx(6));
+    CHECK(numbers("notes").viscosity == Approx(4));
+    CHECK(numbers("notes").coupling == Approx(6));
     CHECK(numbers("bender").viscosity == Approx(4));
     CHECK(numbers("bender").coupling == Approx(2));
     CHECK(numbers("eringen").viscosity == Approx(6));
     CHECK(numbers("eringen").coupling == Approx(2));
-    CHECK(numbers("seed").effective_viscosity() == Approx(1));
-    CHECK(numbers("seed").response_time() == Approx(0.01 * 1000 / 12));
-    CHECK(numbers("seed").spin_viscosity == Approx(4 * 0.05 * 0.05));
-    CHECK(numbers("seed").spin_length() == Approx(std::sqrt(4 * 0.01 / (6 * 2))));
+    CHECK(numbers("notes").effective_viscosity() == Approx(1));
+    CHECK(numbers("notes").response_time() == Approx(0.01 * 1000 / 12));
+    CHECK(numbers("notes").spin_viscosity == Approx(4 * 0.05 * 0.05));
+    CHECK(numbers("notes").spin_length() == Approx(std::sqrt(4 * 0.01 / (6 * 2))));
 }
 
 TEST_CASE("a calibrated micropolar fluid has the requested viscosity and spin length in every system", "[plan][micropolar]") {
     std::string text = eddies;
     text.replace(text.find("viscosity = 4\n"), 14, "");
-    for (const std::string model : {"seed", "bender", "eringen"}) {
+    for (const std::string model : {"notes", "bender", "eringen"}) {
         INFO(model);
         const Plan plan =
             make_plan(scene_with({"models.micropolar=" + model, "micropolar.effective_viscosity=3", "micropolar.spin_length=0.1"}, text));
@@ -74,7 +74,7 @@ TEST_CASE("a calibrated micropolar fluid has the requested viscosity and spin le
 
 TEST_CASE("a micropolar system that gains energy is an error by default, and a warning if it was requested", "[plan][micropolar]") {
     const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
-    CHECK(by_default.find("models.micropolar = \"seed\" would feed energy in: its coupling, fluid.viscosity + the default "
+    CHECK(by_default.find("models.micropolar = \"notes\" would feed energy in: its coupling, fluid.viscosity + the default "
                           "micropolar.transfer_viscosity = 0.3 Pa s, "
                           "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies") != std::string::npos);
     const Plan asked = make_plan(scene_with({"micropolar.transfer_viscosity=5", "micropolar.micro_inertia=0.01"}, eddies));
@@ -87,11 +87,11 @@ TEST_CASE("a micropolar system that gains energy is an error by default, and a w
           std::string::npos);
 }
 
-TEST_CASE("a transfer viscosity that the source of the seed system excludes is warned of", "[plan][micropolar]") {
+TEST_CASE("a transfer viscosity that the source of the system notes excludes is warned of", "[plan][micropolar]") {
     const auto warned = [](const std::vector<std::string>& changes) {
         const std::vector<std::string> all = make_plan(scene_with(changes, eddies)).warnings;
         return std::any_of(all.begin(), all.end(),
-                           [](const std::string& w) { return w.find("the source of \"seed\" takes less than 0.4") != std::string::npos; });
+                           [](const std::string& w) { return w.find("the source of \"notes\" takes less than 0.4") != std::string::npos; });
     };
     CHECK(warned({"micropolar.transfer_viscosity=0.4"}));
     CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.399"}));

@@ -140,7 +140,7 @@ viscosity = 1
 [models]
 pressure = "ppe"
 viscosity = "full"
-micropolar = "seed"
+micropolar = "notes"
 [viscosity]
 tolerance = 1e-4
 [micropolar]

@@ -81,7 +81,7 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
               .find("the periodic axis x is 0.006 m long, shorter than two support radii of 0.004 m") != std::string::npos);
     CHECK(messages_with({"block[0]={shape=\"cylinder\", from=[-0.09,0,-0.09], to=[0.09,0.09,0.09], radius=1e-5}", "fluid.spacing=1e-5"})
               .find("block[0] fills ") != std::string::npos);
-    CHECK(messages_with({"models.pressure=ppe", "solid[1]={shape=\"sphere\", radius=1000, inside=true}"})
+    CHECK(messages_with({"models.pressure=ppe", "solid[1]={shape=\"sphere\", radius=1000, container=true}"})
               .find("the surface of solid[1] takes about 3.1e+12") != std::string::npos);
     for (const auto& [y, hint] : {std::pair("0", "make the domain smaller or"), {"\"0.01*t\"", "make it move less or"}})
         CHECK_THAT(messages_with({"models.pressure=ppe", "domain.min=[-1000,-0.01,-1000]", "domain.max=[1000,0.1,1000]",

@@ -76,20 +76,19 @@ TEST_CASE("a shape larger than the domain is reported itself, not the shapes ins
         const std::vector<std::string> all = plan_with({change}).warnings;
         return all.size() == 1 ? all[0] : "none or several";
     };
-    CHECK_THAT(warned("solid[1]={shape=\"sphere\", radius=5, inside=true}"),
+    CHECK_THAT(warned("solid[1]={shape=\"sphere\", radius=5, container=true}"),
                Catch::StartsWith("solid[1].radius: this container is 10 m across and holds the whole domain of 0.2 m"));
 }
 
 TEST_CASE("a container as large as the domain is no mistake if it holds fluid", "[plan]") {
     const std::string domain = "shape=\"box\", min=[-0.1,-0.01,-0.1], max=[0.1,0.1,0.1]";
     const auto warnings = [](const std::vector<std::string>& changes) { return plan_with(changes).warnings; };
-    CHECK(warnings({"solid[1]={" + domain + ", inside=true}"}).empty());
-    CHECK(
-        warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-0.1,-0.01,-0.3], max=[0.1,0.1,0.3], inside=true}"})
-            .empty());
-    CHECK(
-        warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-1,-1,-0.1], max=[1,1,0.1], inside=true}"}).size() ==
-        1);
+    CHECK(warnings({"solid[1]={" + domain + ", container=true}"}).empty());
+    CHECK(warnings(
+              {"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-0.1,-0.01,-0.3], max=[0.1,0.1,0.3], container=true}"})
+              .empty());
+    CHECK(warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-1,-1,-0.1], max=[1,1,0.1], container=true}"})
+              .size() == 1);
 }
 
 TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {

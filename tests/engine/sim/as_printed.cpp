@@ -28,7 +28,7 @@ viscosity = 0.5
 [models]
 pressure = "wcsph"
 viscosity = "explicit"
-micropolar = "seed"
+micropolar = "notes"
 notes = "as_printed"
 [pressure]
 sound_speed = 3

@@ -119,7 +119,7 @@ std::string pond(bool plane, const std::string& models, const std::string& bodie
                       high = plane ? "0.15, 0.2" : "0.05, 0.2, 0.04";
     return "[time]\nend = 20\nmax_step = 5e-3\n[domain]\nmin = [-0.2, -0.02" + std::string(plane ? "]" : ", -0.1]") + "\nmax = [0.2, 0.3" +
            (plane ? "]\ndimensions = 2" : ", 0.1]") + "\n[fluid]\nspacing = 0.01\n" + models + "[[block]]\nshape = \"box\"\nmin = [" + low +
-           "]\nmax = [" + water + "]\n[[solid]]\nshape = \"box\"\ninside = true\nmin = [" + low + "]\nmax = [" + high + "]\n" + bodies;
+           "]\nmax = [" + water + "]\n[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [" + low + "]\nmax = [" + high + "]\n" + bodies;
 }
 std::string lying(const std::string& min, const std::string& max, const std::string& density) {
     return "[[solid]]\nshape = \"box\"\nmin = [" + min + "]\nmax = [" + max + "]\ndensity = " + density + "\n";
@@ -205,7 +205,7 @@ TEST_CASE("invalid free bodies, and models that cannot move one, are refused bef
     const std::string ball = "shape = \"sphere\"\nradius = 0.1\nposition = [0.5, 0.5, 0.5]\n";
     CHECK(complaint(with(ball + "density = 500\n")).empty());
     CHECK_THAT(complaint(with("shape = \"plane\"\ndensity = 500\n")), Catch::Contains("plane"));
-    CHECK_THAT(complaint(with(ball + "density = 500\ninside = true\n")), Catch::Contains("container"));
+    CHECK_THAT(complaint(with(ball + "density = 500\ncontainer = true\n")), Catch::Contains("container"));
     CHECK_THAT(complaint(with(ball + "velocity = [1, 0, 0]\n")), Catch::Contains("has no density"));
     CHECK_THAT(complaint(with("shape = \"sphere\"\nradius = 0.1\nposition = [\"t\", 0.5, 0.5]\ndensity = 500\n")),
                Catch::Contains("depend on t"));

@@ -63,7 +63,7 @@ speed = 0.5
 shape = "box"
 min = [0.9, 0]
 max = [1, 0.1]
-after = 0.05
+delay = 0.05
 )toml";
 
 }  // namespace
@@ -108,7 +108,7 @@ TEST_CASE("a drum's work is its honey's energy plus the losses by viscosity and 
         Simulation drum = simulation_of(
             "[time]\nend = 1\n[domain]\nmin = [-0.06, -0.06]\nmax = [0.06, 0.06]\ndimensions = 2\ngravity = [0, 0, 0]\n[fluid]\nspacing = "
             "6e-3\nviscosity = 4\n[[block]]\nshape = \"sphere\"\nposition = [0, 0]\nradius = 0.048\n[[solid]]\nshape = \"sphere\"\n"
-            "position = [0, 0]\nradius = 0.048\ninside = true\nrotation = [0, 0, 14]\n" +
+            "position = [0, 0]\nradius = 0.048\ncontainer = true\nrotation = [0, 0, 14]\n" +
             std::string(models));
         drum.count_energy();
         run_until(drum, 0.2);
@@ -122,7 +122,7 @@ TEST_CASE("a drum's work is its honey's energy plus the losses by viscosity and 
 TEST_CASE("a stone that lies under water does no work, though the water lifts it in each step", "[sim][energy]") {
     Simulation tank = simulation_of(
         "[time]\nend = 1\n[domain]\nmin = [0, 0]\nmax = [0.3, 0.3]\ndimensions = 2\n[fluid]\nspacing = 0.02\n[[block]]\nshape = \"box\"\n"
-        "min = [0, 0]\nmax = [0.3, 0.16]\n[[solid]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.3, 0.3]\ninside = true\n"
+        "min = [0, 0]\nmax = [0.3, 0.16]\n[[solid]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.3, 0.3]\ncontainer = true\n"
         "[[solid]]\nshape = \"box\"\nmin = [0.1, 0]\nmax = [0.2, 0.06]\ndensity = 2500\n");
     tank.count_energy();
     while (tank.time() < 0.5) tank.step(0.5);
@@ -196,7 +196,7 @@ TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice 
             std::string("[time]\nend = 2\n[domain]\nmin = [0, 0]\nmax = [0.6, 0.5]\ndimensions = 2\n[fluid]\nspacing = 0.02\n") +
             (honey ? "viscosity = 20\n" : "") + models +
             "[[block]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.2]\nvelocity = [\"0.6*sin(pi*x/0.6)\", 0, 0]\n[[solid]]\n"
-            "shape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.5]\ninside = true\n");
+            "shape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.5]\ncontainer = true\n");
         slosh.count_energy();
         run_until(slosh, 0.1);
         const double most = tolerance * energy(slosh);  // rounding of the sums, single impacts

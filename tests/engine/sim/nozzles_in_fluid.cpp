@@ -31,7 +31,7 @@ struct Tank {
         return fmt::format(
             "[time]\nend = {}\nfps = 50\nmax_step = 5e-3\n[domain]\ndimensions = {}\nmin = {}\nmax = {}\n[fluid]\nspacing = "
             "{}\n{}[[block]]\nshape = \"box\"\n"
-            "min = {}\nmax = {}\n[[solid]]\nshape = \"box\"\nmin = {}\nmax = {}\ninside = true\n[[emitter]]\nposition = {}\ndirection = "
+            "min = {}\nmax = {}\n[[solid]]\nshape = \"box\"\nmin = {}\nmax = {}\ncontainer = true\n[[emitter]]\nposition = {}\ndirection = "
             "{}\nradius = 0.06\n"
             "speed = {}\nstart = {}\n{}",
             end, dimensions, point(-0.5, -0.1, -0.3), point(0.5, 0.7, 0.3), spacing, fluid, point(-0.4, 0, -0.105), point(0.4, 0.24, 0.105),
@@ -186,7 +186,8 @@ std::string closed_box(int dimensions, const std::string& more, const std::strin
         "[time]\nend = {}\nfps = 50\n[domain]\ndimensions = {}\nmin = {}\nmax = {}\n{}[fluid]\nspacing = 0.01\n[[block]]\nshape = "
         "\"box\"\nmin = {}\nmax = "
         "{}\n"
-        "[[solid]]\nshape = \"box\"\nmin = {}\nmax = {}\ninside = true\n[[emitter]]\nposition = {}\ndirection = {}\nradius = 0.018\nspeed "
+        "[[solid]]\nshape = \"box\"\nmin = {}\nmax = {}\ncontainer = true\n[[emitter]]\nposition = {}\ndirection = {}\nradius = "
+        "0.018\nspeed "
         "= 0.5\n{}",
         end, dimensions, corner(-0.06, -0.06), corner(0.06, 0.06), domain, corner(-0.04, -0.04), corner(0.04, 0.02), corner(-0.04, -0.04),
         corner(0.04, 0.04), flat ? "[0, 0.02]" : "[0, 0.02, 0]", flat ? "[0, -1]" : "[0, -1, 0]", more);
@@ -247,7 +248,7 @@ TEST_CASE("a lid that squeezes a full room by 1 % is reported once, and steps st
     Simulation run = simulation_of(
         "[time]\nend = 0.1\nfps = 50\n[domain]\ndimensions = 2\nmin = [-0.06, -0.06]\nmax = [0.06, 0.1]\n[fluid]\nspacing = 0.01\n"
         "[models]\npressure = \"ppe\"\n[[block]]\nshape = \"box\"\nmin = [-0.04, -0.04]\nmax = [0.04, 0.04]\n"
-        "[[solid]]\nshape = \"box\"\nmin = [-0.04, -0.04]\nmax = [0.04, 0.08]\ninside = true\n"
+        "[[solid]]\nshape = \"box\"\nmin = [-0.04, -0.04]\nmax = [0.04, 0.08]\ncontainer = true\n"
         "[[solid]]\nshape = \"box\"\nmin = [-0.04, 0.0405]\nmax = [0.04, 0.055]\nposition = [0, \"-0.1*min(t,0.01)\"]\n");
     std::string reported;
     while (run.time() < 0.1 - 1e-12) {

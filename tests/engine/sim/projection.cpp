@@ -35,7 +35,7 @@ max = [0.2, 0.15]
 sampling = "jittered"
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0]
 max = [0.2, 0.3]
 [[solid]]
@@ -238,7 +238,7 @@ min = [0, 0]
 max = [0.4, 0.3]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0]
 max = [0.4, 0.4]
 [[solid]]

@@ -40,7 +40,7 @@ max = [0.07, 0.1, 0.1]
 shape = "box"
 min = [0, 0, 0]
 max = [0.1, 0.14, 0.1]
-inside = true
+container = true
 [[solid]]
 shape = "sphere"
 position = [0.08, 0.02, 0.05]
@@ -70,7 +70,7 @@ sampling = "blue_noise"
 shape = "box"
 min = [0, 0]
 max = [0.1, 0.14]
-inside = true
+container = true
 [[solid]]
 shape = "sphere"
 position = [0.08, 0.02]
@@ -97,7 +97,7 @@ viscosity = 4
 [models]
 pressure = "wcsph"
 viscosity = "explicit"
-micropolar = "seed"
+micropolar = "notes"
 [pressure]
 gradient = "difference"
 background_pressure = 1000
@@ -143,7 +143,7 @@ TEST_CASE("fluid that fills its container has every layer that fits, and rests o
             const Simulation simulation = simulation_of(
                 "[time]\nend = 1\n[domain]\nmin = [-0.2, -0.1, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[[block]]\nshape = "
                 "\"" +
-                container + "\"\n" + bounds + "[[solid]]\nshape = \"" + container + "\"\n" + bounds + "inside = true\n");
+                container + "\"\n" + bounds + "[[solid]]\nshape = \"" + container + "\"\n" + bounds + "container = true\n");
             double lowest = 1, highest = 0;
             for (const Vec3& x : simulation.world().fluid.column<field::position>())
                 lowest = std::min(lowest, static_cast<double>(x.y())), highest = std::max(highest, static_cast<double>(x.y()));
@@ -158,9 +158,10 @@ TEST_CASE("fluid that fills its container has every layer that fits, and rests o
 TEST_CASE("no particle of a block begins nearer than 0.45 spacings to a solid, on round and on sunken floors", "[sim]") {
     const std::string ball = "shape = \"sphere\"\nposition = [0, 0, 0]\nradius = 0.084\n",
                       pool = "shape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.088, 0.1]\n";
-    for (const std::string& rest : {"[[block]]\n" + ball + "[[solid]]\n" + ball + "inside = true\n",
-                                    "[[block]]\n" + pool + "[[solid]]\n" + pool +
-                                        "inside = true\n[[solid]]\nshape = \"box\"\nmin = [0.02, 0, 0.02]\nmax = [0.08, 0.0445, 0.08]\n"}) {
+    for (const std::string& rest :
+         {"[[block]]\n" + ball + "[[solid]]\n" + ball + "container = true\n",
+          "[[block]]\n" + pool + "[[solid]]\n" + pool +
+              "container = true\n[[solid]]\nshape = \"box\"\nmin = [0.02, 0, 0.02]\nmax = [0.08, 0.0445, 0.08]\n"}) {
         INFO(rest);
         const Simulation simulation = simulation_of(
             "[time]\nend = 1\n[domain]\nmin = [-0.2, -0.2, -0.2]\nmax = [0.2, 0.2, 0.2]\n[fluid]\nspacing = 0.01\n[models]\npressure = "
@@ -200,7 +201,7 @@ shape = "cylinder"
 from = [0, 0, 0]
 to = [0, 0.11, 0]
 radius = 0.048
-inside = true
+container = true
 )toml");
     CHECK(simulation.world().fluid.size() == Approx(std::numbers::pi * 64 * 5).epsilon(0.005));
     simulation.step(1e-6);

@@ -276,7 +276,7 @@ Rest rest_of(const Vessel& v, double seconds) {
         fmt::format(
             "[time]\nend = 30\n[domain]\nmin = {}\nmax = {}\n{}[fluid]\nspacing = {}\nviscosity = {}\n[models]\npressure = \"coupled\"\n",
             corner(-1.5 * R, -3 * d), corner(1.5 * R, 3 * H), plane ? "dimensions = 2\n" : "", d, v.viscosity) +
-        part("block", H, fmt::format("sampling = \"{}\"\n", v.sampling).c_str()) + part("solid", 2.5 * H, "inside = true\n"));
+        part("block", H, fmt::format("sampling = \"{}\"\n", v.sampling).c_str()) + part("solid", 2.5 * H, "container = true\n"));
     const double before = coupled_volume(simulation.world());
     for (int frame = 1; frame <= std::lround(24 * seconds); ++frame) run_until(simulation, frame / 24.0);
     const Measures after = measure(simulation.world(), Vec3d(0, -9.81, 0), 0);

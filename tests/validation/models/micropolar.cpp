@@ -133,8 +133,8 @@ TEST_CASE(
 }
 
 TEST_CASE("a free blob keeps momentum and total angular momentum to 1e-4 with the adjoint curls", "[validation][micropolar][regression]") {
-    // viscosity = coupling (seed with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque pays
-    // for curl u.
+    // viscosity = coupling ("notes" with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque
+    // pays for curl u.
     MicropolarOptions options;
     options.implicit_exchange = false;
     options.smoothing_spin = 0.125;
@@ -238,7 +238,7 @@ std::string turning(const std::string& shape, int dimensions) {
     return "[time]\nend = 0.2\n[domain]\ndimensions = " + std::to_string(dimensions) + "\nmin = [-0.2, -0.2" + back + "\nmax = [0.2, 0.2" +
            z + "\ngravity = [0, 0" + none +
            "]\n[fluid]\nspacing = 0.01\nviscosity = 5\n[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n"
-           "micropolar = \"seed\"\n[micropolar]\ntransfer_viscosity = 3\nmicro_inertia = 1e-4\nxsph_velocity = 0\n" +
+           "micropolar = \"notes\"\n[micropolar]\ntransfer_viscosity = 3\nmicro_inertia = 1e-4\nxsph_velocity = 0\n" +
            shape;
 }
 const std::string ball =
@@ -254,7 +254,7 @@ TEST_CASE("forms without the coupling's torque speed a free body up at the plan'
     // (D + 2)(kappa - a)/R^2 with the form along u_i - u_j and (D + 2) kappa/R^2 along r_ij (docs/physics.md 8), of .5e-3 m^2/s each: small
     // against the viscosity, which keeps the rotation rigid.
     for (const auto& [shape, dimensions] : {std::pair{ball, 3}, std::pair{disc, 2}})
-        for (const auto& [form, model] : {std::pair{"brookshaw", "seed"}, std::pair{"monaghan", "eringen"}}) {
+        for (const auto& [form, model] : {std::pair{"brookshaw", "notes"}, std::pair{"monaghan", "eringen"}}) {
             CAPTURE(dimensions, form);
             const Scene scene = scene_of(turning(shape, dimensions),
                                          {"micropolar.transfer_viscosity=0.5", "fluid.spacing=0.006",
@@ -277,7 +277,7 @@ TEST_CASE("spinning fluid never gains energy with the plan's forms, in balls, di
                       tank =
                           "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.08, 0]\nradius = 0.06\n"
                           "velocity = [\"-3*z\", \"0\", \"3*x\"]\n[[solid]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.15, 0]\n"
-                          "radius = 0.06\ninside = true\n";
+                          "radius = 0.06\ncontainer = true\n";
     const auto holds = [&](const std::string& text, const std::vector<std::string>& changes) {
         INFO(fmt::format("{}", fmt::join(changes, ", ")));
         const Scene scene = scene_of(text, changes);

@@ -32,7 +32,7 @@ max = [0.06, 0.1, 0.1]
 shape = "box"
 min = [0, 0, 0]
 max = [0.1, 0.14, 0.1]
-inside = true
+container = true
 )toml",
                                             "slump.toml");
         Simulation simulation(scene, make_plan(scene));

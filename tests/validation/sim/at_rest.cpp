@@ -55,7 +55,7 @@ min = [-0.05, -0.05, -0.05]
 max = [0.11, 0.2, 0.11]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0, 0]
 max = [0.06, 0.2, 0.06]
 )toml",
@@ -152,8 +152,8 @@ void published_rest(const std::string& name, double correction) {
                                         "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n"
                                         "[[solid]]\nshape = \"plane\"\nposition = [{}, 0, 0]\nnormal = [-1, 0, 0]\n",
                                         width)
-                                  : fmt::format("[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [{0}, {1}, {0}]\n", side,
-                                                name == "full box" ? H : 2 * H);
+                                  : fmt::format("[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [0, 0, 0]\nmax = [{0}, {1}, {0}]\n",
+                                                side, name == "full box" ? H : 2 * H);
     const bool around_x = name == "column", around_z = name == "column" || name == "slot";
     Simulation simulation =
         simulation_of(fmt::format(R"toml([time]
@@ -319,8 +319,8 @@ Rest settle(const std::string& solids, const std::string& periodic, const Vec3d&
     return rest;
 }
 
-const std::string open_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.2, 0.1]\ninside = true\n";
-const std::string full_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\ninside = true\n";
+const std::string open_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.2, 0.1]\ncontainer = true\n";
+const std::string full_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\ncontainer = true\n";
 const std::string floor_and_ceiling =
     "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nposition = [0, 0.1, 0]\nnormal = [0, -1, 0]\n";
 const std::string slot =
@@ -385,7 +385,7 @@ max = [{5}, {5}{6}]
 shape = "box"
 min = [0, 0{4}]
 max = [{5}, 0.3{6}]
-inside = true
+container = true
 slip = "free"
 [[probe]]
 name = "tank"
@@ -448,7 +448,7 @@ TEST_CASE("still water has rho g depth within 5 % at 99 of 100 frame times for a
 shape = "box"
 min = [0, 0]
 max = [0.2, 0.3]
-inside = true
+container = true
 slip = "free"
 )toml"));
     int frames = 0, off = 0;
@@ -512,7 +512,7 @@ max = [0.1, 1]
 sampling = "{}"
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0]
 max = [0.1, 1.2]
 )toml",
@@ -621,7 +621,7 @@ min = [0, 0, 0]
 max = [0.1, 0.2, 0.1]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0, 0]
 max = [0.1, 0.4, 0.1]
 )toml",
@@ -670,7 +670,7 @@ shape = "cylinder"
 from = [0, 0, 0]
 to = [0, 0.11, 0]
 radius = 0.048
-inside = true
+container = true
 rotation = [0, 14, 0]
 )toml",
                        spacing, viscosity, models);

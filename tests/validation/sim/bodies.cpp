@@ -38,7 +38,7 @@ max = [{4}, {5}, {6}]
 shape = "box"
 min = [0, 0, 0]
 max = [{4}, {7}, {6}]
-inside = true
+container = true
 {8}[[solid]]
 {9})toml",
                                                     water.x() + 0.05, water.y() + 0.3, water.z() + 0.05, d, water.x(), water.y(), water.z(),
@@ -221,7 +221,7 @@ min = [-0.2, 0]
 max = [{}, 0.14]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [-0.2, 0]
 max = [0.2, 0.4]
 {})toml",

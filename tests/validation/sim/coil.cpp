@@ -31,7 +31,7 @@ Scene coil_on_plate(const CoilCase& c, double spacing, double turns) {
          << "[[emitter]]\nposition = [0, " << c.fall << ", 0]\nradius = 5e-3\nspeed = " << c.speed << "\n"
          << "[[solid]]\nshape = \"cylinder\"\nfrom = [0, -0.01, 0]\nto = [0, 0, 0]\nradius = 0.1\n"
          << "position = [\"" << circle.str() << "*cos" << phase.str() << "\", \"0\", \"" << circle.str() << "*sin" << phase.str() << "\"]\n"
-         << "[[drain]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.012, 0]\nradius = 0.12\nafter = " << 0.6 / c.frequency << "\n"
+         << "[[drain]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.012, 0]\nradius = 0.12\ndelay = " << 0.6 / c.frequency << "\n"
          << "[[probe]]\nname = \"coil\"\nkind = \"coil\"\n";
     return read_scene_text(text.str(), "coil.toml");
 }

@@ -67,7 +67,7 @@ max = [0.16, 0.32, 0.16]
 shape = "box"
 min = [0, 0, 0]
 max = [0.64, 0.5, 0.16]
-inside = true
+container = true
 )toml";
 
 /// Over all steps; the largest of any particle.
@@ -148,7 +148,7 @@ max = [0.4, 0.14, 0.08]
 shape = "box"
 min = [0, 0, -1]
 max = [0.4, 0.55, 1]
-inside = true
+container = true
 )toml");
     run_until(simulation, 1);
     const double before = level(simulation);

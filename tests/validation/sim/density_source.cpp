@@ -48,7 +48,7 @@ min = [0, 0, 0]
 max = [{3}, {4}, {0}]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0, -1]
 max = [{5}, 0.45, 1]
 )toml",

@@ -39,7 +39,7 @@ max = [0.13, 0.3, 0.12]
 shape = "box"
 min = [0, 0, 0]
 max = [0.2, 0.75, 0.15]
-inside = true
+container = true
 [models]
 {})toml",
                                                                 d, models));
@@ -73,7 +73,7 @@ max = [0.2375, 0.075, 0.1]
 shape = "box"
 min = [0, 0, 0]
 max = [0.2375, 1.9, 0.1]
-inside = true
+container = true
 [[solid]]
 shape = "box"
 min = [0, -0.05, -0.05]
@@ -121,7 +121,7 @@ max = [0.1, 0.15, 0.1]
 shape = "box"
 min = [0, 0, 0]
 max = [0.35, 0.45, 0.1]
-inside = true
+container = true
 [[solid]]
 shape = "mesh"
 file = "{}"

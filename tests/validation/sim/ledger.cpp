@@ -34,7 +34,7 @@ const std::vector<Models>& splashing() {
         {"constraint", "[models]\npressure = \"ppe\"\nviscosity = \"none\"\n"},
         {"constraint, explicit", "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n"},
         {"constraint, full", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n"},
-        {"constraint, spin", "[models]\npressure = \"ppe\"\nmicropolar = \"seed\"\n", false},
+        {"constraint, spin", "[models]\npressure = \"ppe\"\nmicropolar = \"notes\"\n", false},
         {"uncorrected", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[viscosity]\ncorrection = false\n", false},
         {"assembled", "[models]\npressure = \"ppe\"\nviscosity = \"full_assembled\"\n", false},
         {"published", "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n", false},
@@ -104,7 +104,7 @@ max = [0.2, 0.2{}]
 shape = "box"
 min = [0, 0{}]
 max = [0.4, 0.5{}]
-inside = true
+container = true
 [[solid]]
 shape = "box"
 min = [0.26, -0.04{}]
@@ -138,7 +138,7 @@ max = [0.12, 0.1, 0.12]
 shape = "box"
 min = [0, 0, 0]
 max = [0.12, 0.18, 0.12]
-inside = true
+container = true
 {}{})toml",
                                      viscosity, models, more, probe));
 }
@@ -230,7 +230,7 @@ max = [0.12, 0.102{}]
 shape = "box"
 min = [0, 0{}]
 max = [0.12, 0.18{}]
-inside = true
+container = true
 [[solid]]
 shape = "sphere"
 radius = {}
@@ -412,7 +412,7 @@ radius = {}
 [[solid]]
 shape = "sphere"
 radius = {}
-inside = true
+container = true
 [[solid]]
 shape = "sphere"
 radius = {}

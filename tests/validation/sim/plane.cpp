@@ -36,7 +36,7 @@ min = [0, 0]
 max = [0.06, {}]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0]
 max = [0.06, 0.2]
 [models]

@@ -37,7 +37,7 @@ double mean_compression(const Simulation& simulation) {
 
 const std::string tank =
     "[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.35, 0.5, 0.15]\n[fluid]\nspacing = 0.01\n"
-    "[[solid]]\nshape = \"box\"\ninside = true\nmin = [0, 0, 0]\nmax = [0.3, 0.45, 0.1]\n";
+    "[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [0, 0, 0]\nmax = [0.3, 0.45, 0.1]\n";
 
 }  // namespace
 

@@ -33,7 +33,7 @@ shape = "sphere"
 radius = 0.15
 [[solid]]
 shape = "sphere"
-inside = true
+container = true
 radius = 0.15
 [[solid]]
 shape = "sphere"
@@ -84,7 +84,7 @@ shape = "sphere"
 radius = 0.1
 [[solid]]
 shape = "sphere"
-inside = true
+container = true
 radius = 0.1
 [[solid]]
 shape = "sphere"
@@ -132,7 +132,7 @@ min = [0, 0]
 max = [1, 0.5]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0]
 max = [1, 1]
 [[solid]]

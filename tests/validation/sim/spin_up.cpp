@@ -131,13 +131,13 @@ TEST_CASE("uniform fluid under an oscillating torque follows its ODE, in every f
     // theta dw/dt = tau (1 + cos(8 t)) - 2 kappa w. Steps are 2 ms. Weakly compressible flow and the constraint are first order in time:
     // off by half a step of the torque's swing and of the decay, .8 % together. The projection is of second order.
     const double mu = 4, transfer = 2, theta = 0.01, tau = 0.05, swing = 8, end = 0.4;
-    for (const std::string form : {"seed", "bender", "eringen"})
+    for (const std::string form : {"notes", "bender", "eringen"})
         for (const std::string pressure : pressures)
             for (const std::string exchange : {"explicit", "implicit"}) {
                 CAPTURE(form, pressure, exchange);
                 Simulation simulation = simulation_of(uniform(form, pressure, exchange, "0.05*(1+cos(8*t))"));
                 run_until(simulation, end);
-                const double kappa = (form == "seed" ? mu + transfer : transfer) / 1000, rate = 2 * kappa / theta,
+                const double kappa = (form == "notes" ? mu + transfer : transfer) / 1000, rate = 2 * kappa / theta,
                              fade = std::exp(-rate * end);
                 const double exact = tau / theta *
                                      ((1 - fade) / rate + (rate * std::cos(swing * end) + swing * std::sin(swing * end) - rate * fade) /

@@ -167,7 +167,7 @@ velocity = ["{2}*sin({3}*x)*cosh({3}*y)", "-{2}*cos({3}*x)*sinh({3}*y)"]
 shape = "box"
 min = [0, 0]
 max = [{0}, 1]
-inside = true
+container = true
 slip = "free"
 )toml",
                                            length, h, U / std::sinh(k * h), k, -length / 5, 1.2 * length, 0.8 * length, length / 40,
@@ -314,7 +314,7 @@ min = [0, 0]
 max = [1.1, {}]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [-1.1, 0]
 max = [1.1, 0.4]
 slip = "free"

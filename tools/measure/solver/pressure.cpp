@@ -35,7 +35,7 @@ min = [0, 0, 0]
 max = [1, 0.5, 1]
 [[solid]]
 shape = "box"
-inside = true
+container = true
 min = [0, 0, 0]
 max = [1, 1, 1]
 )toml",
