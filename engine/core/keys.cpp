@@ -67,22 +67,6 @@ bool fits(KeyType type, const Value& v) {
     }
 }
 
-/// Hint for a text that begins with a number but is not one: "0.3 m/s", "0,3", "2t".
-/// @param reads whether the key takes a text
-std::string why_no_number(const Value& v, const std::string& unit, const std::function<bool(const std::string&)>& reads) {
-    const std::string* text = v.as<std::string>();
-    if (!text) return "";
-    char* end = nullptr;
-    std::strtod(text->c_str(), &end);
-    if (end == text->c_str()) return "";
-    if (*end == ',') return "use a decimal point, not a comma";
-    const std::string number = text->substr(0, static_cast<std::size_t>(end - text->c_str()));
-    while (*end == ' ') ++end;
-    if (std::isalpha(static_cast<unsigned char>(*end)) == 0) return "";
-    if (const std::string product = number + "*" + end; reads(product)) return "write the product with *: " + product;
-    return unit.empty() ? "" : "omit the unit; the value is in " + unit;
-}
-
 }  // namespace
 
 const Value* Value::find(const std::string& key) const {
@@ -215,8 +199,7 @@ bool Key::check_range(double x, const Place& place, const std::string& path, Pro
     const double held = single ? static_cast<double>(static_cast<float>(x)) : x;
     if (std::isfinite(held) && x >= least && x <= most && !(least_open && held == least)) return true;
     const std::string rule = allowed_beside(x);
-    std::string what = std::isfinite(x) ? " is out of range" : " is not a finite number";
-    if (held != x && held == least) what = " is too small: this key takes it for " + plain(held);
+    const std::string what = std::isfinite(x) ? " is out of range" : " is not a finite number";
     problems.push_back({place, path + " = " + plain(x) + what, "", rule.empty() ? "" : "allowed: " + rule});
     return false;
 }
@@ -237,16 +220,8 @@ bool Key::assign(void* object, const Value& v, const std::string& path, Problems
         access->read(static_cast<char*>(object) + offset, v);
         return true;
     } catch (const KeyFault& fault) {
-        const auto reads = [&](const std::string& text) {
-            try {
-                access->read(static_cast<char*>(object) + offset, Value(text));
-            } catch (const KeyFault&) { return false; }
-            Problems beyond;
-            check_expressions(object, Value(text), path, beyond);
-            return beyond.empty();
-        };
-        problems.push_back({fault.place, path + ": " + fault.what(), why_no_number(v, unit, reads),
-                            variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
+        problems.push_back(
+            {fault.place, path + ": " + fault.what(), "", variables.empty() ? "" : "allowed: functions of " + variable_names(variables)});
         return false;
     }
 }

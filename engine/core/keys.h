@@ -65,6 +65,12 @@ struct Value {
     std::string toml() const;
 };
 
+/// A key of a scene by its full name ("emitter[0].speed") and a value, whose place tells where it was given: in a file or an option.
+struct KeyValue {
+    std::string path;
+    Value value;
+};
+
 enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts, any };
 
 /// Meaning of a key's three entries in a 2D flow, that of the plane z = 0.

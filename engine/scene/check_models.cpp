@@ -73,18 +73,8 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
             "choose " + solved_apart());
 }
 
-void check_boundary(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+void check_boundary(const Plan& plan, const KeyProblems& report) {
     const PressureFacts& pressure = plan.facts.pressure;
-    if (scene.boundary.gate > 0 && plan.boundary == BoundaryModel::none)
-        report("boundary.gate",
-               fmt::format("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has {}{}",
-                           setting("models.pressure", pressure.name), scene.solids.empty() ? " and no solids" : ""),
-               "set boundary.gate = 0");
-    if (scene.boundary.volume_factor && plan.boundary != BoundaryModel::akinci)
-        report("boundary.volume_factor",
-               fmt::format("boundary.volume_factor belongs to solids of models.pressure = \"wcsph\", and this scene has {}{}",
-                           setting("models.pressure", pressure.name), scene.solids.empty() ? " and no solids" : ""),
-               "leave it out");
     if (plan.boundary == BoundaryModel::none || plan.boundary == pressure.boundary) return;
     std::string pairs;
     for (const PressureFacts& row : pressure_models())
@@ -149,7 +139,7 @@ void check_ink(const Scene& scene, const KeyProblems& report) {
 void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems) {
     const KeyProblems report(scene, problems);
     check_pressure(scene, plan, numbers, report);
-    check_boundary(scene, plan, report);
+    check_boundary(plan, report);
     check_assembled(plan, numbers.viscous_number, report);
     check_viscous_solver(scene, plan, report);
     check_slip(scene, plan, report);

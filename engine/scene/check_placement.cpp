@@ -62,31 +62,6 @@ private:
         return false;
     }
 
-    /// Far larger than the domain, as a wrong unit makes it: then nothing else about it needs saying.
-    bool oversized(const std::string& name, const ShapeKeys& shape, const Extent& e) {
-        const double across = longest_side(e, plan_.dimensions());
-        if (!(across > 2 * longest_side(scene_.domain))) return false;
-        report(name + "." + size_key(shape),
-               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m)", name, across, longest_side(scene_.domain)),
-               size_hint(shape, across));
-        return oversized_ = true;
-    }
-
-    /// Fluid begins inside a solid: one that is larger than the domain in every direction is to blame itself.
-    void inside_solid(const std::string& key, const std::string& what, const std::string& hint, int k) {
-        const Extent& e = shapes_.solid_extent[static_cast<std::size_t>(k)];
-        const SolidKeys& s = scene_.solids[static_cast<std::size_t>(k)];
-        const Vec3d size = (e.max - e.min).eval();
-        const bool endless = !size.allFinite();  // a plane has no wrong size
-        if (endless || s.container || size.head(plan_.dimensions()).minCoeff() <= longest_side(scene_.domain))
-            return report(key, what, hint);
-        const std::string name = entry_name("solid", static_cast<std::size_t>(k));
-        report(name + "." + size_key(s.shape),
-               fmt::format("{} is {:.4g} m across, larger than the whole domain ({:.4g} m): {}", name, size.maxCoeff(),
-                           longest_side(scene_.domain), what),
-               size_hint(s.shape, size.maxCoeff()));
-    }
-
     void domain() {
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
@@ -105,28 +80,16 @@ private:
         for (std::size_t i = 0; i < scene_.streams.size(); ++i) finite(entry_name("stream", i) + ".velocity", scene_.streams[i].velocity);
     }
 
-    /// Over the whole run where it depends on time alone; else at the start in the blocks, off every axis of symmetry.
+    /// Over the whole run. Values that depend on the place are checked by the particles that have them.
     void finite(const std::string& key, const VectorExpression& vector) {
-        for (const Expression& e : vector.component) {
-            if (e.is_constant()) continue;
-            if (!depends_on_place(e)) {
-                for (const double t : sample_times(0, scene_.time.end))
-                    if (!std::isfinite(e(t))) return report(key, fmt::format("{} is not finite at t = {:.4g} s", key, t));
-                continue;
-            }
-            for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
-                const Extent& block = shapes_.block_extent[i];
-                const Vec3d x = block.min + Vec3d(0.57, 0.54, 0.53).cwiseProduct(block.max - block.min);
-                if (x.allFinite() && shapes_.blocks[i]->distance(x.cast<Real>()) <= 0 && !taken(x) && !std::isfinite(e(0, x)))
-                    return report(key, fmt::format("{} is not finite at t = 0 s at {}", key, point(x)));
-            }
-        }
+        for (const Expression& e : vector.component)
+            for (const double t : sample_times(0, scene_.time.end))
+                if (!depends_on_place(e) && !std::isfinite(e(t)))
+                    return report(key, fmt::format("{} is not finite at t = {:.4g} s", key, t));
     }
 
     void block(const std::string& name, std::size_t i) {
-        const BlockKeys& b = scene_.blocks[i];
         const Extent& e = shapes_.block_extent[i];
-        if (oversized(name, b.shape, e)) return;
         if (outside(e.min, e.max)) return report(name, name + " lies outside of the domain", "", domain_text());
         if (reaches_out(e.min, e.max))
             report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "",
@@ -141,62 +104,16 @@ private:
         thin_in_its_box(name, e);
         const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
-        const Vec3d middle = 0.5 * (e.min + e.max);
-        Real distance = 0;
-        if (thinnest >= 0.999 * plan_.spacing && part_inside_solids(shapes_, i, 0.45 * plan_.spacing) == 1)
-            inside_solid(name, name + " lies wholly inside solids", "move it or the solid",
-                         shapes_.solids.nearest(middle.cast<Real>(), distance));
-        values_in(name, i);
+        viscosity("fluid.viscosity", scene_.fluid.viscosity, oldest_of(scene_, 0), 0.5 * (e.min + e.max), name);
     }
 
-    /// A solid leaves no room for a particle there.
-    bool taken(const Vec3d& x) const { return in_solids(shapes_, x.cast<Real>(), 0.45 * plan_.spacing); }
-
-    /// Points half a spacing deep, like particles, and off every axis of symmetry. Values of the particles are checked when they are made.
-    std::vector<Vec3d> places_in(std::size_t i) const {
-        constexpr int points = 6;  // an axis
-        const Extent& e = shapes_.block_extent[i];
-        const bool plane = plan_.dimensions() == 2;
-        std::vector<Vec3d> places;
-        for (int k = 0; k < points * points * (plane ? 1 : points); ++k) {
-            const Vec3d part = (Vec3d(k % points, k / points % points, k / points / points) + Vec3d(0.57, 0.54, 0.53)) / points;
-            Vec3d x = e.min + part.cwiseProduct(e.max - e.min);
-            if (plane) x.z() = 0;
-            if (x.allFinite() && static_cast<double>(shapes_.blocks[i]->distance(x.cast<Real>())) <= -0.5 * plan_.spacing && !taken(x))
-                places.push_back(x);
-        }
-        return places;
-    }
-
-    void values_in(const std::string& name, std::size_t i) {
-        const BlockKeys& b = scene_.blocks[i];
-        const VectorExpression ink = b.ink.vector();
-        const std::vector<Vec3d> places = places_in(i);
-        const auto look = [&](const std::string& key, const char* what, const auto& is_sound) {
-            const auto x = std::find_if_not(places.begin(), places.end(), is_sound);
-            if (x != places.end()) report(key, fmt::format("{} is {} at {}", key, what, point(*x)));
-        };
-        look(name + ".velocity", "not finite", [&](const Vec3d& x) { return b.velocity(0, x).allFinite(); });
-        if (plan_.facts.micropolar.spins) look(name + ".spin", "not finite", [&](const Vec3d& x) { return b.spin(0, x).allFinite(); });
-        look(name + ".ink", "not a number", [&](const Vec3d& x) { return !ink(0, x).hasNaN(); });
-        const Expression& mu = scene_.fluid.viscosity;
-        viscosity("fluid.viscosity", mu, oldest_of(scene_, 0), depends_on_place(mu) ? places : std::vector<Vec3d>{Vec3d::Zero()},
-                  [&](const Vec3d& x) { return (depends_on_place(mu) ? point(x) + " in " : "") + name; });
-    }
-
-    /// At all ages up to `oldest` [s].
-    template <class F>
-    void viscosity(const std::string& key, const Expression& mu, double oldest, const std::vector<Vec3d>& places, const F& name_of) {
-        const bool ages = depends_on_age(mu);
-        for (const double age : sample_times(0, ages ? oldest : 0)) {
-            for (const Vec3d& x : places)
-                if (const double value = mu(age, x); !is_viscosity(value))
-                    return report(key,
-                                  fmt::format("{} is {:.4g} Pa s at {}{}", key, value, name_of(x),
-                                              ages ? fmt::format(" at the age of {:.4g} s", age) : ""),
-                                  "", allowed_instead_of(value));
-            if (!ages) return;
-        }
+    /// At all ages up to `oldest` [s]. @param x of some of its fluid: other places are checked by the particles there
+    void viscosity(const std::string& key, const Expression& mu, double oldest, const Vec3d& x, const std::string& name) {
+        if (!depends_on_age(mu) || !is_viscosity(mu(0, x))) return;
+        for (const double age : sample_times(0, oldest))
+            if (const double value = mu(age, x); !is_viscosity(value))
+                return report(key, fmt::format("{} is {:.4g} Pa s at {} at the age of {:.4g} s", key, value, name, age), "",
+                              allowed_instead_of(value));
     }
 
     /// Refuses a block that fills too little of its box, the whole of which is searched for its particles.
@@ -258,49 +175,24 @@ private:
         Real distance = 0;
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
-            inside_solid(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
-                         scene_.solids[static_cast<std::size_t>(k)].container
-                             ? "a container (container = true) is closed all round: make it as high as the emitter, or move one of them"
-                             : "move one of them",
-                         k);
-        const double widest = e.shape == "disc" ? 2 * e.radius : std::max(e.width, plan_.dimensions() == 2 ? 0 : e.thickness);
-        if (widest > longest_side(scene_.domain)) {
-            oversized_ = true;
-            report(name + (e.shape == "disc"   ? ".radius"
-                           : e.width == widest ? ".width"
-                                               : ".thickness"),
-                   fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest,
-                               longest_side(scene_.domain)),
-                   size_hint(widest));
-        }
+            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
+                   scene_.solids[static_cast<std::size_t>(k)].container
+                       ? "a container (container = true) is closed all round: make it as high as the emitter, or move one of them"
+                       : "move one of them");
+        if (const double widest = widest_of(e, plan_.dimensions()); widest > longest_side(scene_.domain))
+            report(name, fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest,
+                                     longest_side(scene_.domain)));
         const double thinnest = narrowest_of(e, plan_.dimensions());
         if (thinnest < plan_.spacing) too_coarse(name, thinnest);
         for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, scene_.time.end))))
             if (const double u = e.speed(t); !(u >= 0) || !std::isfinite(u)) {
-                oversized_ = true;
                 report(name + ".speed", fmt::format("{}.speed is {:.4g} m/s at t = {:.4g} s", name, u, t), "",
                        std::isinf(u) ? "" : "allowed: at least 0");
                 break;
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
-        // Across the opening as far as its outermost particles: sqrt(x) is a number on one side of it only.
-        EmitterShape opening;
-        opening.direction = e.direction.cast<Real>(), opening.plane = plan_.dimensions() == 2;
-        Vec3 width, thickness;
-        opening_axes(opening, width, thickness);
-        const auto reach = [&](double whole) { return std::max(0.0, whole - plan_.spacing) / 2; };
-        const Vec3d side = reach(e.shape == "disc" ? 2 * e.radius : e.width) * width.cast<double>();
-        const double deep = opening.plane ? 0 : reach(e.shape == "disc" ? 2 * e.radius : e.thickness);
-        const Vec3d across = deep * thickness.cast<double>();
-        std::vector<Vec3d> places{e.position + side, e.position - side, e.position + across, e.position - across};
-        constexpr int points = 6;  // an axis
-        for (int n = 0; n < points * points; ++n) {
-            const double u = (n % points + 0.57) / (points / 2.0) - 1, v = (n / points + 0.54) / (points / 2.0) - 1;
-            if (e.shape != "disc" || u * u + v * v < 1) places.push_back(e.position + u * side + v * across);
-        }
-        if (!depends_on_place(mu)) places.resize(1);
-        viscosity(key, mu, oldest_of(scene_, i + 1), places, [&](const Vec3d&) { return name; });
+        viscosity(key, mu, oldest_of(scene_, i + 1), e.position, name);
     }
 
     void solid(const std::string& name, std::size_t i) {
@@ -315,8 +207,7 @@ private:
         if (s.container || s.position.depends_on_time() || !s.rotation.is_zero()) return;
         const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
-        if (!outside(e.min + at, e.max + at) || (s.shape.kind == "mesh" && oversized(name, s.shape, e))) return;
-        report(name, name + " lies outside of the domain and never enters it", "", domain_text());
+        if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
     }
 
     /// A half-space once a period leaves no room at all.
@@ -351,21 +242,12 @@ private:
             report("fluid.spacing", "the blocks are too small for a single particle", "use a smaller fluid.spacing");
         const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_;
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
-        if (need <= most || oversized_) return;
+        if (!(need > most)) return;
         std::string source;
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i) {
-            const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
-            if (volume <= 0.5 * n_.particles * plan_.particle_volume()) continue;
-            const std::string name = entry_name("emitter", i);
-            if (const double u = scene_.emitters[i].speed(std::max(0.0, scene_.emitters[i].start)); u > fastest_fluid)
-                return report(
-                    name + ".speed",
-                    fmt::format("{} lets {:.3g} m^3 out until the end at {:g} m/s: about {:.2g} particles, which need {:.2g} GB of "
-                                "memory, and {:.2g} GB are free",
-                                name, volume, u, n_.particles, need / 1e9, have / 1e9),
-                    fmt::format("speeds are in m/s: for mm/s use a thousandth, {:.3g}", u / 1000));
-            source = fmt::format("; most of them come from {}, which lets {:.3g} m^3 out until the end", name, volume);
-        }
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+            if (const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
+                volume > 0.5 * n_.particles * plan_.particle_volume())
+                source = fmt::format("; most of them come from emitter[{}], which lets {:.3g} m^3 out until the end", i, volume);
         report("fluid.spacing",
                fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free{}", n_.particles, need / 1e9,
                            have / 1e9, source),
@@ -388,7 +270,7 @@ private:
                                    what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
                        fmt::format("make {} or fluid.spacing larger", smaller));
         };
-        for (std::size_t i = 0; i < scene_.emitters.size() && !oversized_; ++i)
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             add(entry_name("emitter", i), "", "the nozzle", nozzle_points(scene_.emitters[i], plan_.spacing, plan_.dimensions()), 300, 0);
         for (std::size_t i = 0; i < scene_.solids.size() && plan_.boundary != BoundaryModel::none; ++i) {
             const bool mesh = scene_.solids[i].shape.kind == "mesh";
@@ -407,28 +289,24 @@ private:
     KeyProblems report;
     Vec3d low_, high_;
     double free_ = free_memory();
-    bool oversized_ = false;  ///< an opening, a block or a speed is: its particles need not be counted
 };
 
-}  // namespace
-
-namespace {
+/// Calls f(x) at the middles of points^3 cells of a box.
+template <class F>
+void over_cells(const Vec3d& min, const Vec3d& max, int points, F&& f) {
+    for (int i = 0; i < points; ++i)
+        for (int j = 0; j < points; ++j)
+            for (int k = 0; k < points; ++k)
+                f((min + ((Vec3d(i, j, k) + Vec3d::Constant(0.5)) / points).cwiseProduct(max - min)).cast<Real>().eval());
+}
 
 template <class Inside>
 double part_inside(const SceneShapes& shapes, std::size_t block, Inside inside) {
-    const Shape& shape = *shapes.blocks[block];
-    const Extent& e = shapes.block_extent[block];
-    constexpr int points = 17;  // an axis
     int all = 0, found = 0;
-    for (int i = 0; i < points; ++i)
-        for (int j = 0; j < points; ++j)
-            for (int k = 0; k < points; ++k) {
-                const Vec3d part = (Vec3d(i, j, k) + Vec3d::Constant(0.5)) / points;
-                const Vec3 x = (e.min + part.cwiseProduct(e.max - e.min)).cast<Real>();
-                if (shape.distance(x) > 0) continue;
-                ++all;
-                if (inside(x)) ++found;
-            }
+    over_cells(shapes.block_extent[block].min, shapes.block_extent[block].max, 17, [&](const Vec3& x) {
+        if (shapes.blocks[block]->distance(x) > 0) return;
+        ++all, found += inside(x) ? 1 : 0;
+    });
     return all > 0 ? static_cast<double>(found) / all : 0;
 }
 
@@ -445,18 +323,12 @@ double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size
 }
 
 double part_left_empty(const Scene& scene, const SceneShapes& shapes) {
-    constexpr int points = 23;  // an axis
     int all = 0, empty = 0;
-    for (int i = 0; i < points; ++i)
-        for (int j = 0; j < points; ++j)
-            for (int k = 0; k < points; ++k) {
-                const Vec3d part = (Vec3d(i, j, k) + Vec3d::Constant(0.5)) / points;
-                const Vec3 x = (scene.domain.min + part.cwiseProduct(scene.domain.max - scene.domain.min)).cast<Real>();
-                if (in_solids(shapes, x, 0)) continue;
-                ++all;
-                if (std::none_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) <= 0; }))
-                    ++empty;
-            }
+    over_cells(scene.domain.min, scene.domain.max, 23, [&](const Vec3& x) {
+        if (in_solids(shapes, x, 0)) return;
+        ++all;
+        if (std::none_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& block) { return block->distance(x) <= 0; })) ++empty;
+    });
     return all > 0 ? static_cast<double>(empty) / all : 0;
 }
 

@@ -22,7 +22,7 @@ const Key& deciding_key(const Key& key, const Described& chosen) {
     return counts(*selector.key, selector.in, chosen) ? key : deciding_key(*selector.key, chosen);
 }
 
-/// Keys at their defaults pass: a resolved scene gives every one. Those of solids are looked at with the solids (check_models.cpp).
+/// Keys at their defaults pass: a resolved scene gives every one.
 void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     const Scene choices = with_choices(scene, plan);
     const Described asked{&scene_keys(), &scene}, chosen{&scene_keys(), &choices};
@@ -31,7 +31,7 @@ void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& repo
         const void* values = part.one(const_cast<Scene*>(&scene));
         for (const Key& key : part.table->keys) {
             const std::string name = joined_path(part.name, key.name);
-            if (key.selector.empty() || key.selector == "models.boundary" || scene.places.count(name) == 0) continue;
+            if (key.selector.empty() || scene.places.count(name) == 0) continue;
             if (key.get(values).toml() == key.standard.toml() || !counts(key, asked, asked) || counts(key, chosen, chosen)) continue;
             const Key& decides = deciding_key(key, chosen);
             if (std::any_of(scene.panels.begin(), scene.panels.end(),

@@ -50,22 +50,13 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
 
 void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
 
-constexpr double fastest_fluid = 100;  ///< m/s that anybody means; a free fall of 500 m
-
 struct ScaleWarning {
     std::string key, text;  ///< the text names the key, too
 };
-/// A warning for each opening, domain, speed, density, gravity or shape that is out of proportion.
+/// A warning for each opening, domain, speed, density, gravity or shape that is out of proportion, as a wrong unit makes it.
 std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShapes& shapes);
 
-/// Warnings about containers (container = true), which are closed all round: solids that move through the wall, and fluid that flies
-/// against the lid.
+/// Warnings about solids that move through the wall of a container (container = true), which is closed all round.
 std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes& shapes);
-
-/// The key that makes a shape as large as it is: "radius".
-const char* size_key(const ShapeKeys& shape);
-/// The likely slip where an opening or a shape is far too large. @param across its size [m]
-std::string size_hint(double across);
-std::string size_hint(const ShapeKeys& shape, double across);
 
 }  // namespace whorl

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <regex>
 #include <sstream>
 
 namespace whorl {
@@ -19,49 +17,17 @@ Place place_of(const toml::source_region& at, const std::string& file) {
     return {file, static_cast<int>(at.begin.line), static_cast<int>(at.begin.column)};
 }
 
-constexpr int most_nested = 100;  ///< parts of a key
+constexpr std::size_t most_nested = 500;  ///< dots in a line: parts of a key
 
-/// End of the quoted text that begins there. One in single marks ends at the latest with its line.
-std::size_t end_of_quoted(const std::string& text, std::size_t begin) {
-    const char mark = text[begin];
-    const bool over_lines = text.compare(begin, 3, std::string(3, mark)) == 0;
-    const std::string marks(over_lines ? 3 : 1, mark);
-    for (std::size_t i = begin + marks.size(); i < text.size(); ++i) {
-        if (mark == '"' && text[i] == '\\') ++i;
-        else if (!over_lines && text[i] == '\n') return i;
-        else if (text.compare(i, marks.size(), marks) == 0) {
-            i += marks.size();
-            for (int n = 0; over_lines && n < 2 && i < text.size() && text[i] == mark; ++n) ++i;  // its last characters may be marks, too
-            return i;
-        }
-    }
-    return text.size();
-}
-
-/// toml++ and the readers of its tables recurse for every part of a dotted key: ten thousands of parts overflow the stack. A quoted
-/// text is one part, whatever is in it; comments are skipped.
-/// @throws InputError if a key has more parts than any key of a scene
+/// toml++ and the readers of its tables recurse for every part of a dotted key: ten thousands of parts overflow the stack.
+/// @throws InputError if a line has more dots than any line of a scene
 void check_nesting(const std::string& text, const std::string& file) {
-    int dots = 0;
-    char last = 0;  // that is no blank
-    bool blank = false;
-    for (std::size_t i = 0, next = 0; i < text.size(); i = next) {
-        const char c = text[i];
-        const bool quoted = c == '"' || c == '\'';
-        next = quoted ? end_of_quoted(text, i) : c == '#' ? std::min(text.find('\n', i), text.size()) : i + 1;
-        if (c == ' ' || c == '\t') {
-            blank = true;
-            continue;
-        }
-        const bool in_part = quoted || std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-        if (c == '.' && ++dots > most_nested) {
-            const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n'));
-            const auto column = static_cast<int>(i - (line > 0 ? text.rfind('\n', i) : std::string::npos));
-            throw InputError({file, line + 1, column}, fmt::format("a key of more than {} parts", most_nested), "", "allowed: up to four");
-        }
-        if (c != '.' && (!in_part || (blank && last != '.'))) dots = 0;
-        last = c, blank = false;
-    }
+    std::istringstream lines(text);
+    int number = 0;
+    for (std::string line; std::getline(lines, line);)
+        if (++number; static_cast<std::size_t>(std::count(line.begin(), line.end(), '.')) > most_nested)
+            throw InputError({file, number, 1}, fmt::format("a line of more than {} dots", most_nested), "",
+                             "allowed: keys of up to four parts");
 }
 
 Value converted(const toml::node& node, const std::string& file) {
@@ -180,55 +146,13 @@ void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const V
     node.as<Value::Table>()->emplace_back(step.name, std::move(child));
 }
 
-/// Numbers as people write them, .5 and 1., as TOML writes them.
-std::string with_zeros(const std::string& text) {
-    static const std::regex before("(^|[\\[,\\s+-])\\.(?=[0-9])"), after("([0-9])\\.(?=[\\],\\s]|$)");
-    return std::regex_replace(std::regex_replace(text, before, "$010."), after, "$01.0");
-}
-
-std::size_t offset_of(const std::string& text, const toml::source_position& place) {
-    std::size_t at = 0;
-    for (toml::source_index line = 1; line < place.line && at < text.size(); ++line)
-        at = std::min(text.find('\n', at), text.size() - 1) + 1;
-    for (toml::source_index column = 1; column < place.column && at < text.size();)  // columns are characters, not bytes
-        if ((text[++at] & 0xC0) != 0x80) ++column;
-    return at;
-}
-
-bool begins(const std::string& text, std::initializer_list<const char*> beginnings) {
-    return std::any_of(beginnings.begin(), beginnings.end(), [&](const char* b) { return text.rfind(b, 0) == 0; });
-}
-
-/// The way out of a mistake that is made often, from the text at the place where it stops being TOML.
-std::string syntax_hint(const std::string& text, std::size_t at, const std::string& what) {
+/// How to write what is often written wrong. @param what message of toml++
+std::string syntax_hint(const std::string& what) {
     const auto says = [&](const char* part) { return what.find(part) != std::string::npos; };
-    const std::string rest = text.substr(at, text.find_first_of("\r\n", at) - at);
-    if (says("utf-8") || text.find('\0') != std::string::npos) return "save the file as UTF-8";
-    if (says("string") && rest.empty()) return "add the closing quote";
-    if (says("expected '='") && rest[0] == ':') return "write = between a key and its value";
-    if (begins(rest, {"\u2018", "\u2019", "\u201c", "\u201d", "\u201e", "\u00ab", "\u00bb"})) return "use straight quotes, \"";
-    // The value that cannot be read begins after the last of these signs.
-    std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;
-    for (std::size_t i = begin; i < at;)
-        if (text[i] == '"' || text[i] == '\'') i = end_of_quoted(text, i);
-        else if (std::strchr("=[,{", text[i++]) != nullptr) begin = i;
-    if (begin == 0 || std::strchr("=[,{", text[begin - 1]) == nullptr || says("table header") || says("redefine")) return "";
-    const bool after_key = text[begin - 1] == '=';
-    begin = std::min(text.find_first_not_of(" \t", begin), text.size());
-    if (after_key && begin >= at && (rest.empty() || rest[0] == '#')) return "add a value";
-    if (std::isalpha(static_cast<unsigned char>(text[begin])) != 0)
-        return "put strings and expressions in quotes; booleans are true and false";
-    return std::strchr("+-.0123456789", text[begin]) == nullptr
-               ? ""
-               : "write numbers as in 0.5 or 1e-3, without a unit; put expressions in quotes";
-}
-
-void set_place(Value& v, const Place& place) {
-    v.place = v.key_place = place;
-    if (auto* list = v.as<Value::List>())
-        for (Value& child : *list) set_place(child, place);
-    if (auto* table = v.as<Value::Table>())
-        for (auto& [key, child] : *table) set_place(child, place);
+    if (says("utf-8")) return "save the file as UTF-8";
+    if (says("string")) return "add the closing quote";
+    if (says("table header") || says("redefine") || says("expected '='")) return "";
+    return "write numbers as in 0.5 or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false";
 }
 
 }  // namespace
@@ -239,7 +163,7 @@ Value parse_toml(const std::string& text, const std::string& file) {
         return converted(toml::parse(text, file), file);
     } catch (const toml::parse_error& e) {
         const std::string what = message_of(e);
-        throw InputError(place_of(e.source(), file), "not TOML: " + what, syntax_hint(text, offset_of(text, e.source().begin), what));
+        throw InputError(place_of(e.source(), file), "not TOML: " + what, syntax_hint(what));
     }
 }
 
@@ -253,54 +177,47 @@ Value parse_toml_file(const std::string& file) {
     return parse_toml(text.str(), file);
 }
 
-namespace {
-
-std::string trimmed(const std::string& text) {
-    const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-    return text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+Value placed(Value v, const Place& place) {
+    v.place = v.key_place = place;
+    if (auto* list = v.as<Value::List>())
+        for (Value& child : *list) child = placed(std::move(child), place);
+    if (auto* table = v.as<Value::Table>())
+        for (auto& [key, child] : *table) child = placed(std::move(child), place);
+    return v;
 }
 
-}  // namespace
-
-Change parse_change(const std::string& text, const std::string& option) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos) return {text, "", option + " " + text, false};
-    return {trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1)), option + " " + text};
-}
-
-void apply_change(Value& root, const Change& change, std::vector<Problem>& problems) {
-    const Place place{change.source, 0, 0};
-    if (!change.complete || change.value.empty()) {
-        problems.push_back({place, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100"});
-        return;
-    }
-    const std::vector<Step> steps = parse_path(change.key);
-    if (steps.empty()) {
-        problems.push_back(
-            {place, "\"" + change.key + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});
-        return;
-    }
-    Value value;
+Value parse_value(const std::string& text, const std::string& source) {
+    const Place place{source, 0, 0};
+    check_nesting(text, source);
     try {
-        check_nesting(change.value, change.source);
-        const auto parsed = [](const std::string& text) { return *converted(toml::parse("value = " + text), "").find("value"); };
-        try {
-            value = parsed(change.value);
-        } catch (const toml::parse_error&) { value = parsed(with_zeros(change.value)); }
+        return placed(*converted(toml::parse("value = " + text), "").find("value"), place);
     } catch (const toml::parse_error& e) {
+        // Values that begin like TOML must be TOML; others are numbers (.5 and 1e999) or texts, as in models.pressure=ppe.
+        if (text.find_first_of("[{\"'") == 0)
+            throw InputError(place, "the value is not TOML: " + message_of(e), syntax_hint(message_of(e)));
         char* end = nullptr;
-        const double number = std::strtod(change.value.c_str(), &end);  // 1e999
-        // Values that begin like TOML must be TOML; others are texts, as in models.pressure=ppe.
-        if (std::strchr("[{\"'", change.value[0]) != nullptr) {
-            const bool list = change.value.front() == '[' && change.value.back() == ']';
-            problems.push_back(
-                {place, "the value is not TOML: " + message_of(e), list ? "put strings and expressions in a list in quotes" : "", ""});
-            return;
-        }
-        value = *end == 0 ? Value(number) : Value(change.value);
+        const double number = std::strtod(text.c_str(), &end);
+        return placed(*end == 0 ? Value(number) : Value(text), place);
     }
-    set_place(value, place);
-    put(root, steps, 0, value, problems);
+}
+
+KeyValue parse_change(const std::string& text, const std::string& option) {
+    const auto trimmed = [](const std::string& part) {
+        const std::size_t begin = std::min(part.find_first_not_of(" \t"), part.size());
+        return part.substr(begin, part.find_last_not_of(" \t") + 1 - begin);
+    };
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const std::string key = trimmed(text.substr(0, equals)), value = trimmed(text.substr(std::min(equals + 1, text.size())));
+    if (value.empty())
+        throw InputError({option + " " + text, 0, 0}, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100");
+    return {key, parse_value(value, option + " " + text)};
+}
+
+void set_key(Value& root, const KeyValue& change, std::vector<Problem>& problems) {
+    const std::vector<Step> steps = parse_path(change.path);
+    if (!steps.empty()) return put(root, steps, 0, change.value, problems);
+    problems.push_back(
+        {change.value.place, "\"" + change.path + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});
 }
 
 void overlay(Value& root, const Value& table, const std::string& path, std::vector<Problem>& problems) {
@@ -309,9 +226,7 @@ void overlay(Value& root, const Value& table, const std::string& path, std::vect
         if (value.as<Value::Table>()) {
             overlay(root, value, full, problems);
         } else {
-            const std::vector<Step> steps = parse_path(full);
-            if (steps.empty()) problems.push_back({value.key_place, "\"" + key + "\" is not a key", "", ""});
-            else put(root, steps, 0, value, problems);
+            set_key(root, {full, value}, problems);
         }
     }
 }

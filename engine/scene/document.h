@@ -12,18 +12,17 @@ Value parse_toml(const std::string& text, const std::string& file);
 /// The tree of a TOML file. @throws InputError if it is missing or unreadable too
 Value parse_toml_file(const std::string& file);
 
-/// A change to a tree that overrides existing values: "emitter[0].speed" or "emitter.0.speed", and the value as TOML writes it (a bare word
-/// is a text).
-struct Change {
-    std::string key, value;
-    std::string source;    ///< replaces file:line:column in messages: "--set emitter[0].speed=0.3"
-    bool complete = true;  ///< false: the user gave no value
-};
-/// From "key=value". @param option the option before it, "--set"
-Change parse_change(const std::string& text, const std::string& option = "--set");
+/// The value with this place, also of its entries.
+Value placed(Value v, const Place& place);
 
-/// Makes the change; appends to `problems` where its key or value cannot be read, or where it names a list entry that is not there.
-void apply_change(Value& root, const Change& change, std::vector<Problem>& problems);
+/// A value as an option has it: TOML, or else a number or a text without quotes. @param source replaces file:line:column in messages
+/// @throws InputError
+Value parse_value(const std::string& text, const std::string& source = "");
+/// From "emitter[0].speed=0.3" or "emitter.0.speed=0.3". @param option the option before it, for messages @throws InputError
+KeyValue parse_change(const std::string& text, const std::string& option = "--set");
+
+/// Sets a key of the tree; appends to `problems` where it is not a key, or names a list entry that is not there.
+void set_key(Value& root, const KeyValue& change, std::vector<Problem>& problems);
 
 /// Lays the entries of `table` over the tree: nested tables are followed (also into lists, by index), everything else replaces.
 void overlay(Value& root, const Value& table, const std::string& path, std::vector<Problem>& problems);

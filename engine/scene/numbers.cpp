@@ -147,6 +147,11 @@ double narrowest_of(const EmitterKeys& e, int dimensions) {
     return dimensions == 2 ? e.width : std::min(e.width, e.thickness);
 }
 
+double widest_of(const EmitterKeys& e, int dimensions) {
+    if (e.shape == "disc") return 2 * e.radius;
+    return dimensions == 2 ? e.width : std::max(e.width, e.thickness);
+}
+
 double emitted_volume(const EmitterKeys& e, double end, int dimensions) {
     const double stop = std::min(e.stop, end);
     if (!(stop > e.start)) return 0;

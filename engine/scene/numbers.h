@@ -59,7 +59,8 @@ double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);
 /// Particles in the column that a nozzle repeats, and in the layer of a solid before it is cut at the domain; about.
 double nozzle_points(const EmitterKeys& emitter, double spacing, int dimensions);
 double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid, double support);
-/// Across the opening at its narrowest [m].
+/// Across the opening at its narrowest and its widest [m].
 double narrowest_of(const EmitterKeys& emitter, int dimensions);
+double widest_of(const EmitterKeys& emitter, int dimensions);
 
 }  // namespace whorl

@@ -394,9 +394,6 @@ private:
         }
         for (const ClosedRoom& room : plan_.rooms) warn_of_room(room);
         for (std::string& warning : warnings_of_lids(scene_, shapes_)) add_warning(std::move(warning));
-        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
-            if (emitted_volume(scene_.emitters[i], scene_.time.end, scene_.domain.dimensions) == 0)
-                add_warning(fmt::format("emitter[{}] lets nothing through before the end of the run", i));
     }
 
     void warn_of_room(const ClosedRoom& room) {

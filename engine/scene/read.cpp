@@ -236,11 +236,11 @@ Scene read_root(Value root, const std::string& file, const ReadRequest& request)
     for (const auto& [name, table] : *quality.as<Value::Table>())
         if (name != request.quality) check_quality(root, table, file, request.sections, problems);
     if (!request.quality.empty() && request.quality != "standard") {
-        for (const Change& change : request.presets) apply_change(root, change, problems);
+        for (const KeyValue& change : request.presets) set_key(root, change, problems);
         if (const Value* table = quality.find(request.quality)) overlay(root, *table, "", problems);
     }
     for (const std::string& overlay_file : request.overlays) overlay(root, parse_toml_file(overlay_file), "", problems);
-    for (const Change& change : request.changes) apply_change(root, change, problems);
+    for (const KeyValue& change : request.changes) set_key(root, change, problems);
     Scene scene;
     read_tree(root, file, request.sections, scene, problems);
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file));

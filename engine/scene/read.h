@@ -19,10 +19,10 @@ struct Section {
 };
 
 struct ReadRequest {
-    std::vector<Change> changes;  ///< beat the file, the later the stronger
+    std::vector<KeyValue> changes;  ///< beat the file, the later the stronger
     std::string
         quality;  ///< "draft", "fine": the [quality.NAME] table of the file is laid over it, below the changes; "" or "standard": nothing
-    std::vector<Change> presets;        ///< lie between the file and its [quality] table: settings of that quality in every scene
+    std::vector<KeyValue> presets;      ///< lie between the file and its [quality] table: settings of that quality in every scene
     std::vector<std::string> overlays;  ///< scene files of a few keys, laid over the file and its quality, below the changes
     std::vector<Section> sections;
 };

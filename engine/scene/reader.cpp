@@ -76,15 +76,9 @@ std::string Reader::key_elsewhere(const std::string& name) const {
 }
 
 void Reader::unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path) {
-    if (path.empty() && name == "quality") {  // the file's own is taken out before
-        problems.push_back({v.key_place, "the tables [quality] are read from the scene file only",
-                            "set the key itself, as in fluid.spacing; --quality draft chooses a table", ""});
-        return;
-    }
     std::vector<std::string> names = names_in(table);
     if (path.empty())
         for (const Section& s : sections_) names.push_back(s.name);
-    if (path.empty()) names.emplace_back("quality");
     const std::string near = nearest_name(name, names);
     const std::string where = path.empty() ? "" : (path.back() == ']' ? " in " + path : " in [" + path + "]");
     std::string hint = near.empty() ? "" : "did you mean \"" + near + "\"?";
@@ -180,17 +174,6 @@ bool Reader::chosen_by_option(const std::string& selector, const std::string& fu
     return !is_option(full) && (is_option(selector) || left_out_.count(selector) > 0);
 }
 
-/// Location of the option that added that entry of a list; empty if the file did.
-std::string Reader::new_entry(const std::string& path) const {
-    const auto it = places.find(path);
-    if (path.empty() || path.back() != ']' || it == places.end() || it->second.line != 0) return "";
-    const std::size_t bracket = path.rfind('[');
-    const std::string list = path.substr(0, bracket);
-    const int before = std::atoi(path.c_str() + bracket + 1);
-    return (before == 0 ? "; the scene has no " + list : fmt::format("; {} has the entries 0 to {}", list, before - 1)) +
-           ", and a new one needs this";
-}
-
 /// Keys that belong to another shape or model than the chosen one, and required keys that are missing.
 void Reader::check_selected(const Described& here, const std::string& path) {
     for (const Key& key : here.table->keys) {
@@ -214,8 +197,8 @@ void Reader::check_selected(const Described& here, const std::string& path) {
         }
         if (key.is_required && counted && !given) {
             const std::string unit = key.unit.empty() ? "" : " [" + key.unit + "]";
-            problems.push_back({place(path), full + " is missing", key.meaning + unit + new_entry(path),
-                                key.allowed().empty() ? "" : "allowed: " + key.allowed()});
+            problems.push_back(
+                {place(path), full + " is missing", key.meaning + unit, key.allowed().empty() ? "" : "allowed: " + key.allowed()});
             failed_.insert(full);
         }
     }

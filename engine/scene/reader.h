@@ -30,7 +30,6 @@ private:
     void check_in_plane(const Key& key, const Value& v, const std::string& path);
     void read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path);
     std::string key_elsewhere(const std::string& name) const;
-    std::string new_entry(const std::string& path) const;
     void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
     /// Whether an option (--set) chose a value that disables the key `full` of the file: then the key is ignored, so that an option can
     /// choose another style without an edit of the file.

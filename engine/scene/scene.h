@@ -260,10 +260,9 @@ struct BudgetKeys {
 };
 
 /// A change of a key during the run: recorded by a live run, repeated by a film of it.
-struct ChangeKeys {
+struct TimedChange {
     double time = 0;  ///< s; the first step that begins then or later uses it
-    std::string key;  ///< "emitter[0].speed"; one that may change
-    Value value;
+    KeyValue change;
 };
 
 struct PanelKeys {
@@ -299,7 +298,7 @@ struct Scene {
     std::vector<StreamKeys> streams;
     std::vector<VortexKeys> vortices;
     std::vector<ProbeKeys> probes;
-    std::vector<ChangeKeys> changes;
+    std::vector<TimedChange> changes;
     std::vector<PanelKeys> panels;  ///< side by side in one film; none: the scene itself
     OutputKeys output;
     BudgetKeys budget;

@@ -415,11 +415,11 @@ KeyTable probe_keys() {
 }
 
 KeyTable change_keys() {
-    KeyTableOf<ChangeKeys> t(
+    KeyTableOf<TimedChange> t(
         "a key that changes its value during the run, as whorl live records it; at time 0 any key, then those that may change");
-    t.key("time", &ChangeKeys::time, "s", "time of the change; the first step that begins then or later uses it").required().at_least(0);
-    t.key("key", &ChangeKeys::key, "", "as in emitter[0].speed").required();
-    t.key("value", &ChangeKeys::value, "", "what it is from then on").required();
+    t.key("time", &TimedChange::time, "s", "time of the change; the first step that begins then or later uses it").required().at_least(0);
+    t.key("key", inside(&TimedChange::change, &KeyValue::path), "", "as in emitter[0].speed").required();
+    t.key("value", inside(&TimedChange::change, &KeyValue::value), "", "what it is from then on").required();
     return t;
 }
 

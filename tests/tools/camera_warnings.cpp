@@ -63,8 +63,8 @@ std::vector<SceneFile> runs_of(const SceneFile& file) {
     alone.scene.panels.clear(), alone.scene.output.chart.clear();
     std::vector<SceneFile> runs;
     for (const PanelKeys& panel : file.scene.panels) {
-        std::vector<KeyChange> changes;
-        for (const std::string& text : panel.set) changes.push_back(read_change(parse_change(text)));
+        std::vector<KeyValue> changes;
+        for (const std::string& text : panel.set) changes.push_back(parse_change(text));
         if (panel.difference.empty()) runs.push_back(changed(alone, changes));
     }
     return runs.empty() ? std::vector{alone} : runs;

@@ -324,7 +324,7 @@ TEST_CASE("a change of gravity that asks for other models is refused, with the k
     const Outcome run = test::whorl({"render", refused.scene(), "--no-images", "--quiet", "--out", refused.run()});
     INFO(run.err);
     CHECK(run.code == 2);
-    CHECK(run.err.find("models.pressure: coupled, now ppe") != std::string::npos);
+    CHECK(run.err.find("models.pressure: \"coupled\", now \"ppe\"") != std::string::npos);
     CHECK(run.err.find("set models.pressure in the scene") != std::string::npos);
     CHECK(test::whorl({"render", given.scene(), "--no-images", "--quiet", "--out", given.run()}).code == 0);
 }

@@ -151,7 +151,7 @@ SceneFile with_larger_particles(const SceneFile& file, const Plan& plan, int coa
     SceneFile own = file;
     own.scene.models = plan.chosen_models(own.scene.models);
     if (plan.preconditioner == Preconditioner::multigrid) own.scene.pressure.preconditioner = plan.preconditioner;
-    return changed(own, {read_change(parse_change(fmt::format("fluid.spacing={:.9g}", coarser * file.scene.fluid.spacing)))});
+    return changed(own, {parse_change(fmt::format("fluid.spacing={:.9g}", coarser * file.scene.fluid.spacing))});
 }
 
 /// Puts what a run saw into what the scene leaves open.

@@ -32,7 +32,7 @@ bool flow_alike(const SceneFile& a, const SceneFile& b) {
     const std::vector<std::string> alike{"look", "camera", "output", "surface", "models", "pressure", "viscosity", "micropolar"};
     const std::vector<KeyDifference> all = differences(a, b);
     return std::all_of(all.begin(), all.end(), [&](const KeyDifference& d) {
-        return std::find(alike.begin(), alike.end(), d.name.substr(0, d.name.find('.'))) != alike.end() || d.name == "fluid.spacing";
+        return std::find(alike.begin(), alike.end(), d.path.substr(0, d.path.find('.'))) != alike.end() || d.path == "fluid.spacing";
     });
 }
 
@@ -156,11 +156,8 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
         if (!file.scene.panels[k].difference.empty()) continue;
         const std::string name = "panel[" + std::to_string(k) + "].set";
         try {
-            std::vector<KeyChange> changes;
-            for (const std::string& text : file.scene.panels[k].set) {
-                changes.push_back(read_change(parse_change(text, name)));
-                changes.back().source = file.scene.place(name);
-            }
+            std::vector<KeyValue> changes;
+            for (const std::string& text : file.scene.panels[k].set) changes.push_back(parse_change(text, name));
             scenes.push_back(changed(alone, changes));
             check_format(scenes.back().scene, {});
             check_pictures(scenes.back().scene, alone.scene);

@@ -43,13 +43,13 @@ void check_inputs(const Checkpoint& checkpoint, const SceneFile& now) {
 }
 
 /// Choices of the plan that affect the simulation. The preconditioner is excluded: the plan chooses it by the number of pressing particles.
-NamedTexts decisions(const Plan& plan) {
-    NamedTexts all;
+std::vector<UsedKey> decisions(const Plan& plan) {
+    std::vector<UsedKey> all;
     for (const Choice& c : plan.choices)
-        if (c.key != "viscosity matrix" && c.key != "pressure.preconditioner") all.emplace_back(c.key, c.value);
-    all.emplace_back("speed of sound", fmt::format("{}", plan.sound_speed));
-    all.emplace_back("artificial viscosity", fmt::format("{}", plan.artificial_viscosity));
-    all.emplace_back("largest viscosity", fmt::format("{}", plan.largest_viscosity));
+        if (c.key != "viscosity matrix" && c.key != "pressure.preconditioner") all.push_back({{c.key, Value(c.value)}});
+    all.push_back({{"speed of sound", Value(plan.sound_speed)}});
+    all.push_back({{"artificial viscosity", Value(plan.artificial_viscosity)}});
+    all.push_back({{"largest viscosity", Value(plan.largest_viscosity)}});
     return all;
 }
 
@@ -57,7 +57,7 @@ NamedTexts decisions(const Plan& plan) {
 void check_plan(const Scene& before, const Scene& now, const std::filesystem::path& scene_file) {
     if (before.time.end == now.time.end) return;
     std::vector<Problem> problems;
-    for (const Difference& d : differences(decisions(make_plan(before)), decisions(make_plan(now))))
+    for (const KeyDifference& d : differences(decisions(make_plan(before)), decisions(make_plan(now))))
         problems.push_back({{scene_file.string(), 0, 0}, d.text(), "", ""});
     if (problems.empty()) return;
     problems.insert(problems.begin(), {{scene_file.string(), 0, 0},

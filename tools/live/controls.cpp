@@ -28,16 +28,16 @@ SceneFile without_later_changes(SceneFile file) {
 
 /// Difference between two readings of a file.
 struct Edit {
-    std::vector<KeyChange> live;
+    std::vector<KeyValue> live;
     std::vector<std::string> restart;  ///< keys
 };
 Edit edit_between(const SceneFile& before, const SceneFile& now) {
     Edit edit;
     for (const KeyDifference& d : differences(before, now)) {
-        const bool of_list = d.name.find('[') != std::string::npos;
+        const bool of_list = d.path.find('[') != std::string::npos;
         if (!d.now && !of_list) continue;
-        if (d.now && d.key->may_change && (d.before || !of_list)) edit.live.push_back({d.name, d.value, now.scene.place(d.name)});
-        else edit.restart.push_back(d.name);
+        if (d.now && d.key->may_change && (d.before || !of_list)) edit.live.push_back({d.path, placed(*d.now, now.scene.place(d.path))});
+        else edit.restart.push_back(d.path);
     }
     return edit;
 }
@@ -49,25 +49,25 @@ Controls::Controls(Options options) : options_(std::move(options)) {
     restart({});
 }
 
-void Controls::set(const std::vector<KeyChange>& changes) {
+void Controls::set(const std::vector<KeyValue>& changes) {
     const std::lock_guard lock(mutex_);
     set_locked(changes, true);
 }
 
-void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) {
+void Controls::set_locked(const std::vector<KeyValue>& changes, bool may_undo) {
     if (changes.empty()) return;
     auto next = std::make_shared<PlannedScene>();
     next->file = changed(wanted_, changes);
     if (const auto lines = needs_restart(differences(wanted_, next->file)); !lines.empty()) {
         std::vector<Problem> problems;
         for (const std::string& line : lines)
-            problems.push_back({changes.front().source, line + " during the run",
+            problems.push_back({changes.front().value.place, line + " during the run",
                                 "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}", ""});
         throw InputError(std::move(problems));
     }
     next->plan = decides(wanted_, next->file) ? make_plan(next->file.scene) : plan_;
     if (const auto models = changes_of_models(plan_, next->plan); !models.empty())
-        throw InputError(changes.front().source, "this asks for other models: " + models.front(),
+        throw InputError(changes.front().value.place, "this asks for other models: " + models.front().text(),
                          "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}");
 
     if (orders_.scene && orders_.scene->simulation) {  // still to begin: begins with these values
@@ -81,7 +81,7 @@ void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) 
     wanted_ = next->file;
     plan_ = next->plan;
     orders_.scene = std::move(next);
-    for (const KeyChange& c : changes) set_.insert_or_assign(c.path, c.value);
+    for (const KeyValue& c : changes) set_.insert_or_assign(c.path, c.value);
     ++revision_;
     changed_.notify_all();
 }
@@ -90,7 +90,7 @@ void Controls::set_locked(const std::vector<KeyChange>& changes, bool may_undo) 
 void Controls::remember(const std::vector<KeyDifference>& back) {
     Undo undo{{}, wall_seconds()};
     for (const KeyDifference& d : back)
-        if (d.before && d.now) undo.back.push_back({d.name, d.value, {}});
+        if (d.before && d.now) undo.back.push_back({d.path, *d.now});
     if (undo.back.empty()) return;
     const auto same_keys = [&](const Undo& before) {
         return std::equal(before.back.begin(), before.back.end(), undo.back.begin(), undo.back.end(),
@@ -132,13 +132,13 @@ bool Controls::try_restart(const Restart& how) {
     next->file = base;
     if (!other && !how.forget)
         for (const auto& [path, value] : set) try {
-                next->file = changed(next->file, {{path, value, {}}});
+                next->file = changed(next->file, {{path, value}});
                 kept.emplace(path, value);
             } catch (const InputError& error) {
                 not_kept += (not_kept.empty() ? "not kept over the restart: " : "; ") + std::string(error.what());
             }
     if (!how.set.empty()) next->file = changed(next->file, how.set);
-    for (const KeyChange& c : how.set) kept.insert_or_assign(c.path, c.value);
+    for (const KeyValue& c : how.set) kept.insert_or_assign(c.path, c.value);
     next->plan = make_plan(next->file);
     next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
     check_probes(*next->simulation);
@@ -218,7 +218,7 @@ namespace {
 
 std::map<std::string, std::string> texts_by_key(const SceneFile& file) {
     std::map<std::string, std::string> all;
-    for (const UsedKey& k : used_keys(file)) all[k.path] = k.value().toml();
+    for (const UsedKey& k : used_keys(file)) all[k.path] = k.value.toml();
     return all;
 }
 
@@ -260,8 +260,8 @@ void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, c
     base_ = resolved_toml(alone);
 }
 
-void Journal::add(double time, const std::vector<KeyChange>& changes) {
-    for (const KeyChange& c : changes) {
+void Journal::add(double time, const std::vector<KeyValue>& changes) {
+    for (const KeyValue& c : changes) {
         // A slider that moved several times within a frame counts with its last value.
         std::erase_if(entries_, [&](const Entry& e) { return e.time == time && e.key == c.path; });
         entries_.push_back({time, c.path, c.value.toml()});

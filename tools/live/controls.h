@@ -27,7 +27,7 @@ public:
     /// over it
     void begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality);
     /// At `time` [s] these keys took other values.
-    void add(double time, const std::vector<KeyChange>& changes);
+    void add(double time, const std::vector<KeyValue>& changes);
     /// @param time s, end of the recording
     std::string text(double time) const;
     /// @throws EnvironmentError (disk full)
@@ -65,7 +65,7 @@ struct Orders {
     bool playing = false;
     bool step = false;                    ///< one frame, although it does not play
     std::shared_ptr<PlannedScene> scene;  ///< where something changed
-    std::vector<KeyChange> changes;       ///< changes from the scene before to this one
+    std::vector<KeyValue> changes;        ///< changes from the scene before to this one
     std::uint64_t revision = 0;           ///< of the scene
 };
 
@@ -86,7 +86,7 @@ public:
     explicit Controls(Options options);
 
     /// All of the changes, or none. @throws InputError; nothing is changed then
-    void set(const std::vector<KeyChange>& changes);
+    void set(const std::vector<KeyValue>& changes);
     /// Reverts the last set(). @return false if nothing to undo
     bool undo();
     void play() {
@@ -104,7 +104,7 @@ public:
     }
     struct Restart {
         std::string scene, quality;  ///< other ones; empty: as it is
-        std::vector<KeyChange> set;  ///< any key
+        std::vector<KeyValue> set;   ///< any key
         bool forget = false;         ///< discard the earlier changes
     };
     /// Restarts with the current scene file and the values set since. @throws InputError; then the run continues
@@ -169,7 +169,7 @@ public:
 private:
     void remember(const std::vector<KeyDifference>& back);
     Orders take_changes_locked();
-    void set_locked(const std::vector<KeyChange>& changes, bool may_undo);
+    void set_locked(const std::vector<KeyValue>& changes, bool may_undo);
     bool try_restart(const Restart& how);
     void tell_locked(bool error, std::string text);
 
@@ -182,7 +182,7 @@ private:
     Plan plan_;
     std::map<std::string, Value> set_;  ///< by people, since the scene was chosen
     struct Undo {
-        std::vector<KeyChange> back;
+        std::vector<KeyValue> back;
         double when = 0;
     };
     std::vector<Undo> undo_;

@@ -263,7 +263,7 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
 void LiveServer::Http::restart(const nlohmann::json& order, Response& response) {
     Controls::Restart how;
     if (order.contains("set")) how.set = changes_of(order["set"], controls.file());
-    for (const KeyChange& c : how.set)
+    for (const KeyValue& c : how.set)
         if (c.path == "name" || c.path == "look.environment" || c.path.find("file") != std::string::npos || c.path.rfind("output", 0) == 0)
             return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
     const auto text = [&](const char* key, std::string& to) {

@@ -53,7 +53,7 @@ Value with_numbers(Value value) {
         for (Value& entry : *list) entry = with_numbers(std::move(entry));
     const auto* text = value.as<std::string>();
     if (!text || text->empty() || text->size() > 40 || text->find_first_not_of("+-._0123456789eE") != std::string::npos) return value;
-    Value number = read_change({"", *text, "", true}).value;
+    Value number = parse_value(*text);
     return number.is_number() ? number : value;
 }
 
@@ -84,7 +84,7 @@ std::optional<Value> value_of(const nlohmann::json& json) {
 Json live_values(const SceneFile& file) {
     Json all = Json::object();
     for (const UsedKey& k : used_keys(file))
-        if (k.key->may_change) all[k.path] = json_of(k.value());
+        if (k.key->may_change) all[k.path] = json_of(k.value);
     return all;
 }
 
@@ -105,22 +105,22 @@ Json described_keys(const SceneFile& file) {
                        {"auto", key.may_be_auto},
                        {"variables", variable_names(key.variables)},
                        {"live", key.may_change},
-                       {"value", json_of(k.value())}});
+                       {"value", json_of(k.value)}});
     }
     return all;
 }
 
-std::vector<KeyChange> changes_of(const nlohmann::json& json, const SceneFile& file) {
+std::vector<KeyValue> changes_of(const nlohmann::json& json, const SceneFile& file) {
     const std::string form = "allowed: an object of keys and values, as in {\"fluid.viscosity\": 500}";
     if (!json.is_object()) throw InputError({}, "the changes are no JSON object", "", form);
     const std::vector<UsedKey> keys = used_keys(file);
-    std::vector<KeyChange> changes;
+    std::vector<KeyValue> changes;
     std::vector<Problem> problems;
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
         const std::string full = full_path(path);
         if (value && !takes_texts(keys, full)) value = with_numbers(std::move(*value));
-        if (value) changes.push_back({full, std::move(*value), {}});
+        if (value) changes.push_back({full, std::move(*value)});
         else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
     }
     if (!problems.empty()) throw InputError(std::move(problems));

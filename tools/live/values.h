@@ -17,6 +17,6 @@ nlohmann::ordered_json live_values(const SceneFile& file);
 nlohmann::ordered_json described_keys(const SceneFile& file);
 
 /// Changes of the scene from {"fluid.viscosity": 500, ...}. @throws InputError if it is not an object, or has a value of an unknown type
-std::vector<KeyChange> changes_of(const nlohmann::json& json, const SceneFile& file);
+std::vector<KeyValue> changes_of(const nlohmann::json& json, const SceneFile& file);
 
 }  // namespace whorl

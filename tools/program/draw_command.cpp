@@ -37,9 +37,9 @@ void read_frames(const std::string& text, RedrawRequest& request) {
 }
 
 /// The change that decides the simulation, as it was given; "--set" where it takes several.
-std::string deciding(const SceneFile& before, const std::vector<KeyChange>& changes) {
-    for (const KeyChange& change : changes) try {
-            if (decides(before, changed(before, {change}))) return change.source.file;
+std::string deciding(const SceneFile& before, const std::vector<KeyValue>& changes) {
+    for (const KeyValue& change : changes) try {
+            if (decides(before, changed(before, {change}))) return change.value.place.file;
         } catch (const InputError&) {  // it needs another key as well
         }
     return "--set";
@@ -68,8 +68,8 @@ int draw(const DrawOptions& options) {
     const SceneFile before = read_scene_file(own.scene);
     RedrawRequest request;
     own.set.clear();
-    std::vector<KeyChange> changes;
-    for (const std::string& text : options.shared.set) changes.push_back(read_change(parse_change(text)));
+    std::vector<KeyValue> changes;
+    for (const std::string& text : options.shared.set) changes.push_back(parse_change(text));
     request.file = changed(read_scene_file(own), changes);
     if (!request.file.scene.panels.empty())
         throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels",

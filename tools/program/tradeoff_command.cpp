@@ -244,7 +244,7 @@ private:
             if (key == "scene" || key == "quality") continue;  // in the command
             if (key == "program") overlay += "# with the program " + value + "\n";
             else if (key == "threads") options += " --threads " + value;
-            else overlay += fmt::format("{} = {}\n", quoted(key), read_change(parse_change(setting)).value.toml());
+            else overlay += fmt::format("{} = {}\n", quoted(key), parse_change(setting).value.toml());
         }
         const fs::path file = sweep_.folder / "recommended.toml";
         write_text(file, overlay);

@@ -43,17 +43,11 @@ Found find(const SceneFile& file, const std::string& path) {
     return {};
 }
 
-Problem unknown(const SceneFile& file, const KeyChange& change) {
+Problem unknown(const SceneFile& file, const KeyValue& change) {
     std::vector<std::string> names;
     for (const UsedKey& k : used_keys(file)) names.push_back(k.path);
     const std::string near = nearest_name(change.path, names);
-    return {change.source, "unknown key \"" + change.path + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?", ""};
-}
-
-void set_place(Value& v, const Place& place) {
-    v.place = v.key_place = place;
-    if (auto* list = v.as<Value::List>())
-        for (Value& child : *list) set_place(child, place);
+    return {change.value.place, "unknown key \"" + change.path + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?", ""};
 }
 
 }  // namespace
@@ -73,14 +67,6 @@ std::string full_path(const std::string& path) {
     return out;
 }
 
-KeyChange read_change(const Change& change) {
-    std::vector<Problem> problems;
-    Value tree{Value::Table{}};
-    apply_change(tree, {"value", change.value, change.source, change.complete}, problems);
-    if (!problems.empty()) throw InputError(std::move(problems));
-    return {change.key, *tree.find("value"), {change.source, 0, 0}};
-}
-
 std::vector<UsedKey> used_keys(const SceneFile& file) {
     std::vector<UsedKey> all;
     const auto sections = roots(file);
@@ -90,32 +76,19 @@ std::vector<UsedKey> used_keys(const SceneFile& file) {
 }
 
 std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile& now) {
-    std::map<std::string, UsedKey> keys;
-    const auto texts = [&](const SceneFile& file) {
-        NamedTexts all;
-        for (const UsedKey& k : used_keys(file)) {
-            all.emplace_back(k.path, k.value().toml());
-            keys.insert_or_assign(k.path, k);  // the later scene's, where both have it
-        }
-        return all;
-    };
-    const NamedTexts old = texts(before), fresh = texts(now);
-    std::vector<KeyDifference> found;
-    for (const Difference& d : differences(old, fresh)) found.push_back({d, keys.at(d.name).key, keys.at(d.name).value()});
-    return found;
+    return differences(used_keys(before), used_keys(now));
 }
 
-SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) {
+SceneFile changed(const SceneFile& file, const std::vector<KeyValue>& changes) {
     SceneFile copy = file;
     std::vector<Problem> problems;
-    for (const KeyChange& change : changes) {
-        KeyChange c{full_path(change.path), change.value, change.source};
+    for (const KeyValue& change : changes) {
+        const KeyValue c{full_path(change.path), change.value};
         const Found found = find(copy, c.path);
         if (found.key == nullptr) {
             problems.push_back(unknown(copy, c));
             continue;
         }
-        set_place(c.value, c.source);
         const bool plane = copy.scene.domain.dimensions == 2;
         found.key->read(found.object, plane ? found.key->with_depth(c.value) : c.value, c.path, problems);
     }
@@ -125,12 +98,12 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
         SceneFile fresh = read_resolved(resolved_toml(copy), std::filesystem::path(file.scene.directory) / "scene.toml");
         fresh.scene.directory = file.scene.directory;
         for (auto& [key, place] : fresh.scene.places) place = file.scene.place(key);  // the text above is no file
-        for (const KeyChange& change : changes) fresh.scene.places[full_path(change.path)] = change.source;
+        for (const KeyValue& change : changes) fresh.scene.places[full_path(change.path)] = change.value.place;
         if (fresh.look.environment != file.look.environment) find_environment(fresh);
         return fresh;
     } catch (const InputError& error) {
         for (Problem problem : error.problems()) {
-            problem.place = changes.empty() ? Place{} : changes.back().source;
+            problem.place = changes.empty() ? Place{} : changes.back().value.place;
             problems.push_back(std::move(problem));
         }
         throw InputError(std::move(problems));
@@ -140,10 +113,10 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes) 
 std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differences) {
     std::vector<std::string> lines;
     for (const KeyDifference& d : differences) {
-        if (d.key->may_change || d.name.rfind("output.", 0) == 0 || d.name.rfind("probe[", 0) == 0 || d.name == "name") continue;
-        if (!d.before) lines.push_back(d.name + " is new");
-        else if (!d.now) lines.push_back(d.name + " was removed");
-        else lines.push_back(d.name + " cannot change from " + *d.before + " to " + *d.now);
+        if (d.key->may_change || d.path.rfind("output.", 0) == 0 || d.path.rfind("probe[", 0) == 0 || d.path == "name") continue;
+        if (!d.before) lines.push_back(d.path + " is new");
+        else if (!d.now) lines.push_back(d.path + " was removed");
+        else lines.push_back(d.path + " cannot change from " + d.before->toml() + " to " + d.now->toml());
     }
     return lines;
 }
@@ -158,67 +131,49 @@ bool decides(const SceneFile& before, const SceneFile& now) {
            material(before.scene) != material(now.scene);
 }
 
-SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>& beat) {
-    std::vector<KeyChange> first;
-    SceneFile rest = file;
-    rest.scene.changes.clear();
-    for (std::size_t i = 0; i < file.scene.changes.size(); ++i) {
-        const ChangeKeys& c = file.scene.changes[i];
-        if (c.time <= 0) first.push_back({c.key, c.value, file.scene.place("change[" + std::to_string(i) + "].value")});
-        else rest.scene.changes.push_back(c);
+SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyValue>& beat) {
+    std::vector<KeyValue> first;
+    std::vector<TimedChange> later;
+    for (const TimedChange& c : file.scene.changes) {
+        if (c.time <= 0) first.push_back(c.change);
+        else later.push_back(c);
     }
     if (first.empty()) return file;
-    std::vector<ChangeKeys> later = std::move(rest.scene.changes);
+    SceneFile rest = file;
     rest.scene.changes.clear();
     first.insert(first.end(), beat.begin(), beat.end());
     SceneFile made = changed(rest, first);
     made.scene.changes = std::move(later);
     made.scene.places = file.scene.places;
-    for (std::size_t i = 0, k = 0; i < file.scene.changes.size(); ++i)
-        if (file.scene.changes[i].time > 0)
-            made.scene.places[entry_name("change", k++) + ".value"] = file.scene.place(entry_name("change", i) + ".value");
     return made;
 }
 
 Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes) {
-    for (std::size_t i = 0; i < changes_.size(); ++i) places_.push_back(file.scene.place(entry_name("change", i) + ".value"));
     now_.scene.changes.clear();
     if (changes_.empty()) return;
-    std::vector<std::size_t> order(changes_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return changes_[a].time < changes_[b].time; });
-    const auto changes = changes_;
-    const auto places = places_;
-    for (std::size_t i = 0; i < order.size(); ++i) changes_[i] = changes[order[i]], places_[i] = places[order[i]];
-
+    std::stable_sort(changes_.begin(), changes_.end(), [](const TimedChange& a, const TimedChange& b) { return a.time < b.time; });
     Replay trial(*this);
     Plan plan = make_plan(now_.scene);
     trial.apply_until(std::numeric_limits<double>::infinity(), [&](const Scene&, const Plan& next, double) {
-        const auto models = changes_of_models(plan, next);
-        if (!models.empty())
-            throw InputError(trial.places_[trial.made_ - 1], "this change needs other models during the run: " + models[0],
-                             "set " + models[0].substr(0, models[0].find(':')) + " in the scene, to what suits the whole run");
+        if (const auto models = changes_of_models(plan, next); !models.empty())
+            throw InputError(trial.changes_[trial.made_ - 1].change.value.place,
+                             "this change needs other models during the run: " + models[0].text(),
+                             "set " + models[0].path + " in the scene, to what suits the whole run");
     });
 }
 
 double Replay::next() const { return made_ < changes_.size() ? changes_[made_].time : std::numeric_limits<double>::infinity(); }
 
-/// The scene after all changes of the next moment. @param change after the last of them
-SceneFile Replay::moment(std::size_t& change) const {
-    std::vector<KeyChange> made;
-    const double time = changes_[change].time;
-    for (; change < changes_.size() && changes_[change].time == time; ++change)
-        made.push_back({changes_[change].key, changes_[change].value, places_[change]});
-    return changed(now_, made);
-}
-
 bool Replay::apply_until(double time, const Follow& simulation) {
     bool any = false;
     while (made_ < changes_.size() && next() <= time) {
         const double when = next();
-        SceneFile then = moment(made_);
+        std::vector<KeyValue> moment;
+        for (; made_ < changes_.size() && changes_[made_].time == when; ++made_) moment.push_back(changes_[made_].change);
+        SceneFile then = changed(now_, moment);
         if (const auto lines = needs_restart(differences(now_, then)); !lines.empty())
-            throw InputError(places_[made_ - 1], lines[0] + " during the run", "", "allowed: keys that may change (whorl live --help)");
+            throw InputError(moment.back().value.place, lines[0] + " during the run", "",
+                             "allowed: keys that may change (whorl live --help)");
         const bool physics = decides(now_, then);
         now_ = std::move(then);
         if (physics) simulation(now_.scene, make_plan(now_.scene), when);

@@ -19,25 +19,10 @@ std::vector<UsedKey> used_keys(const SceneFile& file);
 /// A key's full name: emitter.0.speed is emitter[0].speed.
 std::string full_path(const std::string& path);
 
-/// A new value for a key. `source` replaces file, line and column in messages.
-struct KeyChange {
-    std::string path;
-    Value value;
-    Place source;
-};
-
-/// Parses a user's "key=value" (Change). @throws InputError
-KeyChange read_change(const Change& change);
-
 /// The scene with all of the changes; shares nothing with `file` (expressions are not thread-safe).
 /// @throws InputError with all that is wrong
-SceneFile changed(const SceneFile& file, const std::vector<KeyChange>& changes);
+SceneFile changed(const SceneFile& file, const std::vector<KeyValue>& changes);
 
-/// A key that has another value in the later of two scenes, is new there, or gone.
-struct KeyDifference : Difference {
-    const Key* key;
-    Value value;  ///< in the later scene; of a removed key: in the earlier one
-};
 /// Differences of all sections except the scene's changes.
 std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile& now);
 
@@ -48,7 +33,7 @@ bool decides(const SceneFile& before, const SceneFile& now);
 
 /// A scene with the [[change]] entries of time 0 made and taken out; the later ones stay. @param beat changes that beat those (--set)
 /// @throws InputError if any entry cannot be made, with its place
-SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyChange>& beat = {});
+SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyValue>& beat = {});
 
 /// A scene that changes while it runs: its [[change]] entries in the order of their times.
 class Replay {
@@ -65,11 +50,8 @@ public:
     bool apply_until(double time, const Follow& simulation);
 
 private:
-    SceneFile moment(std::size_t& change) const;
-
     SceneFile now_;
-    std::vector<ChangeKeys> changes_;
-    std::vector<Place> places_;
+    std::vector<TimedChange> changes_;
     std::size_t made_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "engine/core/utf8.h"
 #include "engine/io/csv.h"
@@ -53,42 +54,40 @@ std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     return found;
 }
 
-/// The options that are keys of the scene, as changes to it.
-std::vector<Change> changes_of(const Options& options) {
-    std::vector<Change> changes;
-    for (const std::string& text : options.set) changes.push_back(parse_change(text));
-    const auto add = [&](const std::string& key, const std::string& value, const std::string& option) {
-        changes.push_back({key, value, option});
+/// The options that are keys of the scene, as changes to it. @throws InputError with all that cannot be read
+std::vector<KeyValue> changes_of(const Options& options) {
+    std::vector<KeyValue> changes;
+    std::vector<Problem> problems;
+    for (const std::string& text : options.set) try {
+            changes.push_back(parse_change(text));
+        } catch (const InputError& e) { problems.insert(problems.end(), e.problems().begin(), e.problems().end()); }
+    const auto add = [&](const std::string& key, Value value, const std::string& option) {
+        changes.push_back({key, placed(std::move(value), {option, 0, 0})});
     };
-    if (options.until) add("time.end", Value(*options.until).toml(), "--until " + Value(*options.until).toml());
-    if (options.fps) add("time.fps", Value(*options.fps).toml(), "--fps " + Value(*options.fps).toml());
-    if (options.seed) add("seed", std::to_string(*options.seed), "--seed " + std::to_string(*options.seed));
+    if (options.until) add("time.end", Value(*options.until), "--until " + Value(*options.until).toml());
+    if (options.fps) add("time.fps", Value(*options.fps), "--fps " + Value(*options.fps).toml());
+    if (options.seed) add("seed", Value(static_cast<std::int64_t>(*options.seed)), "--seed " + std::to_string(*options.seed));
     if (!options.size.empty()) {
-        const std::size_t x = options.size.find('x');
-        const std::string width = options.size.substr(0, x), height = x == std::string::npos ? "" : options.size.substr(x + 1);
-        const auto whole = [](const std::string& s) {
-            return !s.empty() && s.size() < 6 && s.find_first_not_of("0123456789") == std::string::npos;
-        };
-        if (!whole(width) || !whole(height))
-            throw InputError({"--size " + options.size, 0, 0}, "a size is width x height in pixels", "", "allowed: as in 1280x720");
-        add("output.size", "[" + std::to_string(std::stoi(width)) + ", " + std::to_string(std::stoi(height)) + "]",
-            "--size " + options.size);
+        std::int64_t width = 0, height = 0;
+        int end = 0;
+        if (std::sscanf(options.size.c_str(), "%5ldx%5ld%n", &width, &height, &end) != 2 || end != static_cast<int>(options.size.size()))
+            problems.push_back({{"--size " + options.size, 0, 0}, "a size is width x height in pixels", "", "allowed: as in 1280x720"});
+        add("output.size", Value(Value::List{Value(width), Value(height)}), "--size " + options.size);
     }
-    if (options.no_images) add("output.images", "false", "--no-images"), add("output.video", "false", "--no-images");
-    if (options.no_video) add("output.video", "false", "--no-video");
+    if (options.no_images) add("output.images", Value(false), "--no-images"), add("output.video", Value(false), "--no-images");
+    if (options.no_video) add("output.video", Value(false), "--no-video");
     if (!options.exports.empty()) {
-        Value::List list;
-        for (const std::string& name : options.exports) list.emplace_back(name);
-        add("output.export", Value(list).toml(), fmt::format("--export {}", fmt::join(options.exports, ", ")));
+        Value::List list(options.exports.begin(), options.exports.end());
+        add("output.export", Value(std::move(list)), fmt::format("--export {}", fmt::join(options.exports, ", ")));
     }
+    if (!problems.empty()) throw InputError(std::move(problems));
     return changes;
 }
 
 /// Settings of a quality in every scene; the scene's [quality] table adds to them.
-std::vector<Change> presets_of(const std::string& quality) {
-    if (quality == "draft") return {{"look.samples", "1", "--quality draft"}};
-    if (quality == "fine") return {{"look.samples", "16", "--quality fine"}};
-    return {};
+std::vector<KeyValue> presets_of(const std::string& quality) {
+    if (quality == "standard") return {};
+    return {{"look.samples", placed(Value(std::int64_t(quality == "draft" ? 1 : 16)), {"--quality " + quality, 0, 0})}};
 }
 
 /// A flow of two dimensions has no surface to draw, and no volume: it is shown as particles or as a slice.
@@ -156,8 +155,9 @@ bool tells_particles_apart(const SceneFile& file) {
     const auto shown = shown_fields(file.look);
     const auto& changes = file.scene.changes;
     return std::find(shown.begin(), shown.end(), "grain") != shown.end() ||
-           std::any_of(changes.begin(), changes.end(), [](const ChangeKeys& c) {
-               return c.key == "look.style" || c.key == "look.streaks" || c.key == "look.material" || c.key == "look.cooling";
+           std::any_of(changes.begin(), changes.end(), [](const TimedChange& c) {
+               const std::string& key = c.change.path;
+               return key == "look.style" || key == "look.streaks" || key == "look.material" || key == "look.cooling";
            });
 }
 
@@ -182,10 +182,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     check_look(file);
     find_environment(file);
     follow(file);
-    if (file.scene.changes.empty()) return file;
-    std::vector<KeyChange> beat;
-    for (const Change& change : request.changes) beat.push_back(read_change(change));
-    return with_first_changes(file, beat);
+    return with_first_changes(file, request.changes);
 }
 
 fs::path find_file(const std::string& name, bool study) {

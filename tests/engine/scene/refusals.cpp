@@ -19,47 +19,17 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
           "--set fluid.spacing=0.02: fluid.spacing = 0.02 m is larger than emitter[0], which is 0.01 m across; 0.002 m puts 5 particles "
           "across it");
     CHECK(messages_with({"emitter[0].speed=0.1-t"}).find("emitter[0].speed is -0.0") != std::string::npos);
-    // Also functions of place: at the start, inside blocks.
-    const std::string block = "block[0]={shape=\"box\", min=[0.02,0.02,0], max=[0.05,0.1,0.05]}",
-                      stream = "min=[0,0,0], max=[0.1,0.1,0.1]}";
+    const std::string stream = "min=[0,0,0], max=[0.1,0.1,0.1]}";
     for (const auto& [set, expected] : std::vector<std::pair<std::string, std::string>>{
              {"fluid.force=[0, 0, \"1/(2-t)^0.5\"]", "fluid.force is not finite at t = 2 s"},
-             {"fluid.force=[\"sqrt(-x)\", 0, 0]", "fluid.force is not finite at t = 0 s at (0.0371, 0.0632, 0.0265)"},
-             {"fluid.force=[\"sqrt(x)/sqrt(x*x+z*z)\", 0, 0]", "no error"},
              {"solid[0].position=[0, \"0.01*(1-t)^0.5\", 0]", "solid[0].position is not finite at t = 1.016 s"},
              {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"}})
-        CHECK_THAT(messages_with({"time.end=4", block, set}),
-                   Catch::Contains(expected == "no error" ? expected : "--set " + set + ": " + expected));
-    // Values that blocks and openings give their particles, only where particles can be.
-    const auto box = [](const std::string& keys) { return "block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05], " + keys + "}"; };
-    const std::string outside_ball = "sqrt((x-0.028)^2+(y-0.042)^2+(z-0.026)^2-1.4e-4)",
-                      too_large = sizeof(Real) == 4 ? "1e39" : "1e300*1e300";
-    for (const auto& [set, expected] : std::vector<std::pair<std::string, std::string>>{
-             {box("velocity=[\"y/sqrt(x^2+z^2)\",0,0]"), "no error"},
-             {box("velocity=[\"sqrt(x-0.02)\",0,0]"), "block[0].velocity is not finite at ("},
-             {box("spin=[\"sqrt(x-0.02)\",0,0]"), "block[0].spin is not finite at ("},
-             {box("ink=[\"sqrt(x-0.02)\"]"), "block[0].ink is not a number at ("},
-             {"fluid.viscosity=1e3*sqrt(abs(x-0.035)-0.005)", "fluid.viscosity is nan Pa s at ("},
-             {"fluid.viscosity=3000-1000*age", "block[0] at the age of 3.016 s; allowed: at least 0"},
-             {"fluid.viscosity=x > 0.03 ? " + too_large + " : 1000",
-              sizeof(Real) == 4 ? "in block[0]; allowed: up to 3.4e+38" : "allowed: up to"},
-             {"fluid.force=[\"" + outside_ball + "\", 0, 0]", "no error"},
-             {box("velocity=[\"" + outside_ball + "\",0,0]"), "no error"},
-             {box("spin=[\"" + outside_ball + "\",0,0]"), "no error"},
-             {box("ink=[\"" + outside_ball + "\"]"), "no error"},
-             {"emitter[0].viscosity=abs(x-0.002) < 0.001 ? 0-1 : 1000",
-              "emitter[0].viscosity is -1 Pa s at emitter[0]; allowed: at least 0"}})
-        CHECK_THAT(messages_with({"models.pressure=ppe", "models.micropolar=bender", "emitter[0].viscosity=1000",
-                                  "solid[1]={shape=\"sphere\", radius=" + std::string(expected == "no error" ? "0.012" : "0.001") +
-                                      ", position=[0.028,0.042,0.026]}",
-                                  set.rfind("block", 0) == 0 ? set : box("velocity=[0,0,0]"), set}),
-                   Catch::Contains(expected));
-    CHECK(messages_with({"emitter[0].viscosity=1000", box("velocity=[0,0,0]"), "fluid.viscosity=1e5*" + outside_ball,
-                         "solid[1]={shape=\"sphere\", radius=0.012, position=[0.028,0.042,0.026]}"}) == "no error");
+        CHECK_THAT(messages_with({"time.end=4", set}), Catch::Contains("--set " + set + ": " + expected));
+    CHECK_THAT(messages_with({"block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05]}", "emitter[0].viscosity=1000",
+                              "models.pressure=ppe", "fluid.viscosity=3000-1000*age"}),
+               Catch::Contains("block[0] at the age of 3.016 s; allowed: at least 0"));
     CHECK(messages_with({"emitter[0].start=3", "emitter[0].viscosity=1100-1000*age"}) == "no error");
     CHECK_THAT(messages_with({"emitter[0].start=3", "emitter[0].viscosity=900-1000*age"}), Catch::Contains("at the age of 0.9"));
-    CHECK(messages_with({"emitter[0].viscosity=1000", "fluid.viscosity=1e5*sqrt(0.000901 - (x-0.05)^2-(y-0.04)^2-(z-0.05)^2)",
-                         "block[0]={shape=\"sphere\", radius=0.03, position=[0.05,0.04,0.05]}"}) == "no error");
     CHECK_THAT(messages_with({"stream[0]={velocity=[\"(0-t)^0.5\", 0, 0], time=1, " + stream}),
                Catch::Contains("stream[0].velocity is not finite at t = "));
     CHECK_THAT(messages_with({"time.end=4", "models.micropolar=bender", "micropolar.torque=[0, \"log(1-t)\", 0]"}),
@@ -68,8 +38,6 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
           std::string::npos);
     CHECK(messages_with({"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}).find("block[0] reaches out of the domain") !=
           std::string::npos);
-    CHECK(messages_with({"block[0]={shape=\"box\", min=[0,-0.01,0], max=[0.1,-0.001,0.1]}"})
-              .find("block[0] lies wholly inside solids; move it or the solid") != std::string::npos);
     CHECK(messages_with({"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"})
               .find("solid[1] lies outside of the domain and never enters it") != std::string::npos);
     CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") !=
@@ -110,10 +78,11 @@ TEST_CASE("incompatible or missing models are refused", "[plan]") {
           std::string::npos);
     CHECK(messages_with({"fluid.surface_tension=0.07", "models.pressure=none"}).find("keeps none apart") != std::string::npos);
     CHECK(messages_with({"boundary.gate=0.1", "models.pressure=coupled"})
-              .find("boundary.gate belongs to solids of models.pressure = \"wcsph\" or \"ppe\", and this scene has models.pressure = "
-                    "\"coupled\"") != std::string::npos);
+              .find("boundary.gate belongs to models.boundary = \"akinci\" or \"ppe\", and \"auto\" takes \"none\" here") !=
+          std::string::npos);
     CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=ppe"})
-              .find("boundary.volume_factor belongs to solids of models.pressure = \"wcsph\"") != std::string::npos);
+              .find("boundary.volume_factor belongs to models.boundary = \"akinci\", and \"auto\" takes \"ppe\" here") !=
+          std::string::npos);
     CHECK(messages_with({"boundary.volume_factor=1", "models.pressure=wcsph"}) == "no error");
 }
 

@@ -49,8 +49,15 @@ TEST_CASE("settings of the simulation are distinguished from those of the image"
 }
 
 TEST_CASE("differences come in the later list's order, removed keys last", "[scene]") {
-    const auto found = differences(NamedTexts{{"a", "1"}, {"b", "2"}, {"c", "3"}}, NamedTexts{{"d", "4"}, {"c", "3"}, {"b", "5"}});
-    CHECK(texts_of(found) == std::vector<std::string>{"d: absent, now 4", "b: 2, now 5", "a: 1, now absent"});
+    const auto keys = [](const std::vector<std::pair<std::string, std::int64_t>>& values) {
+        std::vector<UsedKey> all;
+        for (const auto& [path, value] : values) all.push_back({{path, Value(value)}});
+        return all;
+    };
+    const auto found = differences(keys({{"a", 1}, {"b", 2}, {"c", 3}}), keys({{"d", 4}, {"c", 3}, {"b", 5}}));
+    std::vector<std::string> texts;
+    for (const KeyDifference& d : found) texts.push_back(d.text());
+    CHECK(texts == std::vector<std::string>{"d: absent, now 4", "b: 2, now 5", "a: 1, now absent"});
     CHECK_FALSE(found[0].before);
     CHECK_FALSE(found[2].now);
 }

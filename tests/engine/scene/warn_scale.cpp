@@ -32,19 +32,12 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
     CHECK(!warned({"fluid.density=1", "domain.gravity=[0,-1,0]"}, gas));  // also without units
     CHECK(warned({"fluid.surface_tension=72"}, "fluid.surface_tension = 72: liquids have up to 4 N/m (water 0.072)"));
     CHECK(warned({"domain.gravity=[0,-9810,0]"}, "domain.gravity = 9810 is 1e+03 times the earth's; it is in m/s^2"));
-    CHECK(warned({"time.end=1e-5", "time.fps=1e7"},
-                 "time.fps = 1e+07: no player shows that many frames per second; use time.slow_motion to slow the video down"));
-    CHECK(
-        messages_with({"emitter[0].radius=5"}) ==
-        "--set emitter[0].radius=5: the opening of emitter[0] is 10 m across, wider than the whole domain (0.2 m); lengths are in metres: "
-        "millimetres would be 0.01 m across");
-    CHECK(messages_with({"solid[0]={shape=\"sphere\", radius=5}"}).find("solid[0] is 10 m across, larger than the whole domain") !=
-          std::string::npos);
+    CHECK_THAT(messages_with({"emitter[0].radius=5"}),
+               Catch::Contains("the opening of emitter[0] is 10 m across, wider than the whole domain (0.2 m)") &&
+                   Catch::Contains("a likely slip: emitter[0].radius: the nozzle is 10 m across; lengths are in metres"));
     // A whole film of it would be more particles than any memory holds.
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=1000", "fluid.spacing=0.001"}),
-               Catch::StartsWith("--set emitter[0].speed=300: emitter[0] lets ") &&
-                   Catch::Contains(" m^3 out until the end at 300 m/s: about ") &&
-                   Catch::EndsWith("; speeds are in m/s: for mm/s use a thousandth, 0.3"));
+               Catch::Contains("most of them come from emitter[0], which lets ") && Catch::Contains("a likely slip: " + fast));
 }
 
 TEST_CASE("a solid that is a thousand times too large is reported with its key", "[plan]") {
@@ -60,35 +53,11 @@ TEST_CASE("a solid that is a thousand times too large is reported with its key",
     CHECK(warnings("shape=\"plane\"").empty());
 }
 
-TEST_CASE("a shape larger than the domain is reported itself, not the shapes inside it", "[plan]") {
-    const std::string slip = "larger than the whole domain (0.2 m)", mm = "; lengths are in metres: millimetres would be 10 m across";
-    const std::string ball = "shape=\"sphere\", radius=5000";
-    CHECK(messages_with({"block[0]={" + ball + ", position=[0,0.05,0]}"}) ==
-          "--set block[0]={" + ball + ", position=[0,0.05,0]}: block[0] is 1e+04 m across, " + slip + mm);
-    // The block lies in it, and so does the nozzle.
-    const std::string solid = "solid[0]={" + ball + "}";
-    const std::string said = messages_with({solid, "block[0]={shape=\"box\", min=[-0.02,0.02,-0.02], max=[0.02,0.04,0.02]}"});
-    CHECK_THAT(said,
-               Catch::StartsWith("--set " + solid + ": solid[0] is 1e+04 m across, " + slip + ": block[0] lies wholly inside solids" + mm));
-    CHECK_THAT(said, Catch::Contains(slip + ": emitter[0] at"));
+TEST_CASE("a solid larger than the domain is reported with what begins inside it", "[plan]") {
+    const std::string said = messages_with({"solid[0]={shape=\"sphere\", radius=5000}"});
+    CHECK_THAT(said, Catch::Contains("emitter[0] at (0, 0.1, 0) lies 5e+03 m inside solid[0]") &&
+                         Catch::Contains("solid[0].radius: the sphere is 1e+04 m across in a domain of 0.2 m; lengths are in metres"));
     CHECK(said.find("fluid.spacing") == std::string::npos);
-    const auto warned = [](const std::string& change) {
-        const std::vector<std::string> all = plan_with({change}).warnings;
-        return all.size() == 1 ? all[0] : "none or several";
-    };
-    CHECK_THAT(warned("solid[1]={shape=\"sphere\", radius=5, container=true}"),
-               Catch::StartsWith("solid[1].radius: this container is 10 m across and holds the whole domain of 0.2 m"));
-}
-
-TEST_CASE("a container as large as the domain is no mistake if it holds fluid", "[plan]") {
-    const std::string domain = "shape=\"box\", min=[-0.1,-0.01,-0.1], max=[0.1,0.1,0.1]";
-    const auto warnings = [](const std::vector<std::string>& changes) { return plan_with(changes).warnings; };
-    CHECK(warnings({"solid[1]={" + domain + ", container=true}"}).empty());
-    CHECK(warnings(
-              {"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-0.1,-0.01,-0.3], max=[0.1,0.1,0.3], container=true}"})
-              .empty());
-    CHECK(warnings({"domain.periodic=[false,false,true]", "solid[1]={shape=\"box\", min=[-1,-1,-0.1], max=[1,1,0.1], container=true}"})
-              .size() == 1);
 }
 
 TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {
@@ -96,20 +65,6 @@ TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {
         plan_with({"solid[1]={shape=\"sphere\", radius=0.02, position=[0.06,0.04,0.06], density=3}"}).warnings;
     REQUIRE(all.size() == 1);
     CHECK(all[0] == "solid[1].density = 3: solids have 10 to 25000 kg/m^3 (cork 200, steel 7800)");
-}
-
-TEST_CASE("a viscosity that is not a number on one side of a nozzle is refused", "[plan]") {
-    for (const std::string mu : {"1000*sqrt(x)", "1000*sqrt(z)"})
-        CHECK_THAT(messages_with({"fluid.viscosity=" + mu}), Catch::EndsWith("nan Pa s at emitter[0]"));
-}
-
-TEST_CASE("a viscosity that is invalid only at a nozzle's rim, without particles, is accepted", "[plan]") {
-    const std::string rim = "fluid.viscosity=50*sqrt(9e-6-(x-0.05)^2-(z-0.05)^2)";
-    CHECK(messages_with({rim, "emitter[0].radius=0.003", "emitter[0].position=[0.05,0.1,0.05]", "fluid.spacing=1e-3"}) == "no error");
-    // A slot has a long and a short axis.
-    const std::string slot = "emitter[0]={shape=\"box\", position=[0.05,0.1,0.05], width=0.06, thickness=0.006, speed=0.1}";
-    CHECK(messages_with({slot, "fluid.viscosity=1000*sqrt(0.055-z)"}) == "no error");
-    CHECK(messages_with({slot, "fluid.viscosity=1000*sqrt(0.07-x)"}) != "no error");
 }
 
 TEST_CASE("a wrong unit is reported next to the mistake that it causes", "[plan]") {
@@ -130,7 +85,7 @@ TEST_CASE("a mesh that is a thousand times too large or too small is reported", 
     REQUIRE(warnings("1").size() == 1);
     CHECK(warnings("1")[0] == "solid[0].scale: the mesh is 30 m across in a domain of 0.2 m; a mesh in millimetres needs scale = 1e-3");
     REQUIRE(warnings("1e-6").size() == 1);
-    CHECK(warnings("1e-6")[0].find("less than two particles of 2 mm") != std::string::npos);
+    CHECK(warnings("1e-6")[0].find("less than two particles of 0.002 m") != std::string::npos);
     std::ofstream(folder / "bowl.obj", std::ios::app) << "f 1 3 2\n";
     REQUIRE(warnings("1e-3").size() == 1);
     CHECK(warnings("1e-3")[0] == "solid[0].file: faces that repeat others left out: 1");
