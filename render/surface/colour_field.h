@@ -6,7 +6,7 @@
 /// With equal volumes V_j round surfaces would shrink by sigma^2/r (sigma: the kernel's width) and single particles vanish. Normalised, a
 /// flat surface is at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c = 0.605 with R = 2 d:
 /// there spheres and cylinders of 1 to 5 spacings keep their radius within 0.055 d, flat surfaces their place within 0.01 d
-/// (tools/bench/bench_surface.cpp measures it).
+/// (tests/render/surface/surface.cpp measures it).
 ///
 /// A wide kernel makes bumps smaller and holds a thin thread together, but bridges gaps: with R = 2.25 d two threads merge at a distance of
 /// 1.1 d. So R_j is 2 d where a particle has company, and grows to 2.4 d where it has little: a single file of particles stays in one piece

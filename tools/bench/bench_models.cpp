@@ -1,6 +1,8 @@
-/// ns per particle of the parts of the implicit solves: a product with the operator of the full viscosity and with the pressure matrix,
-/// and their set-up once a step. A block of fluid on a floor, in the order of the curve, as in a run.
+/// ns per particle of a product with the operator of each implicit solve. A block of fluid on a floor, in the order of the curve, as in a
+/// run; of the coupled solve a thread.
 #include <benchmark/benchmark.h>
+
+#include <numbers>
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
@@ -11,6 +13,7 @@
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/sph/density.h"
+#include "tests/support/coupled_world.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -44,62 +47,34 @@ struct Block : test::TestWorld {
     }
 };
 
-void per_particle(benchmark::State& state, Block& block) {
-    const auto particles = static_cast<double>(block.world.fluid.size());
-    state.counters["ns/particle"] = benchmark::Counter(particles * 1e-9 * static_cast<double>(state.iterations()),
-                                                       benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-    const auto pairs = static_cast<double>(block.world.fluid_pairs.other.size());
-    state.counters["ns/pair"] = benchmark::Counter(pairs * 1e-9 * static_cast<double>(state.iterations()),
-                                                   benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+void report(benchmark::State& state, double particles, double pairs) {
+    using benchmark::Counter;
+    const auto nanoseconds_each = [&](double count) {
+        return Counter(count * 1e-9 * static_cast<double>(state.iterations()), Counter::kIsRate | Counter::kInvert);
+    };
+    state.counters["ns/particle"] = nanoseconds_each(particles);
+    state.counters["ns/pair"] = nanoseconds_each(pairs);
     state.counters["neighbours"] = pairs / particles;
     state.counters["threads"] = threads();
 }
-
-void set_up(ViscousOperator& A, Block& block) {
-    FullViscosityOptions options;
-    options.solid_factor = block.factor;
-    World& w = block.world;
-    A.set_up(options, w.surroundings(), block.read<field::role>(), block.read<field::viscosity>());
-}
-
-void viscous_set_up(benchmark::State& state) {
-    set_threads(static_cast<int>(state.range(1)));
-    Block block(static_cast<Index>(state.range(0)));
-    ViscousOperator A;
-    for (auto _ : state) set_up(A, block);
-    per_particle(state, block);
+void report(benchmark::State& state, const Block& block) {
+    report(state, static_cast<double>(block.world.fluid.size()), static_cast<double>(block.world.fluid_pairs.other.size()));
 }
 
 void viscous_product(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Block block(static_cast<Index>(state.range(0)));
+    FullViscosityOptions options;
+    options.solid_factor = block.factor;
     ViscousOperator A;
-    set_up(A, block);
+    A.set_up(options, block.world.surroundings(), block.read<field::role>(), block.read<field::viscosity>());
     const auto u = block.column<field::velocity>();
     std::vector<Vec3> Au(u.size());
     for (auto _ : state) {
         A.multiply(u, Au);
         benchmark::ClobberMemory();
     }
-    per_particle(state, block);
-}
-
-/// The whole stage with no iteration of the solver: classes, matrix, right-hand side, the push of the pressure.
-void pressure_set_up(benchmark::State& state) {
-    set_threads(static_cast<int>(state.range(1)));
-    Block block(static_cast<Index>(state.range(0)));
-    World& w = block.world;
-    Density{block.factor}(w.surroundings(), {block.column<field::density>()});
-    PoissonPressureOptions options;
-    options.limits.max_iterations = 0;
-    options.solid_factor = block.factor;
-    PoissonPressure pressure(options);
-    for (auto _ : state) {
-        w.report = {};
-        pressure(w.surroundings(), w.report, block.read<field::role>(), block.read<field::density>(), {{block.column<field::velocity>()}},
-                 {{block.column<field::pressure>()}});
-    }
-    per_particle(state, block);
+    report(state, block);
 }
 
 void pressure_product(benchmark::State& state) {
@@ -118,7 +93,7 @@ void pressure_product(benchmark::State& state) {
         pressure.matrix().multiply(p, Ap);
         benchmark::ClobberMemory();
     }
-    per_particle(state, block);
+    report(state, block);
 }
 
 /// A product with D and with its transpose: an iteration of the constraint.
@@ -138,14 +113,27 @@ void constraint_product(benchmark::State& state) {
         D.apply(force, all, rate);
         benchmark::ClobberMemory();
     }
-    per_particle(state, block);
+    report(state, block);
+}
+
+void coupled_product(benchmark::State& state) {
+    set_threads(static_cast<int>(state.range(1)));
+    constexpr Real radius = Real(2.5 * d), spacing = Real(d);
+    const Real length = static_cast<Real>(state.range(0)) * spacing * spacing * spacing / (std::numbers::pi_v<Real> * radius * radius);
+    test::CoupledWorld thread(test::blue_noise_cylinder(radius, length, spacing), spacing, 1);
+    thread.solve_only(Real(4e-3));
+    std::vector<Vec3> y(thread.velocity().size());
+    for (auto _ : state) {
+        thread.system->form.apply(thread.velocity(), y);
+        benchmark::ClobberMemory();
+    }
+    report(state, static_cast<double>(y.size()), static_cast<double>(thread.system->rows.pairs));
 }
 
 }  // namespace
 
 // Particles, threads.
-BENCHMARK(viscous_set_up)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(viscous_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
-BENCHMARK(pressure_set_up)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(constraint_product)->ArgsProduct({{3000, 30000, 200000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(pressure_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(coupled_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
