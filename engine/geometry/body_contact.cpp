@@ -88,18 +88,25 @@ Vec3d BodyContacts::deepest(const Solid& a, const Solid& b, const Vec3d& image, 
         const Vec3 own = (x - image).cast<Real>();
         return Vec3d(x - (a.distance(own) * a.normal(own)).cast<double>());
     };
-    Vec3d p = on_surface(start);
+    const auto slope = [&](const Vec3d& x) -> Vec3d {
+        const Vec3d down = -b.normal(x.cast<Real>()).cast<double>(), out = a.normal((x - image).cast<Real>()).cast<double>();
+        return down - down.dot(out) * out;
+    };
+    Vec3d p = on_surface(start), along = slope(p);
     double gap = depth(p), step = step_.spacing / 2;
-    for (int k = 0; k < 24 && step > 0.01 * step_.spacing; ++k) {
-        const Vec3d down = -b.normal(p.cast<Real>()).cast<double>(), out = a.normal((p - image).cast<Real>()).cast<double>();
-        const Vec3d along = down - down.dot(out) * out;
-        if (along.norm() < 1e-3) break;
+    for (int k = 0; k < 24 && step > 0.01 * step_.spacing && along.norm() > 1e-3; ++k) {
         const Vec3d q = on_surface(p + step * along.normalized());
         const double lower = depth(q);
-        if (lower < gap) p = q, gap = lower;
+        if (lower < gap) p = q, gap = lower, along = slope(p);
         else step /= 2;
     }
-    return p;
+    // Depths are rounded. Where both surfaces are smooth, the slope vanishes at the place, and a secant finds it.
+    if (!(along.norm() > 1e-6)) return p;
+    const Vec3d way = 0.01 * step_.spacing * along.normalized(), q = on_surface(p + way);
+    const double bend = 1 - slope(q).dot(along) / along.squaredNorm();
+    if (!(bend > 0.01)) return p;
+    const Vec3d root = on_surface(p + way / bend);
+    return slope(root).norm() < along.norm() / 2 ? root : p;
 }
 
 void BodyContacts::look_from(const Solids& solids, const SolidParticles& layer, std::size_t a, std::size_t b, Index s, const Vec3d& image) {

@@ -285,7 +285,7 @@ TEST_CASE("colliding boxes keep both momenta to 1e-12 and bounce with their coef
     }
 }
 
-TEST_CASE("spheres that meet head-on part with bounce times the speed that they met with, within 2e-4", "[geometry][bodies]") {
+TEST_CASE("spheres that meet head-on part with bounce times the speed that they met with, within 2e-6", "[geometry][bodies]") {
     // They touch at points of their layers, a little off the line of their centres.
     for (const double bounce : {0.0, 0.8, 1.0}) {
         CAPTURE(bounce);
@@ -305,7 +305,7 @@ TEST_CASE("spheres that meet head-on part with bounce times the speed that they 
         stage.run(0.1);
         // m_1 v_1 + m_2 v_2 = m (1 - 1.5), v_2 - v_1 = 1.5 bounce
         const double mean = -0.5 / 4, parting = 1.5 * bounce;
-        CHECK((stage.solids.all[0].body->velocity - Vec3d(mean - 0.75 * parting, 0, 0)).norm() < 2e-4);
-        CHECK((stage.solids.all[1].body->velocity - Vec3d(mean + 0.25 * parting, 0, 0)).norm() < 2e-4);
+        CHECK((stage.solids.all[0].body->velocity - Vec3d(mean - 0.75 * parting, 0, 0)).norm() < 2e-6);
+        CHECK((stage.solids.all[1].body->velocity - Vec3d(mean + 0.25 * parting, 0, 0)).norm() < 2e-6);
     }
 }
