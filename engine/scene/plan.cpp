@@ -100,7 +100,7 @@ private:
         plan_.spacing = d_;
         plan_.expected_speed = n_.speed;
         plan_.largest_viscosity = n_.viscosity;
-        plan_.edge_climb = n_.spun.climb;
+        if (n_.spun.climb > d_) plan_.turning_vessel = static_cast<int>(n_.spun.solid);
         plan_.estimated_particles = n_.particles;
         plan_.free_surface = !scene_.emitters.empty() || part_left_empty(scene_, shapes_) > next_to_nothing;
     }
@@ -286,7 +286,7 @@ private:
         warn_of_viscosity();
         warn_of_pressure();
         warn_of_placement();
-        if (n_.spun.climb > d_) warn_of_spinning();
+        if (n_.spun.climb > d_ && n_.spun.edge > n_.spun.rim) warn_of_spinning();
         for (ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning.text));
         if (plan_.facts.micropolar.spins) warn_micropolar(plan_, scene_);
     }
@@ -302,14 +302,10 @@ private:
     }
 
     void warn_of_spinning() {
-        const std::string turns = fmt::format("solid[{}] turns at {:.3g} /s: ", n_.spun.solid, n_.spun.rate);
-        if (n_.spun.edge > n_.spun.rim)
-            add_warning(turns + fmt::format("fluid that turns with it climbs to {:.3g} m, and the vessel or the domain ends at {:.3g} m",
-                                            n_.spun.edge, n_.spun.rim));
-        if (plan_.facts.pressure.solves_viscosity)
-            add_warning(turns +
-                        "with models.pressure = \"coupled\" the edge of the fluid is one to two spacings too high; models.pressure "
-                        "= \"ppe\" with models.viscosity = \"full\" has it within half a spacing");
+        add_warning(
+            fmt::format("solid[{}] turns at {:.3g} /s: fluid that turns with it climbs to {:.3g} m, and the vessel or the domain ends "
+                        "at {:.3g} m",
+                        n_.spun.solid, n_.spun.rate, n_.spun.edge, n_.spun.rim));
     }
 
     void warn_of_viscosity() {

@@ -107,7 +107,7 @@ struct Plan {
     double sound_speed = 0;           ///< m/s, wcsph
     double artificial_viscosity = 0;  ///< alpha, wcsph
     double largest_viscosity = 0;     ///< Pa s over blocks and emitters
-    double edge_climb = 0;            ///< m, of fluid that turns with an upright round vessel: its edge above its middle
+    int turning_vessel = -1;          ///< upright round solid in which fluid that turns with it climbs by more than a spacing; -1: none
     MicropolarNumbers spin;           ///< where a micropolar model is chosen
     double estimated_particles = 0;   ///< at the end of the run
     std::vector<ClosedRoom> rooms;    ///< into which emitters open

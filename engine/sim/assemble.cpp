@@ -164,7 +164,7 @@ private:
         CoupledOptions options;
         options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
         options.support = plan_.support / plan_.spacing;
-        if (plan_.edge_climb > plan_.spacing) options.no_surface = 0.05, options.meeting_in_space = 1;  // else it loosens without end
+        options.vessel = plan_.turning_vessel;
         auto system = std::make_shared<CoupledSystem>(options);
         if (scene_.fluid.ink_diffusion > 0) made_.stages.push_back(neighbours());
         ink_diffusion();

@@ -2,6 +2,7 @@
 /// Options of the coupled solve. Lengths in spacings d.
 #include <algorithm>
 
+#include "engine/core/types.h"
 #include "engine/math/solve.h"
 
 namespace whorl {
@@ -27,6 +28,7 @@ struct CoupledOptions {
     double push = 0.1;               ///< compressed particles part at the rate push (n/n0 - 1)/dt
     double no_surface = 0.0125;      ///< loose ones under pressure meet up to this Neighbourhood::surface; from twice this on no more
     double meeting_in_space = 0.15;  ///< in 3D they meet at this fraction of the rate (1 in 2D): at rest more are loose than compressed
+    Index vessel = -1;  ///< round solid that turns the fluid about the vertical, -1: none. Then loose ones also meet next to surfaces
     double fastest_push =
         0.2;  ///< but not faster than this times (max |u| + sqrt(g d))/d: however short the step, they bring no motion of their own
     double memory = 0.98, weight_memory = 0.9999;  ///< from step to step, of the multiplier; of its part from 0 to the fluid's weight
