@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "engine/core/parallel.h"
+#include "tests/support/program.h"
 #include "tests/support/scratch.h"
 
 int main(int argc, char** argv) {
@@ -10,5 +11,7 @@ int main(int argc, char** argv) {
     // The program keeps coarse runs of films: not in the user's cache, and none from one run of the tests to the next.
     const whorl::test::ScratchFolder cache;
     setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
+    // The software driver compiles a shader for seconds: once for all tests of a build folder.
+    setenv("MESA_SHADER_CACHE_DIR", (std::filesystem::path(WHORL_PROGRAM).parent_path() / "tests/shaders").c_str(), 0);
     return Catch::Session().run(argc, argv);
 }
