@@ -1,12 +1,11 @@
 /// The energy budget of whole runs: what each cause gives or takes, and what does not close.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <sstream>
 
 #include "engine/core/parallel.h"
 #include "engine/io/diagnostics.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -24,54 +23,20 @@ double error(const Simulation& simulation) { return simulation.totals().work.err
 
 /// A plate that speeds up pushes water along a channel in 2D; a nozzle adds to it, a drain takes from it.
 std::string channel(const std::string& more = "") {
-    return R"toml([time]
-end = 1
-[domain]
-min = [0, 0]
-max = [1, 0.5]
-dimensions = 2
-[fluid]
-spacing = 0.02
-[[block]]
-shape = "box"
-min = [0.2, 0]
-max = [1, 0.16]
-[[solid]]
-shape = "box"
-min = [0.1, 0]
-max = [0.2, 0.5]
-position = ["0.15*t^2", 0, 0]
-[[solid]]
-shape = "plane"
-position = [0, 0, 0]
-normal = [0, 1, 0]
-[[solid]]
-shape = "plane"
-position = [1, 0, 0]
-normal = [-1, 0, 0]
-)toml" + more;
+    return text::time(1) + text::domain({0, 0}, {1, 0.5}) + text::fluid(0.02) + text::block({0.2, 0}, {1, 0.16}) +
+           text::box({0.1, 0}, {0.2, 0.5}, "position = [\"0.15*t^2\", 0, 0]") + text::plane({0, 0}, {0, 1}) + text::plane({1, 0}, {-1, 0}) +
+           more;
 }
 
-const std::string flows = R"toml([[emitter]]
-shape = "box"
-position = [0.6, 0.4, 0]
-direction = [0, -1, 0]
-width = 0.1
-thickness = 0.1
-speed = 0.5
-[[drain]]
-shape = "box"
-min = [0.9, 0]
-max = [1, 0.1]
-delay = 0.05
-)toml";
+const std::string flows =
+    "[[emitter]]\nshape = \"box\"\nposition = [0.6, 0.4, 0]\ndirection = [0, -1, 0]\nwidth = 0.1\nthickness = 0.1\nspeed = 0.5\n" +
+    text::drain({0.9, 0}, {1, 0.1}, "delay = 0.05");
 
 }  // namespace
 
 TEST_CASE("the energy budget of a block in free fall: gravity's work, and the error of the step, m g^2 t dt/2", "[sim][energy]") {
-    Simulation block = simulation_of(
-        "[time]\nend = 1\nfixed_step = 0.005\n[domain]\nmin = [-0.1, -0.3, -0.1]\nmax = [0.1, 0.1, 0.1]\n[fluid]\nspacing = 0.01\n"
-        "[[block]]\nshape = \"box\"\nmin = [-0.03, 0, -0.03]\nmax = [0.03, 0.06, 0.03]\n");
+    Simulation block = simulation_of(text::time(1, "fixed_step = 0.005") + text::domain({-0.1, -0.3, -0.1}, {0.1, 0.1, 0.1}) +
+                                     text::fluid(0.01) + text::block({-0.03, 0, -0.03}, {0.03, 0.06, 0.03}));
     block.count_energy();
     run_until(block, 0.2);
     const EnergyBudget& work = block.totals().work;
@@ -88,10 +53,10 @@ TEST_CASE("the energy budget of a block in free fall: gravity's work, and the er
 TEST_CASE("a piston's work is the water's energy and damping: constraint 1 %, wcsph 10 %, projection 13 %", "[sim][energy]") {
     // wcsph: the force of solids counts them twice, the density once. With projection the water gains 6 % more than the work (physics.md
     // 7).
-    for (const auto& [pressure, tolerance] :
-         {std::pair("ppe\"", 0.01), std::pair("wcsph\"", 0.1), std::pair("ppe\"\n[pressure]\nform = \"projection\"", 0.13)}) {
-        INFO(pressure);
-        Simulation piston = simulation_of(channel(fmt::format("[models]\npressure = \"{}\n", pressure)));
+    for (const auto& [models, tolerance] : {std::pair(text::models("ppe"), 0.01), std::pair(text::models("wcsph"), 0.1),
+                                            std::pair(text::pressure_form("projection"), 0.13)}) {
+        INFO(models);
+        Simulation piston = simulation_of(channel(models));
         piston.count_energy();
         run_until(piston, 0.1);
         const double work = piston.totals().work.solids, settled = error(piston);  // a lattice settles at first
@@ -103,13 +68,11 @@ TEST_CASE("a piston's work is the water's energy and damping: constraint 1 %, wc
 }
 
 TEST_CASE("a drum's work is its honey's energy plus the losses by viscosity and damping, within 1 %", "[sim][energy]") {
-    for (const char* models : {"[models]\npressure = \"ppe\"\nviscosity = \"full\"\n", "[models]\npressure = \"coupled\"\n"}) {
+    for (const std::string& models : {text::models("ppe", "full"), text::models("coupled")}) {
         INFO(models);
-        Simulation drum = simulation_of(
-            "[time]\nend = 1\n[domain]\nmin = [-0.06, -0.06]\nmax = [0.06, 0.06]\ndimensions = 2\ngravity = [0, 0, 0]\n[fluid]\nspacing = "
-            "6e-3\nviscosity = 4\n[[block]]\nshape = \"sphere\"\nposition = [0, 0]\nradius = 0.048\n[[solid]]\nshape = \"sphere\"\n"
-            "position = [0, 0]\nradius = 0.048\ncontainer = true\nrotation = [0, 0, 14]\n" +
-            std::string(models));
+        Simulation drum =
+            simulation_of(text::time(1) + text::domain({-0.06, -0.06}, {0.06, 0.06}, "gravity = [0, 0, 0]") + text::fluid(6e-3, 4) +
+                          text::drop({0, 0}, 0.048) + text::ball({0, 0}, 0.048, "container = true\nrotation = [0, 0, 14]") + models);
         drum.count_energy();
         run_until(drum, 0.2);
         const EnergyBudget& work = drum.totals().work;
@@ -120,10 +83,9 @@ TEST_CASE("a drum's work is its honey's energy plus the losses by viscosity and 
 }
 
 TEST_CASE("a stone that lies under water does no work, though the water lifts it in each step", "[sim][energy]") {
-    Simulation tank = simulation_of(
-        "[time]\nend = 1\n[domain]\nmin = [0, 0]\nmax = [0.3, 0.3]\ndimensions = 2\n[fluid]\nspacing = 0.02\n[[block]]\nshape = \"box\"\n"
-        "min = [0, 0]\nmax = [0.3, 0.16]\n[[solid]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.3, 0.3]\ncontainer = true\n"
-        "[[solid]]\nshape = \"box\"\nmin = [0.1, 0]\nmax = [0.2, 0.06]\ndensity = 2500\n");
+    Simulation tank =
+        simulation_of(text::time(1) + text::domain({0, 0}, {0.3, 0.3}) + text::fluid(0.02) + text::block({0, 0}, {0.3, 0.16}) +
+                      text::tank({0, 0}, {0.3, 0.3}) + text::box({0.1, 0}, {0.2, 0.06}, "density = 2500"));
     tank.count_energy();
     while (tank.time() < 0.5) tank.step(0.5);
     const double at_rest = tank.totals().work.solids;
@@ -135,9 +97,9 @@ TEST_CASE("a stone that lies under water does no work, though the water lifts it
 
 TEST_CASE("a nozzle brings the energy that a drain takes, within 1 %, and their particles are counted", "[sim][energy]") {
     Simulation jet = simulation_of(
-        "[time]\nend = 1\n[domain]\nmin = [-0.3, -0.3]\nmax = [0.3, 0.3]\ndimensions = 2\n[fluid]\nspacing = 0.01\n[[emitter]]\nshape = "
-        "\"box\"\nposition = [0, 0.25, 0]\nwidth = 0.05\nthickness = 0.05\ndirection = [0, -1, 0]\nspeed = 1\n[[drain]]\nshape = \"box\"\n"
-        "min = [-0.3, -0.3]\nmax = [0.3, -0.1]\n");
+        text::time(1) + text::domain({-0.3, -0.3}, {0.3, 0.3}) + text::fluid(0.01) +
+        "[[emitter]]\nshape = \"box\"\nposition = [0, 0.25, 0]\nwidth = 0.05\nthickness = 0.05\ndirection = [0, -1, 0]\nspeed = 1\n" +
+        text::drain({-0.3, -0.3}, {0.3, -0.1}));
     jet.count_energy();
     run_until(jet, 0.5);
     const RunTotals& totals = jet.totals();
@@ -170,10 +132,9 @@ TEST_CASE("the energy budget changes no bit of a run, and is the same for any th
 }
 
 TEST_CASE("gravity that changes, a force and periodic axes do the work of their own column", "[sim][energy]") {
-    const std::string top = "[time]\nend = 1\n[domain]\nmin = [0, 0]\nmax = [0.2, 0.2]\nperiodic = [true, true]\ndimensions = 2\n";
     const auto run = [&](const std::string& gravity, const std::string& force) {
-        Simulation falls = simulation_of(top + "gravity = " + gravity + "\n[fluid]\nspacing = 0.01\n" + force +
-                                         "[[block]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.05, 0.1]\n");
+        Simulation falls = simulation_of(text::time(1) + text::domain({0, 0}, {0.2, 0.2}, "periodic = [true, true]\ngravity = " + gravity) +
+                                         text::fluid(0.01, 0, force) + text::block({0, 0}, {0.05, 0.1}));
         falls.count_energy();
         run_until(falls, 0.3);
         // First order in the step: less than m g^2 t dt/2, which is 5 % here.
@@ -188,15 +149,12 @@ TEST_CASE("gravity that changes, a force and periodic axes do the work of their 
 TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice has melted, in three models", "[sim][energy]") {
     // The carried velocities of coupled honey are noise that adds some 1e-5 of the energy in .1 s.
     for (const auto& [models, tolerance] :
-         {std::pair("", 1e-5), std::pair("[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n", 1e-5),
-          std::pair("[models]\npressure = \"coupled\"\n", 1e-4)}) {
+         {std::pair(std::string(), 1e-5), std::pair(text::pressure_form("projection"), 1e-5), std::pair(text::models("coupled"), 1e-4)}) {
         INFO(models);
         const bool honey = tolerance > 1e-5;
-        Simulation slosh = simulation_of(
-            std::string("[time]\nend = 2\n[domain]\nmin = [0, 0]\nmax = [0.6, 0.5]\ndimensions = 2\n[fluid]\nspacing = 0.02\n") +
-            (honey ? "viscosity = 20\n" : "") + models +
-            "[[block]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.2]\nvelocity = [\"0.6*sin(pi*x/0.6)\", 0, 0]\n[[solid]]\n"
-            "shape = \"box\"\nmin = [0, 0]\nmax = [0.6, 0.5]\ncontainer = true\n");
+        Simulation slosh =
+            simulation_of(text::time(2) + text::domain({0, 0}, {0.6, 0.5}) + text::fluid(0.02, honey ? 20 : 0) + models +
+                          text::block({0, 0}, {0.6, 0.2}, "velocity = [\"0.6*sin(pi*x/0.6)\", 0, 0]") + text::tank({0, 0}, {0.6, 0.5}));
         slosh.count_energy();
         run_until(slosh, 0.1);
         const double most = tolerance * energy(slosh);  // rounding of the sums, single impacts
@@ -210,27 +168,10 @@ TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice 
 }
 
 TEST_CASE("merging drops keep their momentum within 1e-7, and their surface work closes the budget", "[sim][energy]") {
-    Simulation drops = simulation_of(R"toml([time]
-end = 1
-[domain]
-min = [-0.03, -0.03, -0.03]
-max = [0.03, 0.03, 0.03]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 1e-3
-viscosity = 0.01
-surface_tension = 0.07
-[[block]]
-shape = "sphere"
-position = [-5e-3, 0, 0]
-radius = 4e-3
-velocity = [0.12, 0.02, 0]
-[[block]]
-shape = "sphere"
-position = [5e-3, 0, 0]
-radius = 4e-3
-velocity = [-0.1, 0.02, 0]
-)toml");
+    Simulation drops =
+        simulation_of(text::time(1) + text::domain({-0.03, -0.03, -0.03}, {0.03, 0.03, 0.03}, "gravity = [0, 0, 0]") +
+                      text::fluid(1e-3, 0.01, "surface_tension = 0.07") + text::drop({-5e-3, 0, 0}, 4e-3, "velocity = [0.12, 0.02, 0]") +
+                      text::drop({5e-3, 0, 0}, 4e-3, "velocity = [-0.1, 0.02, 0]"));
     drops.count_energy();
     const Measures start = measure(drops.world(), Vec3d::Zero(), 1);
     run_until(drops, 0.01);  // their surfaces have settled, and they touch

@@ -1,4 +1,6 @@
 /// The stages of the projection together: the same bits, walls that move, what is kept and what is not.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
@@ -6,6 +8,7 @@
 #include "engine/core/parallel.h"
 #include "engine/io/diagnostics.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -15,83 +18,23 @@ namespace projection_test {
 namespace {
 
 /// A tank with a free surface in which a wall moves, in 2D.
-const std::string tank = R"toml([time]
-end = 1
-[domain]
-dimensions = 2
-min = [-0.05, -0.05]
-max = [0.25, 0.3]
-[fluid]
-spacing = 0.01
-viscosity = 0.5
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.2, 0.15]
-sampling = "jittered"
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0]
-max = [0.2, 0.3]
-[[solid]]
-shape = "box"
-min = [0.08, 0.03]
-max = [0.12, 0.06]
-position = ["0.01*sin(10*t)", "0"]
-)toml";
+const std::string tank = text::time(1) + text::domain({-0.05, -0.05}, {0.25, 0.3}) + text::fluid(0.01, 0.5) +
+                         text::pressure_form("projection") + text::block({0, 0}, {0.2, 0.15}, "sampling = \"jittered\"") +
+                         text::tank({0, 0}, {0.2, 0.3}) + text::box({0.08, 0.03}, {0.12, 0.06}, "position = [\"0.01*sin(10*t)\", 0]");
 
-/// Vortices in a periodic box, off their lattice, in a stream.
-const std::string vortices = R"toml([time]
-end = 1
-[domain]
-dimensions = 2
-max = [1, 1]
-periodic = [true, true]
-gravity = [0, 0]
-min = [0, 0]
-[fluid]
-spacing = 0.0625
-density = 1
-viscosity = 0.01
-[models]
-viscosity = "explicit"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [1, 1]
-sampling = "jittered"
-velocity = ["STREAM + sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)"]
-)toml";
+/// Vortices in a periodic box, in a stream of that speed [m/s].
+std::string vortices(const std::string& sampling, double stream = 0) {
+    return text::time(1) + text::domain({0, 0}, {1, 1}, "periodic = [true, true]\ngravity = [0, 0]") +
+           text::fluid(0.0625, 0.01, "density = 1") + text::models("", "explicit") +
+           text::block({0, 0}, {1, 1},
+                       fmt::format("sampling = \"{}\"\nvelocity = [\"{} + sin(2*pi*x)*cos(2*pi*y)\", \"-cos(2*pi*x)*sin(2*pi*y)\"]",
+                                   sampling, stream));
+}
 
 /// A drop of 5 mm without weight, in 2D.
 std::string drop(const std::string& block, const std::string& fluid) {
-    return R"toml([time]
-end = 1
-[domain]
-dimensions = 2
-min = [-0.01, -0.01]
-max = [0.01, 0.01]
-gravity = [0, 0]
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-[[block]]
-shape = "sphere"
-radius = 5e-3
-sampling = "jittered"
-)toml" + block +
-           "[fluid]\nspacing = 6e-4\n" + fluid;
-}
-
-std::string in_stream(const char* speed) {
-    std::string text = vortices;
-    return text.replace(text.find("STREAM"), 6, speed);
+    return text::time(1) + text::domain({-0.01, -0.01}, {0.01, 0.01}, "gravity = [0, 0]") + text::pressure_form("projection") +
+           text::drop({0, 0}, 5e-3, "sampling = \"jittered\"\n" + block) + text::fluid(6e-4, 0, fluid);
 }
 
 Vec3d momentum(const Simulation& simulation) {
@@ -149,7 +92,7 @@ TEST_CASE("so do a drop with surface tension and a viscous one that turns, witho
 
 TEST_CASE("a box full of fluid takes the projection by itself, and a stream carries its vortices unchanged", "[sim][projection]") {
     // Galilean invariance: what the stream changes is where the particles' noise is when, at 16 a side 2 % of the energy in .5 s.
-    Simulation still = simulation_of(in_stream("0")), carried = simulation_of(in_stream("0.5"));
+    Simulation still = simulation_of(vortices("jittered")), carried = simulation_of(vortices("jittered", 0.5));
     CHECK(still.plan().facts.pressure.form == PressureForm::projection);
     const double start = energy(still);
     run_until(still, 0.5);
@@ -163,52 +106,12 @@ TEST_CASE("a box full of fluid takes the projection by itself, and a stream carr
 namespace {
 
 /// A basin into which a nozzle in its side wall pours, and which overflows at its rim.
-const std::string basin = R"toml([time]
-end = 4
-max_step = 5e-3
-[domain]
-dimensions = 2
-min = [-0.2, -0.2]
-max = [1.2, 0.6]
-[fluid]
-spacing = 0.02
-viscosity = 1
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [1, 0.4]
-[[emitter]]
-shape = "box"
-position = [0.01, 0.2]
-direction = [1, 0]
-width = 0.1
-thickness = 0.1
-speed = 0.1
-[[drain]]
-shape = "box"
-min = [0, 0.4]
-max = [1, 0.6]
-[[solid]]
-shape = "box"
-min = [0, -0.1]
-max = [1, 0]
-[[solid]]
-shape = "box"
-min = [-0.1, -0.1]
-max = [0, 0.148]
-[[solid]]
-shape = "box"
-min = [-0.1, 0.252]
-max = [0, 0.6]
-[[solid]]
-shape = "box"
-min = [1, -0.1]
-max = [1.1, 0.6]
-)toml";
+const std::string basin = text::time(4, "max_step = 5e-3") + text::domain({-0.2, -0.2}, {1.2, 0.6}) + text::fluid(0.02, 1) +
+                          text::pressure_form("projection") + text::block({0, 0}, {1, 0.4}) +
+                          "[[emitter]]\nshape = \"box\"\nposition = [0.01, 0.2]\ndirection = [1, 0]\nwidth = 0.1\nthickness = 0.1\n"
+                          "speed = 0.1\n" +
+                          text::drain({0, 0.4}, {1, 0.6}) + text::box({0, -0.1}, {1, 0}) + text::box({-0.1, -0.1}, {0, 0.148}) +
+                          text::box({-0.1, 0.252}, {0, 0.6}) + text::box({1, -0.1}, {1.1, 0.6});
 
 /// Number of particles outside nozzles and drains.
 double free_particles(const Simulation& simulation) {
@@ -217,37 +120,11 @@ double free_particles(const Simulation& simulation) {
     return count;
 }
 
-/// A disc in a tank, both full of the same fluid.
-const std::string floating = R"toml([time]
-end = 1
-max_step = 5e-3
-[domain]
-dimensions = 2
-min = [-0.05, -0.05]
-max = [0.45, 0.45]
-[fluid]
-spacing = 0.02
-viscosity = 0.5
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.4, 0.3]
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0]
-max = [0.4, 0.4]
-[[solid]]
-shape = "sphere"
-position = [0.2, 0.15]
-radius = 0.06
-density = 950
-velocity = [0.1, 0]
-)toml";
+/// A tank of fluid with a free body.
+std::string floating(const std::string& body) {
+    return text::time(1, "max_step = 5e-3") + text::domain({-0.05, -0.05}, {0.45, 0.45}) + text::fluid(0.02, 0.5) +
+           text::pressure_form("projection") + text::block({0, 0}, {0.4, 0.3}) + text::tank({0, 0}, {0.4, 0.4}) + body;
+}
 
 }  // namespace
 
@@ -268,15 +145,11 @@ TEST_CASE("under the projection a nozzle fills a basin at its rate, and fluid ab
 }
 
 TEST_CASE("a free jet under the projection carries its nozzle's rate at the speed of free fall", "[sim][projection]") {
-    std::string text = basin.substr(0, basin.find("[[solid]]"));
-    text.erase(text.find("[[block]]"), text.find("[[emitter]]") - text.find("[[block]]"));
-    const auto put = [&](const std::string& old, const std::string& now) { text.replace(text.find(old), old.size(), now); };
-    put("position = [0.01, 0.2]", "position = [0.5, 0.5]");
-    put("direction = [1, 0]", "direction = [0, -1]");
-    put("speed = 0.1", "speed = 0.5");
-    put("min = [0, 0.4]", "min = [0, -0.2]");
-    put("max = [1, 0.6]", "max = [1, 0]");
-    Simulation simulation = simulation_of(text);
+    Simulation simulation = simulation_of(
+        text::time(4, "max_step = 5e-3") + text::domain({-0.2, -0.2}, {1.2, 0.6}) + text::fluid(0.02, 1) +
+        text::pressure_form("projection") +
+        "[[emitter]]\nshape = \"box\"\nposition = [0.5, 0.5]\ndirection = [0, -1]\nwidth = 0.1\nthickness = 0.1\nspeed = 0.5\n" +
+        text::drain({0, -0.2}, {1, 0}));
     run_until(simulation, 1);
     const double drained = static_cast<double>(simulation.totals().drained_particles);
     double lowest = 1, fastest = 0;
@@ -296,7 +169,7 @@ TEST_CASE(
     "the projection with a nozzle, a drain and a free body has the same bits on 1 and 4 threads, and in a run that was saved half-way",
     "[sim][projection][bodies][threads][resume]") {
     const int before = threads();
-    for (const std::string& text : {basin, floating}) {
+    for (const std::string& text : {basin, floating(text::ball({0.2, 0.15}, 0.06, "density = 950\nvelocity = [0.1, 0]"))}) {
         set_threads(1);
         Simulation whole = simulation_of(text);
         run_until(whole, 0.1);
@@ -312,10 +185,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a stone that lies on the floor stays there under the projection, and the water stays still", "[sim][projection][bodies]") {
-    std::string text = floating;
-    const auto from = text.find("[[solid]]\nshape = \"sphere\"");
-    text.replace(from, text.size() - from, "[[solid]]\nshape = \"box\"\nmin = [0.14, 0]\nmax = [0.26, 0.08]\ndensity = 2000\n");
-    Simulation simulation = simulation_of(text);
+    Simulation simulation = simulation_of(floating(text::box({0.14, 0}, {0.26, 0.08}, "density = 2000")));
     run_until(simulation, 1);
     const RigidBody& stone = *simulation.world().solids.all.back().body;
     CHECK((stone.centre - Vec3d(0.2, 0.04, 0)).norm() < 1e-5);
@@ -325,18 +195,12 @@ TEST_CASE("a stone that lies on the floor stays there under the projection, and 
 }
 
 TEST_CASE("a full box with more particles than it has room for is refused under the projection, with how many", "[sim][projection]") {
-    std::string text = vortices;
-    text.replace(text.find("STREAM"), 6, "0");
-    text.replace(text.find("jittered"), 8, "lattice");
-    text += "[[block]]\nshape = \"box\"\nmin = [0.25, 0.25]\nmax = [0.75, 0.75]\n";
-    const auto complaint = [&] {
-        try {
-            simulation_of(text);
-            return std::string("no error");
-        } catch (const InputError& e) { return std::string(e.what()); }
-    };
+    const std::string text = vortices("lattice") + text::block({0.25, 0.25}, {0.75, 0.75});
     // The inner particles have about twice as many neighbours: between a quarter and a half too many, as kernel sums count it.
-    const std::string what = complaint();
+    std::string what = "no error";
+    try {
+        simulation_of(text);
+    } catch (const InputError& e) { what = e.what(); }
     CHECK(what.find("% too many particles for the room of this fluid") != std::string::npos);
     CHECK(what.find("let no blocks overlap") != std::string::npos);
 }

@@ -99,7 +99,7 @@ TEST_CASE(
     "size",
     "[validation][coupled][boundary][slip]") {
     constexpr double g = 9.81, slope = 0.2;
-    for (const auto& [b, size] : {std::pair(1.0, 1.0), std::pair(8.0, 1.0), std::pair(1.0, 1e-3), std::pair(1.0, 1e3)}) {
+    for (const auto& [b, size] : {std::pair(1.0, 1.0), std::pair(1.0, 1e-3), std::pair(8.0, 1e3)}) {
         const double d = 0.01 * size, H = 8 * d, nu = 0.5 * std::pow(size, 1.5);
         CoupledWorld w(loose_box(Vec3d::Zero(), Vec3d(8 * d, H, 8 * d), d), Real(d), Real(nu));
         w.world.step.domain = Domain{Vec3(0, Real(-H), 0), Vec3(Real(8 * d), Real(2 * H), Real(8 * d)), {true, false, true}};
@@ -107,7 +107,7 @@ TEST_CASE(
         w.world.solids.all.push_back(solid_of(make_plane(Vec3d::Zero(), Vec3d(0, 1, 0)), b * d));
         const auto exact = [&](double y) { return g * std::sin(slope) / nu * (H * (y + b * d) - y * y / 2); };
         for (std::size_t i = 0; i < w.position().size(); ++i) w.velocity()[i][0] = Real(exact(w.position()[i][1]));
-        for (int k = 0; k < 200; ++k) w.step(Real(0.0025 * std::sqrt(size)));
+        for (int k = 0; k < 60; ++k) w.step(Real(0.0025 * std::sqrt(size)));  // nu t/H^2 = 12
         double sum = 0, exact_sum = 0, count = 0;
         for (std::size_t i = 0; i < w.position().size(); ++i) {
             sum += w.velocity()[i][0], exact_sum += exact(w.position()[i][1]), ++count;
@@ -135,7 +135,7 @@ TEST_CASE("coupled: a turning paddle drags syrup along, and none leaks into the 
         paddle.spin.component[1] = Expression("6*min(1, t/0.1)");
         w.world.solids.all.push_back(paddle);
         // The tips move by 0.9 d a step.
-        for (int k = 0; k < 160; ++k) REQUIRE(w.step(Real(0.004)));
+        for (int k = 0; k < 100; ++k) REQUIRE(w.step(Real(0.004)));
         double turning = 0, deepest = 1;
         int outside = 0;
         for (std::size_t i = 0; i < w.position().size(); ++i) {

@@ -96,58 +96,10 @@ TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its ra
     });
 }
 
-TEST_CASE("plane Poiseuille flow between walls at rest reaches its parabola within 2 %, 24 particles across",
-          "[validation][viscosity][boundary]") {
-    const double H = 1, d = H / 24, nu = 1, g = 8;  // largest speed g H^2/(8 nu) = 1
-    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
-        const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), {true, false, dimensions == 3}});
-        w.use(viscous_step_of(form, factor));
-        w.world.step.gravity = Vec3(Real(g), 0, 0);
-        w.add_wall(1, +1, 0);
-        w.add_wall(1, -1, H);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu);
-        const double dt = is_implicit(form) ? 0.02 : 0.9 * longest_step(form, dimensions, d, nu);
-        for (int s = 0; s < static_cast<int>(0.6 / dt); ++s) w.step(dt);  // the slowest mode has decayed by exp(-pi^2 0.6) = 0.3 %
-        const auto x = w.column<field::position>();
-        const auto u = w.column<field::velocity>();
-        double worst = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(u[i].x() - g / (2 * nu) * x[i].y() * (H - x[i].y())));
-        CHECK(worst < (dimensions == 2 ? 0.022 : 0.02));  // the fourth moments of a square lattice are less round
-    });
-}
-
-TEST_CASE("plane Couette flow has a straight profile within 2 %, with 16 particles across", "[validation][viscosity][boundary]") {
-    // From the exact flow, for nu t/H^2 = 0.5: what a discrete steady state differs by has come up to 1 - exp(-pi^2/2) = 99 %.
-    const double H = 1, d = H / 16, nu = 1;
-    in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
-        const double support = support_of(form), width = 8 * d;
-        const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
-        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), {true, false, dimensions == 3}});
-        w.use(viscous_step_of(form, factor));
-        w.world.step.gravity.setZero();
-        w.add_wall(1, +1, 0);
-        w.add_wall(1, -1, H);
-        w.world.solids.all[1].pose.velocity = Vec3(1, 0, 0);
-        SolidParticles& layer = w.world.solid_particles;
-        for (Index s = 0; s < layer.size(); ++s)
-            if (layer.solid[s] == 1) layer.velocity[s] = Vec3(1, 0, 0);
-        w.place(Vec3::Zero(), Vec3(Real(width), Real(H), Real(depth)), 1000 * nu, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
-        const double dt = is_implicit(form) ? 0.02 : 0.9 * longest_step(form, dimensions, d, nu);
-        for (int s = 0; s < static_cast<int>(0.5 / dt); ++s) w.step(dt);
-        const auto x = w.column<field::position>();
-        const auto u = w.column<field::velocity>();
-        double worst = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max<double>(worst, std::abs(u[i].x() - x[i].y()));
-        CHECK(worst < 0.02);
-    });
-}
-
 namespace {
 
 /// Between y = 0 and 1, nu = 1, 24 particles across, from rest: the largest difference from exact(y, t) at the times, under a uniform
-/// acceleration g or with the upper wall at speed U.
+/// acceleration g and with the upper wall at speed U.
 double start_up_error(Form form, double g, double U, const std::function<double(double, double)>& exact) {
     const double d = 1.0 / 24, support = support_of(form), width = 8 * d;
     const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
@@ -175,19 +127,16 @@ double start_up_error(Form form, double g, double U, const std::function<double(
 
 }  // namespace
 
-TEST_CASE("Couette and Poiseuille flow start as their series, within 2 % of the largest speed", "[validation][viscosity][boundary]") {
+TEST_CASE("Couette and Poiseuille flow, added, start as their series within 2 % of the lid's speed", "[validation][viscosity][boundary]") {
     const double pi = std::numbers::pi;
     for (Form form : all_forms) {
         INFO(name(form));
-        CHECK(start_up_error(form, 0, 1, [&](double y, double t) {
-                  double u = y;
-                  for (int n = 1; n < 40; ++n)
-                      u += 2 / (n * pi) * (n % 2 == 0 ? 1 : -1) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
-                  return u;
-              }) < 0.02);
-        CHECK(start_up_error(form, 8, 0, [&](double y, double t) {
-                  double u = 4 * y * (1 - y);
-                  for (int n = 1; n < 40; n += 2) u -= 32 / std::pow(n * pi, 3) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
+        CHECK(start_up_error(form, 8, 1, [&](double y, double t) {
+                  double u = y + 4 * y * (1 - y);
+                  for (int n = 1; n < 40; ++n) {
+                      const double couette = 2 / (n * pi) * (n % 2 == 0 ? 1 : -1), poiseuille = n % 2 == 0 ? 0 : -32 / std::pow(n * pi, 3);
+                      u += (couette + poiseuille) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
+                  }
                   return u;
               }) < 0.02);
     }
@@ -289,6 +238,7 @@ TEST_CASE("a film on an incline keeps its half parabola within 2 % with forms wi
     // 92 %.
     const double H = 1, d = H / 16, nu = 1, g = 2;  // largest speed g H^2/(2 nu) = 1
     in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
+        if (form == Form::monaghan && dimensions == 3) return;  // the dearest: in 3D the series above
         const double support = support_of(form), width = 8 * d;
         const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
         TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(2 * H), Real(depth)), {true, false, dimensions == 3}});

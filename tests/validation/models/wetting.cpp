@@ -36,10 +36,10 @@ double cap_centre(double angle) {
 TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 wetting - 1, within 12 degrees",
           "[validation][surface_tension][regression]") {
     // The angle is that of the spherical cap of the drop's volume whose centre of mass is as high as the drop's. Started as half a ball
-    // (90 degrees), 8 to 12 spacings across: half a spacing of height is 5 to 8 degrees. Measured: 112, 89 and 61 degrees where 120, 90 and
-    // 60 are asked.
+    // (90 degrees), 8 to 12 spacings across: half a spacing of height is 5 to 8 degrees. Measured: 112 and 61 degrees where 120 and 60 are
+    // asked.
     double before = 200;
-    for (const double wetting : {0.25, 0.5, 0.75}) {
+    for (const double wetting : {0.25, 0.75}) {
         test::TestWorld w(
             d, 2, Domain{Vec3(Real(-16 * d), 0, Real(-16 * d)), Vec3(Real(16 * d), Real(24 * d), Real(16 * d)), {false, false, false}});
         w.add_wall(1, 1, 0, std::numeric_limits<double>::infinity());

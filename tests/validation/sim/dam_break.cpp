@@ -1,6 +1,4 @@
 /// Densities through a whole dam break, and what fluid in a tank keeps.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -8,6 +6,7 @@
 #include "engine/models/pressure/density_rate.h"
 #include "engine/particles/search.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -46,29 +45,11 @@ double level(const Simulation& simulation) {  // of water on a floor at 0
     return mean;
 }
 
-/// 10 layers, 2000 particles.
-constexpr const char* dam = R"toml([time]
-end = 1.6
-[domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.69, 0.6, 0.21]
-[fluid]
-spacing = 1.6e-2
-[models]
-pressure = "ppe"
-viscosity = "xsph"
-[viscosity]
-alpha = 0.05
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.16, 0.32, 0.16]
-[[solid]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.64, 0.5, 0.16]
-container = true
-)toml";
+/// 20 layers, 1000 particles.
+const std::string falling_column = text::domain({-0.05, -0.05, -0.05}, {0.69, 0.6, 0.13}) + text::fluid(1.6e-2) +
+                                   text::models("ppe", "xsph") + "[viscosity]\nalpha = 0.05\n" +
+                                   text::block({0, 0, 0}, {0.16, 0.32, 0.08}) + text::tank({0, 0, 0}, {0.64, 0.5, 0.08}),
+                  dam = text::time(1.6) + falling_column;
 
 /// Over all steps; the largest of any particle.
 Compression compression_over(Simulation& simulation, double until) {
@@ -112,8 +93,7 @@ TEST_CASE("a looser pressure.tolerance saves iterations in a dam break, and leav
 }
 
 TEST_CASE("at any time.cfl, the weight of water limits the step to that of a stable column at rest", "[validation][pressure]") {
-    Simulation simulation =
-        simulation_of(std::string("[time]\nend = 1\ncfl = 1.6\nmax_step = 1\n") + (dam + std::string(dam).find("[domain]")));
+    Simulation simulation = simulation_of(text::time(1, "cfl = 1.6\nmax_step = 1") + falling_column);
     int bound = 0;
     while (simulation.time() < 0.2) {
         const World& w = simulation.world();
@@ -128,28 +108,10 @@ TEST_CASE("at any time.cfl, the weight of water limits the step to that of a sta
 TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validation][pressure]") {
     // Resonant: the tank, 0.4 m long with water 0.14 m deep, is tilted to and fro with its first period. It is at rest for a second
     // before, in which the lattice melts, and for two after, when the level is measured again (-0.24 %). Crests reach 3 cm, the lid is far.
-    Simulation simulation = simulation_of(R"toml([time]
-end = 9
-max_step = 5e-3
-[domain]
-min = [-0.05, -0.05, 0]
-max = [0.45, 0.6, 0.08]
-periodic = [false, false, true]
-gravity = ["t > 1 && t < 6 ? 0.5*sin(7.6*(t-1)) : 0", "-9.81", "0"]
-[fluid]
-spacing = 0.02
-[models]
-pressure = "ppe"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.4, 0.14, 0.08]
-[[solid]]
-shape = "box"
-min = [0, 0, -1]
-max = [0.4, 0.55, 1]
-container = true
-)toml");
+    const std::string tilting = "gravity = [\"t > 1 && t < 6 ? 0.5*sin(7.6*(t-1)) : 0\", \"-9.81\"]";
+    Simulation simulation =
+        simulation_of(text::time(9, "max_step = 5e-3") + text::domain({-0.05, -0.05}, {0.45, 0.6}, tilting) + text::fluid(0.02) +
+                      text::models("ppe") + text::block({0, 0}, {0.4, 0.14}) + text::tank({0, 0}, {0.4, 0.55}));
     run_until(simulation, 1);
     const double before = level(simulation);
     double highest = 0;
@@ -168,26 +130,9 @@ TEST_CASE("a rotating square patch has the tension of theory, and keeps symmetry
     // Half a radian. The pressure that keeps the velocity of a turning square free of divergence solves lap p = 2 rho w^2 with p = 0 on
     // the sides: -0.1473 rho w^2 L^2 in the middle (Fourier series; Colagrossi 2005). Without a pressure the corners move to 0.79 L.
     constexpr double d = 0.05;
-    Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 1
-[domain]
-dimensions = 2
-min = [-3, -3]
-max = [3, 3]
-gravity = [0, 0]
-[fluid]
-spacing = {0}
-[[block]]
-shape = "box"
-min = [-0.5, -0.5]
-max = [0.5, 0.5]
-velocity = ["-y", "x"]
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-)toml",
-                                                      d));
+    Simulation simulation =
+        simulation_of(text::time(1) + text::domain({-3, -3}, {3, 3}, "gravity = [0, 0]") + text::fluid(d) +
+                      text::block({-0.5, -0.5}, {0.5, 0.5}, "velocity = [\"-y\", \"x\"]") + text::pressure_form("projection"));
     struct State {
         double turning = 0, energy = 0, middle = 0;
     };

@@ -21,7 +21,8 @@ struct Fall {
 
 Fall fall(const std::string& pressure, double gate) {
     ReadRequest request;
-    for (const std::string& change : {"models.pressure=" + pressure, "boundary.gate=" + std::to_string(gate)})
+    for (const std::string& change : {"models.pressure=" + pressure, "boundary.gate=" + std::to_string(gate),
+                                      std::string("domain.max=[0.05,0.3,0.05]"), std::string("block[0].max=[0.05,0.11,0.05]")})
         request.changes.push_back(parse_change(change));
     const Scene scene = read_scene(WHORL_SOURCE_DIR "/scenes/studies/gate.toml", request);
     Simulation simulation(scene, make_plan(scene));

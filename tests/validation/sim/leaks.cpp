@@ -5,9 +5,11 @@
 #include <fstream>
 
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace leaks_test {
 
@@ -21,30 +23,13 @@ TEST_CASE(
     "a block of water dropped into a container stays inside its walls, in every pressure model "
     "with solids",
     "[validation][boundary]") {
-    for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"}) {
-        INFO(models);
-        Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
-end = 0.5
-max_step = 5e-3
-[domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.25, 0.8, 0.2]
-[fluid]
-spacing = {}
-[[block]]
-shape = "box"
-min = [0.03, 0.2, 0.03]
-max = [0.13, 0.3, 0.12]
-[[solid]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.2, 0.75, 0.15]
-container = true
-[models]
-{})toml",
-                                                                d, models));
+    for (const std::string pressure : {"ppe", "wcsph"}) {
+        INFO(pressure);
+        Simulation simulation = simulation_of(text::time(0.5, "max_step = 5e-3") + text::domain({-0.05, -0.05, -0.05}, {0.25, 0.8, 0.2}) +
+                                              text::fluid(d) + text::block({0.03, 0.2, 0.03}, {0.13, 0.3, 0.12}) +
+                                              text::tank({0, 0, 0}, {0.2, 0.75, 0.15}) + text::models(pressure));
         const Index particles = simulation.world().fluid.size();
-        test::run_until(simulation, 0.5);
+        run_until(simulation, 0.5);
         CHECK(simulation.totals().lost_particles == 0);
         CHECK(simulation.world().fluid.size() == particles);
         for (const Vec3& x : simulation.world().fluid.column<field::position>())
@@ -55,32 +40,10 @@ container = true
 TEST_CASE("a plate of three spacings that sweeps through water by a spacing a step leaves no particle behind", "[validation][boundary]") {
     // 6.25 m/s for 16 ms, then it stops. fixed_step: the step is not cut to the plate's speed. The water goes up at the far wall, within 1
     // m.
-    Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
-end = 0.1
-fixed_step = 2e-3
-[domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.3, 2.0, 0.15]
-[fluid]
-spacing = {}
-[models]
-pressure = "ppe"
-[[block]]
-shape = "box"
-min = [0.0375, 0, 0]
-max = [0.2375, 0.075, 0.1]
-[[solid]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.2375, 1.9, 0.1]
-container = true
-[[solid]]
-shape = "box"
-min = [0, -0.05, -0.05]
-max = [0.0375, 1.95, 0.15]
-position = ["t < 0.016 ? 6.25*t : 0.1", 0, 0]
-)toml",
-                                                            d));
+    Simulation simulation =
+        simulation_of(text::time(0.1, "fixed_step = 2e-3") + text::domain({-0.05, -0.05, -0.05}, {0.3, 2, 0.15}) + text::fluid(d) +
+                      text::models("ppe") + text::block({0.0375, 0, 0}, {0.2375, 0.075, 0.1}) + text::tank({0, 0, 0}, {0.2375, 1.9, 0.1}) +
+                      text::box({0, -0.05, -0.05}, {0.0375, 1.95, 0.15}, "position = [\"t < 0.016 ? 6.25*t : 0.1\", 0, 0]"));
     const Index particles = simulation.world().fluid.size();
     while (simulation.time() < 0.1) {
         REQUIRE_FALSE(simulation.step(0.1).diverged);
@@ -94,7 +57,7 @@ position = ["t < 0.016 ? 6.25*t : 0.1", 0, 0]
 }
 
 TEST_CASE("no particle of a dam break passes a mesh plate of a fiftieth of a spacing, upright or tilted", "[validation][boundary]") {
-    const test::ScratchFolder folder;
+    const ScratchFolder folder;
     constexpr double thickness = d / 50;
     for (const double tilt : {0.0, 0.4}) {
         std::ofstream mesh(folder / "plate.obj");
@@ -103,39 +66,19 @@ TEST_CASE("no particle of a dam break passes a mesh plate of a fiftieth of a spa
                 mesh << fmt::format("v {} {} {}\n", 0.15 + tilt * y + side * thickness * std::hypot(1, tilt), y, z);
         mesh << "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         mesh.close();
-        for (const std::string models : {"pressure = \"ppe\"\n", "pressure = \"wcsph\"\n"}) {
-            INFO(tilt << ' ' << models);
-            Simulation simulation = test::simulation_of(fmt::format(R"toml([time]
-end = 0.3
-max_step = 5e-3
-[domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.4, 0.5, 0.15]
-[fluid]
-spacing = {}
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.15, 0.1]
-[[solid]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.35, 0.45, 0.1]
-container = true
-[[solid]]
-shape = "mesh"
-file = "{}"
-[models]
-{})toml",
-                                                                    d, (folder / "plate.obj").string(), models));
-            test::run_until(simulation, 0.3);
-            CHECK(simulation.totals().lost_particles == 0);
-            double farthest = -1;
-            for (const Vec3& x : simulation.world().fluid.column<field::position>())
-                farthest = std::max(farthest, static_cast<double>(x.x()) - 0.15 - tilt * static_cast<double>(x.y()));
-            CHECK(farthest < thickness);
-            CHECK(farthest > -d);  // it has arrived
-        }
+        const std::string pressure = tilt > 0 ? "ppe" : "wcsph";
+        INFO(tilt << ' ' << pressure);
+        Simulation simulation = simulation_of(
+            text::time(0.3, "max_step = 5e-3") + text::domain({-0.05, -0.05, -0.05}, {0.4, 0.5, 0.15}) + text::fluid(d) +
+            text::block({0, 0, 0}, {0.1, 0.15, 0.1}) + text::tank({0, 0, 0}, {0.35, 0.45, 0.1}) +
+            fmt::format("[[solid]]\nshape = \"mesh\"\nfile = \"{}\"\n", (folder / "plate.obj").string()) + text::models(pressure));
+        run_until(simulation, 0.3);
+        CHECK(simulation.totals().lost_particles == 0);
+        double farthest = -1;
+        for (const Vec3& x : simulation.world().fluid.column<field::position>())
+            farthest = std::max(farthest, static_cast<double>(x.x()) - 0.15 - tilt * static_cast<double>(x.y()));
+        CHECK(farthest < thickness);
+        CHECK(farthest > -d);  // it has arrived
     }
 }
 

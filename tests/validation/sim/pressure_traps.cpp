@@ -1,13 +1,12 @@
 /// Cases in which a pressure solve can hang, divide by zero or tear the fluid apart. (A full closed box and a slot: at_rest.cpp.)
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace pressure_traps_test {
 
@@ -15,11 +14,9 @@ namespace {
 
 constexpr double g = 9.81;
 
-Scene scene(const std::string& text, const std::string& preconditioner) {
-    return read_scene_text(
-        "[time]\nend = 1\nmax_step = 5e-3\n[models]\npressure = \"ppe\"\n[pressure]\nform = \"constraint\"\npreconditioner = \"" +
-            preconditioner + "\"\n" + text,
-        "trap.toml");
+Simulation trap(const std::string& text, const std::string& preconditioner) {
+    return simulation_of(text::time(1, "max_step = 5e-3") + text::pressure_form("constraint") + "preconditioner = \"" + preconditioner +
+                         "\"\n" + text);
 }
 
 double kinetic_energy(const Simulation& simulation) {
@@ -36,8 +33,7 @@ double mean_compression(const Simulation& simulation) {
 }
 
 const std::string tank =
-    "[domain]\nmin = [-0.05, -0.05, -0.05]\nmax = [0.35, 0.5, 0.15]\n[fluid]\nspacing = 0.01\n"
-    "[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [0, 0, 0]\nmax = [0.3, 0.45, 0.1]\n";
+    text::domain({-0.05, -0.05, -0.05}, {0.35, 0.5, 0.15}) + text::fluid(0.01) + text::tank({0, 0, 0}, {0.3, 0.45, 0.1});
 
 }  // namespace
 
@@ -46,21 +42,10 @@ TEST_CASE("a Taylor-Green vortex of 16^3 particles in a periodic box never gains
     // at 0.05 s). The energy may rise by what a step's correction of uneven densities adds, 1 % of the start.
     for (const std::string preconditioner : {"jacobi", "multigrid"}) {
         INFO(preconditioner);
-        const Scene vortex = scene(R"toml([domain]
-min = [0, 0, 0]
-max = [1, 1, 1]
-periodic = [true, true, true]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.0625
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [1, 1, 1]
-velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]
-)toml",
-                                   preconditioner);
-        Simulation simulation(vortex, make_plan(vortex));
+        Simulation simulation = trap(
+            text::domain({0, 0, 0}, {1, 1, 1}, "periodic = [true, true, true]\ngravity = [0, 0, 0]") + text::fluid(0.0625) +
+                text::block({0, 0, 0}, {1, 1, 1}, R"toml(velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"])toml"),
+            preconditioner);
         const double start = kinetic_energy(simulation);
         double most = 0;
         while (simulation.time() < 0.5) {
@@ -74,22 +59,10 @@ velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]
 }
 
 TEST_CASE("two separate pools keep their different heights, with every solve converged", "[validation][sim]") {
-    const Scene pools = scene(tank + R"toml([[solid]]
-shape = "box"
-min = [0.1, -0.05, -0.05]
-max = [0.2, 0.4, 0.15]
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.2, 0.1]
-[[block]]
-shape = "box"
-min = [0.2, 0, 0]
-max = [0.3, 0.05, 0.1]
-)toml",
-                              "multigrid");
-    Simulation simulation(pools, make_plan(pools));
-    while (simulation.time() < 0.3) REQUIRE_FALSE(simulation.step(0.3).diverged);
+    Simulation simulation = trap(tank + text::box({0.1, -0.05, -0.05}, {0.2, 0.4, 0.15}) + text::block({0, 0, 0}, {0.1, 0.2, 0.1}) +
+                                     text::block({0.2, 0, 0}, {0.3, 0.05, 0.1}),
+                                 "multigrid");
+    run_until(simulation, 0.3);
     CHECK(simulation.totals().unconverged_solves == 0);
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(mean_compression(simulation) < 1e-3);
@@ -113,19 +86,9 @@ max = [0.3, 0.05, 0.1]
 TEST_CASE("a drop next to a pool falls with g t within 1e-3 while the pool is at rest", "[validation][sim]") {
     for (const std::string preconditioner : {"jacobi", "multigrid"}) {
         INFO(preconditioner);
-        const Scene drop = scene(tank + R"toml([[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.3, 0.05, 0.1]
-[[block]]
-shape = "sphere"
-position = [0.2, 0.38, 0.05]
-radius = 0.03
-)toml",
-                                 preconditioner);
-        Simulation simulation(drop, make_plan(drop));
+        Simulation simulation = trap(tank + text::block({0, 0, 0}, {0.3, 0.05, 0.1}) + text::drop({0.2, 0.38, 0.05}, 0.03), preconditioner);
         const double end = 0.2;
-        while (simulation.time() < end) REQUIRE_FALSE(simulation.step(end).diverged);
+        run_until(simulation, end);
         const auto x = simulation.world().fluid.column<field::position>();
         const auto u = simulation.world().fluid.column<field::velocity>();
         double falling = 0, pool = 0;
@@ -145,20 +108,11 @@ TEST_CASE("two blocks that overlap at the start are pushed apart without a burst
     // Half of each block lies in the other: twice the density, and single pairs nearly on top of each other. What is pressed together
     // leaves at most by 5 % of its density times the share of a step; the fastest stays below the speed of a fall through the tank. Steps
     // that do not converge say so.
-    const Scene blocks = scene(tank + R"toml([[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.1, 0.1]
-[[block]]
-shape = "box"
-min = [0.055, 0.004, 0]
-max = [0.165, 0.104, 0.1]
-)toml",
-                               "multigrid");
-    Simulation simulation(blocks, make_plan(blocks));
+    Simulation simulation =
+        trap(tank + text::block({0, 0, 0}, {0.1, 0.1, 0.1}) + text::block({0.055, 0.004, 0}, {0.165, 0.104, 0.1}), "multigrid");
     double fastest = 0;
-    while (simulation.time() < 0.4) {
-        const StepReport& report = simulation.step(0.4);
+    while (simulation.time() < 0.25) {
+        const StepReport& report = simulation.step(0.25);
         REQUIRE_FALSE(report.diverged);
         for (const StepReport::Solve& solve : report.solves) CHECK((solve.report.converged || !solve.report.why_not.empty()));
         for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) fastest = std::max(fastest, static_cast<double>(u.norm()));

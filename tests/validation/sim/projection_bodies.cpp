@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -16,37 +17,17 @@ namespace {
 const RigidBody& body_of(const Simulation& simulation) { return *simulation.world().solids.all.back().body; }
 
 /// A disc of five spacings in the middle of a round vessel full of water, three times as wide.
-std::string vessel(double density) {
-    return fmt::format(R"toml([time]
-end = 3
-max_step = 2e-3
-[domain]
-dimensions = 2
-min = [-0.2, -0.2]
-max = [0.2, 0.2]
-[fluid]
-spacing = 0.01
-[pressure]
-form = "projection"
-[[block]]
-shape = "sphere"
-radius = 0.15
-[[solid]]
-shape = "sphere"
-container = true
-radius = 0.15
-[[solid]]
-shape = "sphere"
-radius = 0.05
-density = {}
-)toml",
-                       density);
+std::string vessel(double density, double max_step = 2e-3, const std::string& gravity = "", double viscosity = 0) {
+    return text::time(3, fmt::format("max_step = {}", max_step)) + text::domain({-0.2, -0.2}, {0.2, 0.2}, gravity) +
+           text::fluid(0.01, viscosity) + text::drop({0, 0}, 0.15) + text::ball({0, 0}, 0.15, "container = true") +
+           text::ball({0, 0}, 0.05, fmt::format("density = {}", density));
 }
+const std::string projection = "[pressure]\nform = \"projection\"\n";
 
 /// Relative error of the acceleration from rest (m_f - m) g/(m + C m_f), C = (b^2 + a^2)/(b^2 - a^2) = 1.25 in a vessel of radius b about a
 /// disc of radius a.
 double part_of_acceleration(double density, double time) {
-    Simulation simulation = simulation_of(vessel(density));
+    Simulation simulation = simulation_of(projection + vessel(density));
     run_until(simulation, time);
     return body_of(simulation).velocity.y() / time / ((1000 - density) / (density + 1250) * 9.81);
 }
@@ -67,31 +48,10 @@ TEST_CASE("under the projection a ball starts with (m_f - m) g/(m + C m_f) withi
     // as dense as the fluid and by 8 % where it is a tenth: the pressure is read half a spacing off the surface. Nothing pushes it aside.
     constexpr double C = 0.6026;
     for (const double density : {100.0, 500.0, 2000.0}) {
-        Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 1
-max_step = 2e-3
-[domain]
-min = [-0.15, -0.15, -0.15]
-max = [0.15, 0.15, 0.15]
-gravity = [0, -9.81, 0]
-[fluid]
-spacing = 0.01
-viscosity = 0.5
-[pressure]
-form = "projection"
-[[block]]
-shape = "sphere"
-radius = 0.1
-[[solid]]
-shape = "sphere"
-container = true
-radius = 0.1
-[[solid]]
-shape = "sphere"
-radius = 0.04
-density = {}
-)toml",
-                                                          density));
+        Simulation simulation =
+            simulation_of(text::time(1, "max_step = 2e-3") + text::domain({-0.15, -0.15, -0.15}, {0.15, 0.15, 0.15}) +
+                          text::fluid(0.01, 0.5) + projection + text::drop({0, 0, 0}, 0.1) + text::ball({0, 0, 0}, 0.1, "container = true") +
+                          text::ball({0, 0, 0}, 0.04, fmt::format("density = {}", density)));
         run_until(simulation, 0.01);
         const Vec3d v = body_of(simulation).velocity;
         INFO("density " << density);
@@ -102,7 +62,7 @@ density = {}
 
 TEST_CASE("under the projection a disc of the fluid's density stays where it is", "[validation][projection][bodies]") {
     // The vessel's lattice melts meanwhile: what its particles do to a disc five of them in radius is 1 % of its weight.
-    Simulation simulation = simulation_of(vessel(1000));
+    Simulation simulation = simulation_of(projection + vessel(1000));
     for (const double time : {0.1, 0.2, 0.3}) {
         run_until(simulation, time);
         CHECK(body_of(simulation).velocity.norm() < 0.02 * 9.81 * time);
@@ -114,34 +74,9 @@ TEST_CASE("under the projection a raft half as dense as water floats half under 
           "[validation][projection][bodies][long]") {
     // The pressure counts from the outermost particles, half a spacing below the surface: so much deeper it may float.
     constexpr double d = 0.025;
-    Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 9
-max_step = 1e-2
-[domain]
-dimensions = 2
-min = [-0.1, -0.1]
-max = [1.1, 1.1]
-[fluid]
-spacing = {}
-viscosity = 1
-[pressure]
-form = "projection"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [1, 0.5]
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0]
-max = [1, 1]
-[[solid]]
-shape = "box"
-min = [0.35, 0.4]
-max = [0.65, 0.6]
-density = 500
-)toml",
-                                                      d));
+    Simulation simulation =
+        simulation_of(text::time(9, "max_step = 1e-2") + text::domain({-0.1, -0.1}, {1.1, 1.1}) + text::fluid(d, 1) + projection +
+                      text::block({0, 0}, {1, 0.5}) + text::tank({0, 0}, {1, 1}) + text::box({0.35, 0.4}, {0.65, 0.6}, "density = 500"));
     double mean = 0;
     int rows = 0;
     for (run_until(simulation, 2); simulation.time() < 3; ++rows)
@@ -154,16 +89,12 @@ density = 500
 TEST_CASE("under the projection a heavy disc loses its spin as in circular Couette flow, within 5 %", "[validation][projection][bodies]") {
     // Torque 4 pi mu w a^2 b^2/(b^2 - a^2), inertia m a^2/2: a rate of .3600/s once the flow has become steady, with
     // five spacings in the radius.
-    std::string text = vessel(1e5);
-    text.replace(text.find("spacing = 0.01"), 14, "spacing = 0.01\nviscosity = 10");
-    text.replace(text.find("max_step = 2e-3"), 15, "max_step = 5e-3");
-    text.replace(text.find("[fluid]"), 7, "gravity = [0, 0]\n[models]\nviscosity = \"explicit\"\n[fluid]");
-    text += "rotation = [0, 0, 1]\n";
-    Simulation simulation = simulation_of(text);
-    run_until(simulation, 1);
+    Simulation simulation =
+        simulation_of(projection + text::models("", "explicit") + vessel(1e5, 5e-3, "gravity = [0, 0]", 10) + "rotation = [0, 0, 1]\n");
+    run_until(simulation, 0.5);  // five times (b - a)^2/(pi^2 nu)
     const double before = body_of(simulation).spin_momentum.z();
-    run_until(simulation, 1.5);
-    CHECK(std::log(before / body_of(simulation).spin_momentum.z()) / 0.5 == Approx(0.36).epsilon(0.05));
+    run_until(simulation, 0.8);
+    CHECK(std::log(before / body_of(simulation).spin_momentum.z()) / 0.3 == Approx(0.36).epsilon(0.05));
 }
 
 }  // namespace projection_bodies_test

@@ -102,7 +102,7 @@ max = [0.2, 0.2]
 // At 4 s what the start leaves has decayed to exp(-3.83^2 (a - kappa/2) t/R^2) = 0.6 %. The spin falls to the wall's over 1/m, three
 // spacings here: 5 %. With 64 across it is 2 % (docs/reports/micropolar.md).
 TEST_CASE("a torque turns fluid in a round vessel whose wall holds the spin as modified Bessel functions say",
-          "[validation][projection][micropolar][plane]") {
+          "[validation][projection][micropolar][plane][long]") {
     Simulation simulation = vessel(1);
     run_until(simulation, 4);
     const double a = 0.12e-3, kappa = 0.06e-3, l = 5.5e-3;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -16,25 +17,14 @@ constexpr double turning = 9;  // 1/s
 
 /// A cylinder with a radius of 30 mm and a height of 40 mm that turns about its axis, without gravity.
 Simulation cylinder(const std::string& models, double spacing, double viscosity, const std::string& time) {
-    return simulation_of("[time]\nend = 1\n" + time + R"toml(
-[domain]
-min = [-0.1, -0.1, -0.1]
-max = [0.1, 0.1, 0.1]
-gravity = [0, 0, 0]
-[[block]]
-shape = "cylinder"
-from = [0, 0, -0.02]
-to = [0, 0, 0.02]
-radius = 0.03
-velocity = ["-9*y", "9*x", "0"]
-[fluid]
-spacing = )toml" + std::to_string(spacing) +
-                         "\nviscosity = " + std::to_string(viscosity) + "\n" + models);
+    return simulation_of(text::time(1, time) + text::domain({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, "gravity = [0, 0, 0]") +
+                         "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, -0.02]\nto = [0, 0, 0.02]\nradius = 0.03\n"
+                         "velocity = [\"-9*y\", \"9*x\", \"0\"]\n" +
+                         text::fluid(spacing, viscosity) + models);
 }
 
-const char* const coupled = "[models]\npressure = \"coupled\"\n";
-const char* const projection = "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[pressure]\nform = \"projection\"\n";
-const char* const full = "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n";
+const std::string coupled = text::models("coupled"), full = text::models("ppe", "full"),
+                  projection = full + "[pressure]\nform = \"projection\"\n";
 
 struct Motion {
     double energy = 0, turning = 0;  ///< sum u^2/2, sum (x u_y - y u_x)
@@ -53,7 +43,7 @@ Motion motion_of(const Simulation& simulation) {
 }
 
 /// 700 Pa s at 4 mm for half a second.
-void keeps_its_energy(const char* models, double exact, double step) {
+void keeps_its_energy(const std::string& models, double exact, double step) {
     INFO(models << "steps of " << step << " s");
     Simulation simulation = cylinder(models, 4e-3, 700, "max_step = " + std::to_string(step) + "\n");
     const Motion start = motion_of(simulation);
@@ -66,7 +56,7 @@ void keeps_its_energy(const char* models, double exact, double step) {
 /// Largest distance of a particle from where a rigid rotation would have brought it, over the radius. With 7e5 Pa s the centrifugal force
 /// strains the body by less than 1e-5.
 double off_its_circle(double step) {
-    Simulation simulation = cylinder(full, 6e-3, 7e5, "fixed_step = " + std::to_string(step) + "\n[viscosity]\ntolerance = 1e-6\n");
+    Simulation simulation = cylinder(full + "[viscosity]\ntolerance = 1e-6\n", 6e-3, 7e5, "fixed_step = " + std::to_string(step));
     const auto places = [&] {
         const auto x = simulation.world().fluid.column<field::position>();
         return std::vector<Vec3>(x.begin(), x.end());
