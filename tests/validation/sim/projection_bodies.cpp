@@ -48,10 +48,10 @@ TEST_CASE("under the projection a ball starts with (m_f - m) g/(m + C m_f) withi
     // as dense as the fluid and by 8 % where it is a tenth: the pressure is read half a spacing off the surface. Nothing pushes it aside.
     constexpr double C = 0.6026;
     for (const double density : {100.0, 500.0, 2000.0}) {
-        Simulation simulation =
-            simulation_of(text::time(1, "max_step = 2e-3") + text::domain({-0.15, -0.15, -0.15}, {0.15, 0.15, 0.15}) +
-                          text::fluid(0.01, 0.5) + projection + text::drop({0, 0, 0}, 0.1) + text::ball({0, 0, 0}, 0.1, "container = true") +
-                          text::ball({0, 0, 0}, 0.04, fmt::format("density = {}", density)));
+        Simulation simulation = simulation_of(text::time(1, "max_step = 2e-3") + text::domain({-0.15, -0.15, -0.15}, {0.15, 0.15, 0.15}) +
+                                              text::fluid(0.01, 0.5) + projection + text::drop({0, 0, 0}, 0.1) +
+                                              text::ball({0, 0, 0}, 0.1, "container = true") +
+                                              text::ball({0, 0, 0}, 0.04, fmt::format("density = {}", density)));
         run_until(simulation, 0.01);
         const Vec3d v = body_of(simulation).velocity;
         INFO("density " << density);
