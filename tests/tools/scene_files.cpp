@@ -80,7 +80,7 @@ TEST_CASE("a change to a missing or wrong file is refused at its location", "[to
     const Scratch scratch(mesh);
     const SceneFile file = read_scene_file(scratch.scene());
     const auto refused = [&](const std::string& key, const std::string& value, const std::string& why) {
-        CHECK_THROWS_WITH(changed(file, {{key, Value(value), {"here", 0, 0}}}), Catch::Contains("here: ") && Catch::Contains(why));
+        CHECK_THROWS_WITH(changed(file, {{key, placed(Value(value), {"here", 0, 0})}}), Catch::Contains("here: ") && Catch::Contains(why));
     };
     refused("look.environment", "gone.hdr", "no such file");
     refused("look.environment", "one.obj", "is not a Radiance image");
@@ -91,7 +91,7 @@ TEST_CASE("a change to a missing or wrong file is refused at its location", "[to
 TEST_CASE("mistakes found after a change name the scene's file, and the change if it made them", "[tools][scene]") {
     const Scratch scratch("");
     const SceneFile file = read_scene_file(scratch.scene());
-    const Scene now = changed(file, {{"fluid.viscosity", Value(3.0), {"here", 0, 0}}}).scene;
+    const Scene now = changed(file, {{"fluid.viscosity", placed(Value(3.0), {"here", 0, 0})}}).scene;
     CHECK(now.place("fluid.viscosity").file == "here");
     for (const char* key : {"fluid.spacing", "emitter[0].radius", "time.cfl"}) {
         CHECK(now.place(key).file == scratch.scene().string());

@@ -94,7 +94,7 @@ TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends wi
 TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their viscosity unchanged", "[sim][viscosity][change]") {
     const auto changed = [](const std::string& viscosity) {
         ReadRequest request;
-        request.changes.push_back({"fluid.viscosity", viscosity, "test"});
+        request.changes.push_back({"fluid.viscosity", parse_value(viscosity)});
         return read_scene_text(pour, "test.toml", request);
     };
     Simulation simulation = simulation_of(pour);
@@ -133,7 +133,7 @@ TEST_CASE("without ageing a live change of fluid.viscosity leaves an emitter wit
     CHECK_FALSE(simulation.world().fluid.has<field::age>());
     while (simulation.time() < 0.05) REQUIRE_FALSE(simulation.step(0.05).diverged);
     ReadRequest request;
-    request.changes.push_back({"fluid.viscosity", "50", "test"});
+    request.changes.push_back({"fluid.viscosity", Value(50.0)});
     const Scene after = read_scene_text(text, "test.toml", request);
     simulation.change(after, make_plan(after));
     const auto x = simulation.world().fluid.column<field::position>();
@@ -167,13 +167,13 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
     const auto with = [](const std::string& key, const std::string& value) {
         ReadRequest request;
         for (const auto& [k, v] : {std::pair{key, value}, {"time.fixed_step", "0.01"}, {"time.end", "1"}})
-            request.changes.push_back({k, v, "test"});
+            request.changes.push_back({k, parse_value(v)});
         if (key == "block[0].spin")  // such fluid has one viscosity
             for (const auto& [k, v] : {std::pair{"models.micropolar", "bender"},
                                        {"fluid.viscosity", "30"},
                                        {"emitter[0].viscosity", "30"},
                                        {"emitter[1].viscosity", "30"}})
-                request.changes.push_back({k, v, "test"});
+                request.changes.push_back({k, parse_value(v)});
         return read_scene_text(pour, "test.toml", request);
     };
     const auto run = [&](const Scene& scene) { return Simulation(scene, make_plan(scene)); };
@@ -211,7 +211,7 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
 TEST_CASE("past the last age with a viscosity a particle keeps the value of shortly before", "[viscosity]") {
     const auto at = [](const std::string& viscosity, double age, double time, double dt) {
         ReadRequest request;
-        request.changes.push_back({"fluid.viscosity", "\"" + viscosity + "\"", "test"});
+        request.changes.push_back({"fluid.viscosity", Value(viscosity)});
         StepContext step;
         step.time = time, step.dt = static_cast<Real>(dt);
         StepReport report;

@@ -178,7 +178,7 @@ TEST_CASE("changes of the command line beat the quality, and the quality beats t
     CHECK(draft.fluid.spacing == 4e-3);
     CHECK(draft.emitters[1].speed(0) == 7);
     CHECK(draft.emitters[0].speed(0) == 0.25);
-    request.presets = {{"fluid.spacing", "8e-3", "--quality draft"}, {"time.cfl", "0.2", "--quality draft"}};
+    request.presets = {{"fluid.spacing", Value(8e-3)}, {"time.cfl", Value(0.2)}};
     request.changes = {parse_change("emitter[1].speed=3*t"),      parse_change("models.pressure=ppe"),
                        parse_change("pressure={tolerance=0.01}"), parse_change("domain.gravity=[0,\"-t\",0]"),
                        parse_change("solid.0.slip=no"),           parse_change("seed=9")};

@@ -41,7 +41,7 @@ rotation = [0, 3, 0]
 
 Scene scene_of(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
     ReadRequest request;
-    for (const auto& [key, value] : changes) request.changes.push_back({key, value, "test"});
+    for (const auto& [key, value] : changes) request.changes.push_back({key, parse_value(value, "test")});
     return read_scene_text(syrup, "test.toml", request);
 }
 
