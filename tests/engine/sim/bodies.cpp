@@ -7,6 +7,7 @@
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -14,35 +15,11 @@ using namespace whorl::test;
 namespace {
 
 /// A drop hits a tilted box and a ball, both turning, in weightlessness.
-std::string collision(const std::string& models) {
-    return R"toml([time]
-end = 0.2
-max_step = 2e-3
-[domain]
-min = [-0.3, -0.3, -0.3]
-max = [0.3, 0.3, 0.3]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.0133
-[[block]]
-shape = "box"
-min = [-0.1, -0.04, -0.04]
-max = [-0.02, 0.04, 0.04]
-velocity = [1, 0.1, 0]
-[[solid]]
-shape = "box"
-min = [0.0, -0.04, -0.03]
-max = [0.05, 0.05, 0.04]
-density = 300
-tilt = [0, 0, 12]
-rotation = [1, 0, 3]
-[[solid]]
-shape = "sphere"
-position = [0.03, 0.085, 0]
-radius = 0.02
-density = 2000
-velocity = [0, -0.5, 0]
-)toml" + models;
+std::string collision(const std::string& models, double viscosity = 0) {
+    return text::time(0.2, "max_step = 2e-3") + text::domain({-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}, "gravity = [0, 0, 0]") +
+           text::fluid(0.0133, viscosity) + text::block({-0.1, -0.04, -0.04}, {-0.02, 0.04, 0.04}, "velocity = [1, 0.1, 0]") +
+           text::box({0, -0.04, -0.03}, {0.05, 0.05, 0.04}, "density = 300\ntilt = [0, 0, 12]\nrotation = [1, 0, 3]") +
+           text::ball({0.03, 0.085, 0}, 0.02, "density = 2000\nvelocity = [0, -0.5, 0]") + models;
 }
 
 struct Momenta {
@@ -74,12 +51,11 @@ TEST_CASE(
     // Viscosity along the pairs, since the other Laplacian exerts a torque. Relative to the fluid's momentum, and to that times the
     // size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a position to 3e-8 of the domain at every step,
     // the bounds are what these runs keep, with room.
-    for (const std::string models : {"[models]\npressure = \"ppe\"\n",
-                                     "[models]\npressure = \"ppe\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
-                                     "[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n[viscosity]\nlaplacian = \"monaghan\"\n",
-                                     "[models]\npressure = \"wcsph\"\n", "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n"}) {
-        std::string text = collision(models);
-        if (models.find("viscosity") != std::string::npos) text.replace(text.find("spacing"), 7, "viscosity = 0.5\nspacing");
+    const std::string along_pairs = "[viscosity]\nlaplacian = \"monaghan\"\n";
+    for (const std::string& models :
+         {text::models("ppe"), text::models("ppe", "explicit") + along_pairs, text::models("wcsph", "explicit") + along_pairs,
+          text::models("wcsph"), text::models("ppe", "full")}) {
+        const std::string text = collision(models, models.find("viscosity") != std::string::npos ? 0.5 : 0);
         INFO(models);
         Simulation simulation = simulation_of(text);
         const Momenta before = momenta(simulation.world());
@@ -115,14 +91,16 @@ namespace {
 
 /// Still water in an open box, 30 by 10 particles or 10 by 8 by 8, in which bodies lie.
 std::string pond(bool plane, const std::string& models, const std::string& bodies) {
-    const std::string low = plane ? "-0.15, 0" : "-0.05, 0, -0.04", water = plane ? "0.15, 0.1" : "0.05, 0.08, 0.04",
-                      high = plane ? "0.15, 0.2" : "0.05, 0.2, 0.04";
-    return "[time]\nend = 20\nmax_step = 5e-3\n[domain]\nmin = [-0.2, -0.02" + std::string(plane ? "]" : ", -0.1]") + "\nmax = [0.2, 0.3" +
-           (plane ? "]\ndimensions = 2" : ", 0.1]") + "\n[fluid]\nspacing = 0.01\n" + models + "[[block]]\nshape = \"box\"\nmin = [" + low +
-           "]\nmax = [" + water + "]\n[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [" + low + "]\nmax = [" + high + "]\n" + bodies;
+    const int dimensions = plane ? 2 : 3;
+    const double x = plane ? 0.15 : 0.05, z = 0.04;
+    const text::Point low = text::point(dimensions, -x, 0, -z);
+    return text::time(20, "max_step = 5e-3") +
+           text::domain(text::point(dimensions, -0.2, -0.02, -0.1), text::point(dimensions, 0.2, 0.3, 0.1)) + text::fluid(0.01) + models +
+           text::block(low, text::point(dimensions, x, plane ? 0.1 : 0.08, z)) + text::tank(low, text::point(dimensions, x, 0.2, z)) +
+           bodies;
 }
-std::string lying(const std::string& min, const std::string& max, const std::string& density) {
-    return "[[solid]]\nshape = \"box\"\nmin = [" + min + "]\nmax = [" + max + "]\ndensity = " + density + "\n";
+std::string lying(const text::Point& min, const text::Point& max, double density) {
+    return text::box(min, max, "density = " + std::to_string(density));
 }
 
 /// Motion in a scene that should stay at rest.
@@ -162,13 +140,13 @@ TEST_CASE(
     "bodies that lie on the bottom of still water stay there and press nothing together: alone, stacked, side by side, in 2-D and 3-D",
     "[sim][bodies]") {
     // The lattice melts meanwhile, as it does around a fixed box: there .04 to .16 % of the potential energy moves within the first second.
-    const std::string stone = lying("-0.04, 0", "0.04, 0.04", "2000");
-    for (const std::string& text : {pond(true, "", stone), pond(true, "", lying("-0.04, 0", "0.04, 0.04", "1200")),
-                                    pond(true, "",
-                                         lying("-0.04, 0", "0.04, 0.02", "2000") + lying("-0.03, 0.02", "0.03, 0.04", "3000") +
-                                             lying("-0.02, 0.04", "0.02, 0.07", "1500")),
-                                    pond(true, "", lying("-0.05, 0", "0, 0.04", "2000") + lying("0, 0", "0.04, 0.03", "2500")),
-                                    pond(false, "", lying("-0.02, 0, -0.02", "0.02, 0.03, 0.02", "2000"))}) {
+    const std::string stone = lying({-0.04, 0}, {0.04, 0.04}, 2000);
+    for (const std::string& text :
+         {pond(true, "", stone), pond(true, "", lying({-0.04, 0}, {0.04, 0.04}, 1200)),
+          pond(true, "",
+               lying({-0.04, 0}, {0.04, 0.02}, 2000) + lying({-0.03, 0.02}, {0.03, 0.04}, 3000) + lying({-0.02, 0.04}, {0.02, 0.07}, 1500)),
+          pond(true, "", lying({-0.05, 0}, {0, 0.04}, 2000) + lying({0, 0}, {0.04, 0.03}, 2500)),
+          pond(false, "", lying({-0.02, 0, -0.02}, {0.02, 0.03, 0.02}, 2000))}) {
         INFO(text);
         const Unrest found = unrest(text, 0.3);
         CHECK(found.density_error < 1e-3);
@@ -182,8 +160,7 @@ TEST_CASE("a body that lies on the bottom of weakly compressible water stays the
     // With any share of XSPH the water calms down as without it: 4 to 6e-5 of the potential energy move after .3 s.
     for (const std::string smoothing : {"", "viscosity = \"xsph\"\n", "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.02\n"}) {
         INFO(smoothing);
-        const Unrest found =
-            unrest(pond(true, "[models]\npressure = \"wcsph\"\n" + smoothing, lying("-0.04, 0", "0.04, 0.04", "2000")), 0.3);
+        const Unrest found = unrest(pond(true, "[models]\npressure = \"wcsph\"\n" + smoothing, lying({-0.04, 0}, {0.04, 0.04}, 2000)), 0.3);
         CHECK(found.density_error < 1e-2);  // its pressure is one
         CHECK(found.energy < 2e-4);
         CHECK(found.moved < 1e-5);

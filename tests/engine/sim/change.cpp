@@ -6,6 +6,7 @@
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -15,29 +16,10 @@ namespace change_test {
 namespace {
 
 /// Syrup falls from a nozzle on a plate that moves and turns.
-const std::string syrup = R"toml([time]
-end = 1
-max_step = 5e-3
-[domain]
-min = [-0.06, -0.02, -0.06]
-max = [0.06, 0.08, 0.06]
-[fluid]
-spacing = 5e-3
-viscosity = 20
-[models]
-pressure = "ppe"
-viscosity = "full"
-[[emitter]]
-position = [0, 0.05, 0]
-radius = 8e-3
-speed = "0.4"
-[[solid]]
-shape = "box"
-min = [-0.05, -0.01, -0.05]
-max = [0.05, 0, 0.05]
-position = ["0.1*t", 0, 0]
-rotation = [0, 3, 0]
-)toml";
+const std::string syrup = text::time(1, "max_step = 5e-3") + text::domain({-0.06, -0.02, -0.06}, {0.06, 0.08, 0.06}) +
+                          text::fluid(5e-3, 20) + text::models("ppe", "full") +
+                          "[[emitter]]\nposition = [0, 0.05, 0]\nradius = 8e-3\nspeed = \"0.4\"\n" +
+                          text::box({-0.05, -0.01, -0.05}, {0.05, 0, 0.05}, "position = [\"0.1*t\", 0, 0]\nrotation = [0, 3, 0]");
 
 Scene scene_of(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
     ReadRequest request;

@@ -1,8 +1,6 @@
 // Ink in whole scenes.
 #include "engine/models/ink/ink.h"
 
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -11,6 +9,7 @@
 #include "engine/core/errors.h"
 #include "engine/io/snapshot.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -19,33 +18,16 @@ namespace ink_scene_test {
 
 namespace {
 
+const std::string of_stream_function = "ink = [\"0.5+0.5*sin(2*pi*x)*sin(2*pi*y)\", 0.25]";
+
 /// Vortices that turn in a periodic square of 1 m; the ink is a function of their stream function, which the flow leaves as it is.
-std::string vortices(const std::string& fluid, const std::string& more) {
-    return fmt::format(R"toml([time]
-end = 2
-fps = 2
-[domain]
-dimensions = 2
-min = [0, 0]
-max = [1, 1]
-periodic = [true, true]
-gravity = [0, 0]
-[fluid]
-spacing = 0.03125
-{}
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [1, 1]
-velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)"]
-ink = ["0.5+0.5*sin(2*pi*x)*sin(2*pi*y)", 0.25]
-{})toml",
-                       fluid, more);
+std::string vortices(const std::string& fluid, const std::string& more, const std::string& ink = of_stream_function) {
+    return text::time(2, "fps = 2") + text::domain({0, 0}, {1, 1}, "periodic = [true, true]\ngravity = [0, 0]") +
+           text::fluid(0.03125, 0, fluid) + text::pressure_form("projection") +
+           text::block({0, 0}, {1, 1}, "velocity = [\"sin(2*pi*x)*cos(2*pi*y)\", \"-cos(2*pi*x)*sin(2*pi*y)\"]\n" + ink) + more;
 }
+
+const std::string stream = "[[stream]]\nmin = [0.4, 0.4]\nmax = [0.6, 0.6]\n";
 
 double stream_function(const Vec3& x) {
     const double k = 2 * std::numbers::pi;
@@ -56,7 +38,7 @@ double stream_function(const Vec3& x) {
 
 TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the particles do not mix it", "[sim][ink]") {
     Simulation simulation = simulation_of(vortices("", ""));
-    run_until(simulation, 2);
+    run_until(simulation, 1);
     const auto x = simulation.world().fluid.column<field::position>();
     const auto c = simulation.world().fluid.column<field::ink>();
     double sum = 0;
@@ -68,18 +50,14 @@ TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the partic
     }
     const double off = std::sqrt(sum / static_cast<double>(x.size()));
     INFO("root mean square of the change: " << off);
-    // A particle goes round in about 1 s. Ink that stays with its particle is off by 0.032, carried ink by 0.013.
-    CHECK(off < 0.02);
+    // A particle goes round in about 1 s. In 2 s ink that stays with its particle is off by 0.032, carried ink by 0.013.
+    WARN("ink off " << off);
+    CHECK(off < 0.01);
 }
 
 TEST_CASE("a run with ink resumes bit-identically", "[sim][ink]") {
-    const std::string scene = vortices("ink_diffusion = 1e-4", R"toml([[stream]]
-min = [0.4, 0.4]
-max = [0.6, 0.6]
-velocity = ["1", "0"]
-time = 0.2
-ink = ["0.5+0.5*sin(20*t)", "x", 1]
-)toml");
+    const std::string scene =
+        vortices("ink_diffusion = 1e-4", stream + "velocity = [\"1\", \"0\"]\ntime = 0.2\nink = [\"0.5+0.5*sin(20*t)\", \"x\", 1]\n");
     Simulation whole = simulation_of(scene), half = simulation_of(scene), rest = simulation_of(scene);
     run_until(whole, 0.1), run_until(half, 0.1);
     std::istringstream saved(state_of(half));
@@ -89,13 +67,7 @@ ink = ["0.5+0.5*sin(20*t)", "x", 1]
 }
 
 TEST_CASE("fluid in a stream has the stream's ink, of time and place", "[sim][ink]") {
-    Simulation simulation = simulation_of(vortices("", R"toml([[stream]]
-min = [0.4, 0.4]
-max = [0.6, 0.6]
-velocity = ["0", "0"]
-time = 1e9
-ink = ["t", "y"]
-)toml"));
+    Simulation simulation = simulation_of(vortices("", stream + "velocity = [\"0\", \"0\"]\ntime = 1e9\nink = [\"t\", \"y\"]\n"));
     run_until(simulation, 0.5);
     const auto x = simulation.world().fluid.column<field::position>();
     const auto c = simulation.world().fluid.column<field::ink>();
@@ -111,24 +83,10 @@ ink = ["t", "y"]
 }
 
 TEST_CASE("an emitter gives its ink at the time at which fluid enters, and frames carry it", "[sim][ink]") {
-    Simulation simulation = simulation_of(R"toml([time]
-end = 1
-fps = 10
-[domain]
-min = [-0.1, -0.3, -0.1]
-max = [0.1, 0.3, 0.1]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.01
-[models]
-pressure = "none"
-viscosity = "none"
-[[emitter]]
-position = [0, 0, 0]
-radius = 0.02
-speed = 0.2
-ink = ["t < 0.5 ? 1 : 0", 0, "x > 0 ? 1 : 0"]
-)toml");
+    Simulation simulation =
+        simulation_of(text::time(1, "fps = 10") + text::domain({-0.1, -0.3, -0.1}, {0.1, 0.3, 0.1}, "gravity = [0, 0, 0]") +
+                      text::fluid(0.01) + text::models("none", "none") +
+                      "[[emitter]]\nposition = [0, 0, 0]\nradius = 0.02\nspeed = 0.2\nink = [\"t < 0.5 ? 1 : 0\", 0, \"x > 0 ? 1 : 0\"]\n");
     run_until(simulation, 1);
     const Frame frame = Snapshots(simulation, {"ink"}).take(simulation, 1);
     REQUIRE(frame.vector.count("ink") == 1);
@@ -143,8 +101,7 @@ ink = ["t < 0.5 ? 1 : 0", 0, "x > 0 ? 1 : 0"]
 }
 
 TEST_CASE("ink diffusion without ink is refused", "[sim][ink]") {
-    std::string text = vortices("ink_diffusion = 1e-4", "");
-    text.erase(text.find("ink = ["), text.find("0.25]") + 5 - text.find("ink = ["));
+    const std::string text = vortices("ink_diffusion = 1e-4", "", "");
     try {
         simulation_of(text);
         FAIL("no error");

@@ -1,10 +1,11 @@
 /// The full viscosity over ten decades of viscosity, as scenes run it.
 #include <catch2/catch.hpp>
 
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 TEST_CASE("the full viscosity is stable for nu from 1e-6 to 1e4 m^2/s at steps that only the flow limits", "[validation][viscosity]") {
     // A block of fluid slumps in a box. It may not gain energy (2 %: particles that solids push out are lifted); with some viscosity no
@@ -12,30 +13,9 @@ TEST_CASE("the full viscosity is stable for nu from 1e-6 to 1e4 m^2/s at steps t
     // are).
     for (const double nu : {1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4}) {
         INFO("nu = " << nu);
-        const Scene scene = read_scene_text(R"toml([time]
-end = 0.2
-max_step = 5e-3
-[domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.15, 0.15, 0.15]
-[fluid]
-spacing = 0.01
-viscosity = )toml" + std::to_string(1000 * nu) + R"toml(
-[models]
-pressure = "ppe"
-viscosity = "full"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.06, 0.1, 0.1]
-[[solid]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.14, 0.1]
-container = true
-)toml",
-                                            "slump.toml");
-        Simulation simulation(scene, make_plan(scene));
+        Simulation simulation = simulation_of(text::time(0.2, "max_step = 5e-3") + text::domain({-0.05, -0.05, -0.05}, {0.15, 0.15, 0.15}) +
+                                              text::fluid(0.01, 1000 * nu) + text::models("ppe", "full") +
+                                              text::block({0, 0, 0}, {0.06, 0.1, 0.1}) + text::tank({0, 0, 0}, {0.1, 0.14, 0.1}));
         const auto energy = [&] {  // mean over the particles of u^2/2 + g y, J/kg
             const auto u = simulation.world().fluid.column<field::velocity>();
             const auto x = simulation.world().fluid.column<field::position>();
@@ -53,7 +33,10 @@ container = true
         CHECK(most < 1.02 * start);
         if (nu >= 0.01) CHECK(fastest < 1.5);
         CHECK(simulation.totals().lost_particles == 0);
-        if (nu >= 1) CHECK(fastest < 0.1);  // 2 rho g H^2/mu = 0.2 m/s of creep at nu = 1, stuck to the walls
+        // 2 rho g H^2/mu = 0.2 m/s of creep at nu = 1, stuck to the walls.
+        if (nu >= 1) CHECK(fastest < 0.1);
+        if (nu == 1) CHECK(fastest > 0.03);
+        WARN(nu << " fastest " << fastest);
         // 5e-3 s or 0.4 d/u: with the explicit form nu = 1e4 would take 100 million steps.
         CHECK(simulation.totals().steps < 300);
         CHECK(simulation.totals().viscosity_iterations < 40.0 * static_cast<double>(simulation.totals().steps));

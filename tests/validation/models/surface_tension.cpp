@@ -11,13 +11,13 @@
 #include "engine/models/pressure/constraint.h"
 #include "engine/models/pressure/damping.h"
 #include "engine/particles/sample.h"
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/world.h"
 #include "tests/support/zeros.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace surface_tension_test {
 
@@ -27,7 +27,7 @@ constexpr double sigma = 0.07, rho = 1000, d = 1e-3;
 const double unit = std::sqrt(rho * d * d * d / sigma);  // s, in which surface tension moves a particle by a spacing
 
 /// A weightless drop of water-like fluid with the stages that models.pressure = "ppe" has.
-struct Drop : test::TestWorld {
+struct Drop : TestWorld {
     double radius;  ///< of a ball of the same volume [m]
     explicit Drop(double across, unsigned seed = 1, Sampling sampling = Sampling::blue_noise)
         : TestWorld(d, 2, Domain{Vec3::Constant(Real(-2 * across * d)), Vec3::Constant(Real(2 * across * d)), {}}) {
@@ -170,27 +170,11 @@ TEST_CASE("a cube of fluid becomes a ball", "[validation][surface_tension]") {
     // Axes within 3 %, and no particle farther out than the ball's radius: a cube's corners are 40 % farther.
     for (const char* pressure : {"ppe", "coupled"}) {
         const double half = 4 * d;
-        const Scene scene = read_scene_text(fmt::format(R"toml([time]
-end = {}
-[domain]
-min = [-0.02, -0.02, -0.02]
-max = [0.02, 0.02, 0.02]
-gravity = [0, 0, 0]
-[fluid]
-spacing = {}
-surface_tension = {}
-viscosity = 0.2
-[models]
-pressure = "{}"
-[[block]]
-shape = "box"
-min = [{}, {}, {}]
-max = [{}, {}, {}]
-)toml",
-                                                        60 * unit, d, sigma, pressure, -half, -half, -half, half, half, half),
-                                            "cube.toml");
-        Simulation s(scene, make_plan(scene));
-        while (s.time() < scene.time.end) REQUIRE_FALSE(s.step(scene.time.end).diverged);
+        Simulation s =
+            simulation_of(text::time(60 * unit) + text::domain({-0.02, -0.02, -0.02}, {0.02, 0.02, 0.02}, "gravity = [0, 0, 0]") +
+                          text::fluid(d, 0.2, fmt::format("surface_tension = {}", sigma)) + text::models(pressure) +
+                          text::block({-half, -half, -half}, {half, half, half}));
+        run_until(s, 60 * unit);
         const auto x = s.world().fluid.column<field::position>();
         const Vec3d axis = axes(x);
         const double radius = d * std::cbrt(3 * static_cast<double>(x.size()) / (4 * std::numbers::pi));
@@ -207,23 +191,9 @@ TEST_CASE("a water drop that hangs from a nozzle falls on a neck, and leaves mor
           "[validation][surface_tension][long]") {
     // Harkins and Brown 1919: 0.66 of 2 pi r sigma/g = 90 mg fall from a radius of 2 mm, 60 mg; at 15 mm/s 11 mg more pass the neck.
     // Measured with 5 spacings in the radius: 76 mg, and 15 mg stay. Without the spread of the pulls 105 mg still hang.
-    Simulation drop = test::simulation_of(R"toml([time]
-end = 1
-[domain]
-min = [-0.006, -0.03, -0.006]
-max = [0.006, 0.004, 0.006]
-[fluid]
-spacing = 4e-4
-viscosity = 0.001
-surface_tension = 0.07
-[models]
-pressure = "ppe"
-[[emitter]]
-position = [0, 0, 0]
-direction = [0, -1, 0]
-radius = 2e-3
-speed = 0.015
-)toml");
+    Simulation drop = simulation_of(text::time(1) + text::domain({-0.006, -0.03, -0.006}, {0.006, 0.004, 0.006}) +
+                                    text::fluid(4e-4, 0.001, "surface_tension = 0.07") + text::models("ppe") +
+                                    "[[emitter]]\nposition = [0, 0, 0]\ndirection = [0, -1, 0]\nradius = 2e-3\nspeed = 0.015\n");
     const double particle = 1000 * 4e-4 * 4e-4 * 4e-4 * 1e6;  // mg
     // Particles below the lowest gap of two spacings, and those above it outside the nozzle.
     const auto parts = [&] {
@@ -236,7 +206,7 @@ speed = 0.015
         return std::pair(particle * static_cast<double>(k), particle * static_cast<double>(y.size() - std::min(k, y.size())));
     };
     std::pair<double, double> now{0, 0};
-    while (drop.time() < 0.7 && !(now.first > 20 && now.second > 0)) test::run_until(drop, drop.time() + 0.005), now = parts();
+    while (drop.time() < 0.7 && !(now.first > 20 && now.second > 0)) run_until(drop, drop.time() + 0.005), now = parts();
     WARN("at " << drop.time() << " s " << now.first << " mg fall, " << now.second << " mg stay");
     CHECK(now.first == Approx(68).epsilon(0.2));
     CHECK(now.second > 0.12 * now.first);
@@ -245,28 +215,14 @@ speed = 0.015
 TEST_CASE("a thread of water of 5 spacings breaks in a wave of 10.8 radii, at 0.4 of Rayleigh's rate or more",
           "[validation][surface_tension][long]") {
     // kR = 0.58: 245/s by Rayleigh 1879; measured 0.46 of it from a swing of the area of 0.25 to 1, and a gap after 27 ms.
-    Simulation thread = test::simulation_of(R"toml([time]
-end = 1
-[domain]
-min = [-0.0025, 0, -0.0025]
-max = [0.0025, 0.0054165, 0.0025]
-periodic = [false, true, false]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 1e-4
-viscosity = 0.001
-surface_tension = 0.07
-[models]
-pressure = "ppe"
-[[block]]
-shape = "cylinder"
-from = [0, 0, 0]
-to = [0, 0.0054165, 0]
-radius = 0.0005
-velocity = ["0.05*0.29*x/5e-4*cos(1160*y)", "-0.05*sin(1160*y)", "0.05*0.29*z/5e-4*cos(1160*y)"]
-)toml");
+    Simulation thread = simulation_of(
+        text::time(1) +
+        text::domain({-0.0025, 0, -0.0025}, {0.0025, 0.0054165, 0.0025}, "periodic = [false, true, false]\ngravity = [0, 0, 0]") +
+        text::fluid(1e-4, 0.001, "surface_tension = 0.07") + text::models("ppe") +
+        "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.0054165, 0]\nradius = 0.0005\nvelocity = "
+        "[\"0.05*0.29*x/5e-4*cos(1160*y)\", \"-0.05*sin(1160*y)\", \"0.05*0.29*z/5e-4*cos(1160*y)\"]\n");
     const auto swing = [&](double time) {
-        test::run_until(thread, time);
+        run_until(thread, time);
         const auto x = thread.world().fluid.column<field::position>();
         double c = 0;
         for (const Vec3& one : x) c += std::cos(1160 * static_cast<double>(one.y())) * 2 / static_cast<double>(x.size());
@@ -276,7 +232,7 @@ velocity = ["0.05*0.29*x/5e-4*cos(1160*y)", "-0.05*sin(1160*y)", "0.05*0.29*z/5e
     WARN("grows at " << rate / 245 << " of Rayleigh's rate");
     CHECK(rate > 0.4 * 245);
     CHECK(rate < 1.1 * 245);
-    test::run_until(thread, 0.032);
+    run_until(thread, 0.032);
     const auto x = thread.world().fluid.column<field::position>();
     CHECK(std::none_of(x.begin(), x.end(), [](const Vec3& one) { return std::abs(one.y() - Real(0.0054165 / 2)) < Real(1e-4); }));
 }

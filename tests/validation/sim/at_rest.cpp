@@ -7,10 +7,8 @@
 
 #include "engine/io/diagnostics.h"
 #include "engine/models/pressure/constraint.h"
-#include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
 #include "tests/support/runs.h"
-#include "tests/support/scenes.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -21,113 +19,107 @@ namespace {
 
 constexpr double d = 0.01, g = 9.81, rho_0 = 1000;
 
-double max_speed(const Simulation& simulation) {
-    double most = 0;
-    for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) most = std::max(most, static_cast<double>(u.norm()));
-    return most;
+double max_speed(const Simulation& simulation) { return largest_speed(simulation.world().fluid.column<field::velocity>()); }
+
+/// Water of this depth: "column" (periodic sideways), "slot" (between two walls, periodic along them), "gap" (under a ceiling, periodic
+/// sideways), "open box", "full box".
+struct Vessel {
+    std::string kind;
+    double spacing = d, width = 0.06, depth = 0.15;  ///< m
+    int dimensions = 3;
+    bool has_lid() const { return kind == "gap" || kind == "full box"; }
+};
+
+std::string scene_of(const Vessel& v, const std::string& time, const std::string& models, const std::string& sampling = "lattice") {
+    const auto at = [&](double x, double y, double z) { return text::point(v.dimensions, x, y, z); };
+    const bool box = v.kind.ends_with("box"), walls = box || v.kind == "slot";
+    const double x = walls ? 0.05 : 0, z = box ? 0.05 : 0, top = v.has_lid() ? v.depth : v.depth + 0.1;
+    const text::Point low = at(0, 0, 0), up = at(0, 1, 0);
+    std::string solids = box ? text::tank(low, at(v.width, top, v.width)) : text::plane(low, up);
+    if (v.kind == "gap") solids += text::plane(at(0, top, 0), at(0, -1, 0));
+    if (v.kind == "slot") solids += text::plane(low, at(1, 0, 0)) + text::plane(at(v.width, 0, 0), at(-1, 0, 0));
+    return text::time(100, time) +
+           text::domain(at(-x, -0.05, -z), at(v.width + x, v.depth + 0.2, v.width + z),
+                        fmt::format("periodic = [{}, false, {}]", !walls, !box && v.dimensions == 3)) +
+           text::fluid(v.spacing) + models + text::block(low, at(v.width, v.depth, v.width), fmt::format("sampling = \"{}\"", sampling)) +
+           solids;
 }
 
-/// Water of the given height [m] and spacing [m] in the solids of `rest`, with weakly compressible pressure and all its defaults.
-Scene water(const std::string& rest, double spacing, const std::string& sampling) {
-    return read_scene_text(fmt::format(R"toml([time]
-end = 1.2
-max_step = 2e-3
-[fluid]
-spacing = {}
-[models]
-pressure = "wcsph"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.06, 0.15, 0.06]
-sampling = "{}"
-{})toml",
-                                       spacing, sampling, rest),
-                           "water.toml");
-}
-
-void weakly_compressible_rest(const std::string& form, double spacing, const std::string& sampling, double settled = 1) {
-    // From a lattice (which melts within a second) and from an irregular start. It is the difference of pressure between
-    // the lowest and the middle third that is held against the weight between them: the slot has no surface that could set the pressure to
-    // zero, and at the surface of the box the topmost layer, whose kernel sums fall short, carries none.
-    const std::string box = R"toml([domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.11, 0.2, 0.11]
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0, 0]
-max = [0.06, 0.2, 0.06]
-)toml",
-                      slot = R"toml([domain]
-min = [0, -0.05, 0]
-max = [0.06, 0.2, 0.06]
-periodic = [true, false, true]
-[[solid]]
-shape = "plane"
-[[solid]]
-shape = "plane"
-position = [0, 0.15, 0]
-normal = [0, -1, 0]
-)toml";
-    INFO(form << ", spacing " << spacing << ", " << sampling);
-    const Scene scene = water(form == "box" ? box : slot, spacing, sampling);
-    Simulation simulation(scene, make_plan(scene));
-    run_until(simulation, settled);
-    double difference = 0, exact = 0, fastest = 0;
-    while (simulation.time() < settled + 0.2) {
-        REQUIRE_FALSE(simulation.step(settled + 0.2).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto p = simulation.world().fluid.column<field::pressure>();
-        double pressure[2] = {0, 0}, height[2] = {0, 0};
+/// Pressure of the lower half of the settled water over the weight of the water above it. Under a lid, which leaves the pressure without a
+/// zero: its excess over the upper half.
+class Weight {
+public:
+    explicit Weight(bool lid) : lid_(lid) {}
+    void sample(const World& world) {
+        const auto x = world.fluid.column<field::position>();
+        const auto p = world.fluid.column<field::pressure>();
+        double pressure[2] = {0, 0}, height[2] = {0, 0}, level = 0;
         int count[2] = {0, 0};
+        for (const Vec3& one : x) level += 2 * static_cast<double>(one.y()) / static_cast<double>(x.size());
         for (std::size_t i = 0; i < x.size(); ++i) {
-            if (x[i].y() > 0.1) continue;
-            const int upper = x[i].y() > 0.05;
+            const int upper = x[i].y() > Real(level / 2);
             pressure[upper] += p[i], height[upper] += x[i].y(), ++count[upper];
         }
-        difference += pressure[0] / count[0] - pressure[1] / count[1];
-        exact += rho_0 * g * (height[1] / count[1] - height[0] / count[0]);
+        found_ += pressure[0] / count[0] - (lid_ ? pressure[1] / count[1] : 0);
+        exact_ += rho_0 * g * ((lid_ ? height[1] / count[1] : level) - height[0] / count[0]);
+    }
+    double ratio() const { return found_ / exact_; }
+
+private:
+    bool lid_;
+    double found_ = 0, exact_ = 0;
+};
+
+struct Settled {
+    Vessel vessel;
+    std::string models;
+    double from, until;     ///< s
+    double tolerance;       ///< of the weight
+    double fastest = 0.02;  ///< bound of the largest speed, over sqrt(2 g depth)
+    std::string sampling = "lattice";
+    double max_step = 2e-3;
+};
+
+void keeps_its_weight(const Settled& s) {
+    INFO(s.models << s.vessel.kind << " in " << s.vessel.dimensions << " dimensions, spacing " << s.vessel.spacing << ", " << s.sampling);
+    Simulation simulation = simulation_of(scene_of(s.vessel, fmt::format("max_step = {}", s.max_step), s.models, s.sampling));
+    run_until(simulation, s.from);
+    Weight weight(s.vessel.has_lid());
+    double fastest = 0;
+    while (simulation.time() < s.until) {  // pressures are known at frame times
+        run_until(simulation, simulation.time() + 0.005);
+        weight.sample(simulation.world());
         fastest = std::max(fastest, max_speed(simulation));
     }
-    CHECK(difference / exact == Approx(1).epsilon(0.02));
-    CHECK(fastest < 0.02 * std::sqrt(2 * g * 0.15));
+    CHECK(weight.ratio() == Approx(1).epsilon(s.tolerance));
+    CHECK(fastest < s.fastest * std::sqrt(2 * g * s.vessel.depth));
     CHECK(simulation.totals().lost_particles == 0);
 }
 
+const std::string wcsph = text::models("wcsph"), ppe = text::models("ppe"), xsph = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n",
+                  density_source = text::pressure_form("projection") + "source = \"density\"\n";
+
 }  // namespace
 
-TEST_CASE("weakly compressible water comes to rest in a full slot, with the pressure of its weight within 2 %", "[validation][sim]") {
-    weakly_compressible_rest("slot", 0.01, "blue_noise", 0.5);
+TEST_CASE("still water presses with its weight: wcsph and in 2D 2 %, a column 1 %, a slot of six spacings 2.5 %",
+          "[validation][sim][plane][regression]") {
+    // Single layers scatter by 2 %: what the particles of a settled packing press with is not the same in all directions, and the pressure
+    // is the mean over them. In the slot two of three particles are next to a wall: 2.0 to 2.2 % (1 % was aimed at).
+    const Vessel flat{"open box", 0.005, 0.06, 0.15, 2};
+    for (const Settled& one : {Settled{{"gap"}, wcsph, 0.5, 0.7, 0.02, 0.02, "blue_noise"},
+                               Settled{{"column", d, 0.06, 0.2}, ppe, 0.8, 1.1, 0.01, 0.05, "lattice", 5e-3},
+                               Settled{{"slot", d, 0.06, 0.2}, ppe, 0.8, 1.1, 0.025, 0.05, "lattice", 5e-3},
+                               Settled{flat, ppe, 0.6, 0.9, 0.02, 0.05}, Settled{flat, wcsph, 0.6, 0.9, 0.02}})
+        keeps_its_weight(one);
 }
 
-TEST_CASE("weakly compressible water comes to rest in a box from any start, with its weight within 2 %", "[validation][sim][long]") {
-    for (const std::string sampling : {"lattice", "blue_noise"}) weakly_compressible_rest("box", 0.01, sampling);
-    weakly_compressible_rest("slot", 0.01, "lattice");
-    for (const std::string form : {"box", "slot"})
-        for (const std::string sampling : {"lattice", "blue_noise"}) weakly_compressible_rest(form, 0.0075, sampling);
-}
-
-TEST_CASE("a column of 30 layers presses on a plane with its weight within 2 %, in both pressure models", "[validation][sim][long]") {
-    // Periodic sideways; the particles of the plane are what sample_solids makes of it. Mean over 0.2 s after 1.0 s of settling.
-    const std::string smoothed = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";  // wcsph has its own dampers
-    for (const std::string pressure : {"ppe", "wcsph"}) {
-        INFO(pressure);
-        Simulation simulation = simulation_of(scene_of(
-            WaterColumn{0.06, 30 * d, d, 1.2, 2e-3}, "[models]\npressure = \"" + pressure + "\"\n" + (pressure == "ppe" ? smoothed : "")));
-        run_until(simulation, 1.0);
-        double sum = 0, exact = 0;
-        while (simulation.time() < 1.2) {
-            REQUIRE_FALSE(simulation.step(1.2).diverged);
-            const auto x = simulation.world().fluid.column<field::position>();
-            const auto p = simulation.world().fluid.column<field::pressure>();
-            for (std::size_t i = 0; i < x.size(); ++i)
-                if (x[i].y() < 3 * d) sum += p[i], exact += rho_0 * g * (30 * d - x[i].y());
-        }
-        CHECK(sum / exact == Approx(1).epsilon(0.02));
-        CHECK(max_speed(simulation) < 0.02 * std::sqrt(2 * g * 30 * d));
-        CHECK(simulation.totals().lost_particles == 0);
-    }
+TEST_CASE("weakly compressible water presses with its weight within 2 % from any start, and so do columns of 30 layers",
+          "[validation][sim][long]") {
+    for (const double spacing : {0.01, 0.0075})
+        for (const std::string kind : {"open box", "gap"})
+            for (const std::string sampling : {"lattice", "blue_noise"})
+                keeps_its_weight({{kind, spacing}, wcsph, 1, 1.2, 0.02, 0.02, sampling});
+    for (const std::string& models : {wcsph, ppe + xsph}) keeps_its_weight({{"column", d, 0.06, 0.3}, models, 1, 1.2, 0.02});
 }
 
 namespace {
@@ -137,126 +129,59 @@ struct Energy {
     double moving = 0, above_start = 0;
 };
 
-void published_rest(const std::string& name, double correction) {
+void published_rest(const std::string& kind, double correction) {
     // 2 s from a lattice, without viscosity. What the lattice sets free as it melts (0.2 to 0.6 % of m g H) dies, and nothing else is there
     // that could do work but the unevenness of the start, which a share of 1 takes back in one step (2e-4 of m g H). The motion that is
-    // left: 4e-6 to 6e-5. The pressure over the last second: the mean of the lower half under the settled level; in the full box, which has
-    // no zero of pressure, the difference between two heights. 0.7 % too low to 1.2 % too high (1 % was aimed at): a settled packing does
+    // left: 4e-6 to 6e-5. The pressure over the last second: 0.7 % too low to 1.2 % too high (1 % was aimed at): a settled packing does
     // not press alike in all directions.
-    constexpr double spacing = 0.0125, H = 12 * spacing, side = 6 * spacing;
-    INFO(name << ", correction " << correction);
-    const double width = name == "slot" ? 5 * spacing : side;
-    const std::string walls = name == "column" ? "[[solid]]\nshape = \"plane\"\n"
-                              : name == "slot"
-                                  ? fmt::format(
-                                        "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n"
-                                        "[[solid]]\nshape = \"plane\"\nposition = [{}, 0, 0]\nnormal = [-1, 0, 0]\n",
-                                        width)
-                                  : fmt::format("[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [0, 0, 0]\nmax = [{0}, {1}, {0}]\n",
-                                                side, name == "full box" ? H : 2 * H);
-    const bool around_x = name == "column", around_z = name == "column" || name == "slot";
+    INFO(kind << ", correction " << correction);
+    Vessel vessel{kind, 0.0125, 6 * 0.0125, 12 * 0.0125};
+    if (kind == "slot") vessel.width = 5 * 0.0125;
     Simulation simulation =
-        simulation_of(fmt::format(R"toml([time]
-end = 2
-max_step = 2e-3
-[domain]
-min = [{1}, -0.05, {2}]
-max = [{3}, 0.35, {4}]
-periodic = [{5}, false, {6}]
-[fluid]
-spacing = {7}
-[models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-source = "density"
-correction = {8}
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [{0}, {9}, {10}]
-{11})toml",
-                                  width, around_x ? 0 : -0.05, around_z ? 0 : -0.05, around_x ? width : width + 0.05,
-                                  around_z ? side : side + 0.05, around_x, around_z, spacing, correction, H, side, walls));
+        simulation_of(scene_of(vessel, "max_step = 2e-3", density_source + fmt::format("correction = {}\n", correction)));
     const auto energy = [&] {
         const auto x = simulation.world().fluid.column<field::position>();
         const auto u = simulation.world().fluid.column<field::velocity>();
         Energy e;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            e.moving += static_cast<double>(u[i].squaredNorm()) / 2 / static_cast<double>(x.size()) / (g * H);
-            e.above_start += static_cast<double>(x[i].y()) / static_cast<double>(x.size()) / H;
+            e.moving += static_cast<double>(u[i].squaredNorm()) / 2 / static_cast<double>(x.size()) / (g * vessel.depth);
+            e.above_start += static_cast<double>(x[i].y()) / static_cast<double>(x.size()) / vessel.depth;
         }
         e.above_start += e.moving;
         return e;
     };
     const double start = energy().above_start;
-    double difference = 0, expected = 0, highest = 0;
+    double highest = 0;
+    Weight weight(vessel.has_lid());
     while (simulation.time() < 2) {
         REQUIRE_FALSE(simulation.step(2).diverged);
         highest = std::max(highest, energy().above_start - start);
-        if (simulation.time() < 1) continue;
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto p = simulation.world().fluid.column<field::pressure>();
-        double pressure[2] = {0, 0}, height[2] = {0, 0}, level = 0;
-        int count[2] = {0, 0};
-        for (const Vec3& one : x) level += 2 * static_cast<double>(one.y()) / static_cast<double>(x.size());
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            const int upper = x[i].y() > Real(level / 2);
-            pressure[upper] += p[i], height[upper] += x[i].y(), ++count[upper];
-        }
-        const bool full = name == "full box";
-        difference += pressure[0] / count[0] - (full ? pressure[1] / count[1] : 0);
-        expected += rho_0 * g * ((full ? height[1] / count[1] : level) - height[0] / count[0]);
+        if (simulation.time() >= 1) weight.sample(simulation.world());
     }
-    CAPTURE(energy().moving, max_speed(simulation) / std::sqrt(g * H), highest);
+    CAPTURE(energy().moving, max_speed(simulation) / std::sqrt(g * vessel.depth), highest);
     CHECK(highest < 3e-4 * correction);
     CHECK(energy().moving < 5e-4);
-    CHECK(difference / expected == Approx(1).epsilon(0.015));
+    CHECK(weight.ratio() == Approx(1).epsilon(0.015));
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(simulation.totals().unconverged_solves == 0);
 }
 
 }  // namespace
 
-TEST_CASE(
-    "pressure.source density: water in a column, in boxes and in a slot of 5 spacings gains no energy and comes to rest, with the pressure "
-    "of its weight within 1.5 %",
-    "[validation][sim]") {
-    for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 0.1);
+TEST_CASE("pressure.source density: still water in any vessel gains no energy and presses with its weight within 1.5 %",
+          "[validation][sim]") {
+    for (const std::string kind : {"column", "open box", "full box", "slot"}) published_rest(kind, kind == "open box" ? 1 : 0.1);
 }
 
-TEST_CASE("pressure.source density: the same where a step corrects all of the density error", "[validation][sim]") {
-    for (const std::string name : {"column", "open box", "full box", "slot"}) published_rest(name, 1);
+TEST_CASE("pressure.source density: the same with either share of the density error corrected in a step", "[validation][sim][long]") {
+    for (const std::string kind : {"column", "open box", "full box", "slot"})
+        for (const double correction : {0.1, 1.0}) published_rest(kind, correction);
 }
 
 TEST_CASE("pressure.source density: water between floor and ceiling rests with the pressure of its weight", "[validation][sim]") {
     // Within 1 %. No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the
     // topmost layer falls (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
-    Simulation simulation = simulation_of(scene_of(WaterColumn{0.1, 10 * d, d, 0.2, 2e-3}, R"toml([models]
-pressure = "ppe"
-[pressure]
-form = "projection"
-source = "density"
-[[solid]]
-shape = "plane"
-position = [0, 0.1, 0]
-normal = [0, -1, 0]
-)toml"));
-    run_until(simulation, 0.1);
-    // Means over 0.1 s, as for the columns, of the lowest and the topmost of the ten layers.
-    double low = 0, high = 0;
-    int steps = 0;
-    for (; simulation.time() < 0.2; ++steps) {
-        REQUIRE_FALSE(simulation.step(0.2).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto p = simulation.world().fluid.column<field::pressure>();
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            if (x[i].y() < d) low += p[i] / 100.0;
-            if (x[i].y() > 9 * d) high += p[i] / 100.0;
-        }
-    }
-    CHECK(max_speed(simulation) < 0.002 * std::sqrt(2 * g * 10 * d));
-    CHECK((low - high) / steps == Approx(rho_0 * g * 9 * d).epsilon(0.01));
+    keeps_its_weight({{"gap", d, 0.1, 0.1}, density_source, 0.1, 0.2, 0.01, 0.002});
 }
 
 namespace {
@@ -269,21 +194,10 @@ struct Rest {
     long lost;
 };
 
-/// Water to a height H between solids, from a lattice, for `end` seconds.
-Rest settle(const std::string& solids, const std::string& periodic, const Vec3d& fill, const std::string& more, double spacing, double end,
-            double max_step = 5e-3) {
-    const std::string low_x = periodic[1] == 't' ? "0" : "-0.05", low_z = periodic.find("true]") != std::string::npos ? "0" : "-0.05";
-    const auto text = [](double value) { return std::to_string(value); };
-    const auto side = [&](double size, const std::string& low) { return low == "0" ? text(size) : text(size + 0.05); };
-    const Scene scene =
-        read_scene_text("[time]\nend = " + text(end) + "\nmax_step = " + text(max_step) + "\n[domain]\nmin = [" + low_x + ", -0.05, " +
-                            low_z + "]\nmax = [" + side(fill.x(), low_x) + ", 0.4, " + side(fill.z(), low_z) + "]\nperiodic = " + periodic +
-                            "\n[fluid]\nspacing = " + text(spacing) + "\n[models]\npressure = \"ppe\"\n" + more +
-                            "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [" + text(fill.x()) + ", " + text(fill.y()) + ", " +
-                            text(fill.z()) + "]\n" + solids,
-                        "rest.toml");
-    Simulation simulation(scene, make_plan(scene));
-    const double scale = std::sqrt(2 * g * fill.y());
+/// Water in the vessel, from a lattice, for `end` seconds.
+Rest settle(const Vessel& vessel, const std::string& viscosity, double end, double max_step = 5e-3) {
+    Simulation simulation = simulation_of(scene_of(vessel, fmt::format("max_step = {}", max_step), ppe + viscosity));
+    const double scale = std::sqrt(2 * g * vessel.depth);
     int steps = 0;
     const auto mean_square = [&] {
         double sum = 0;
@@ -319,28 +233,13 @@ Rest settle(const std::string& solids, const std::string& periodic, const Vec3d&
     return rest;
 }
 
-const std::string open_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.2, 0.1]\ncontainer = true\n";
-const std::string full_box = "[[solid]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, 0.1]\ncontainer = true\n";
-const std::string floor_and_ceiling =
-    "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nposition = [0, 0.1, 0]\nnormal = [0, -1, 0]\n";
-const std::string slot =
-    "[[solid]]\nshape = \"plane\"\n[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n"
-    "[[solid]]\nshape = \"plane\"\nposition = [0.06, 0, 0]\nnormal = [-1, 0, 0]\n";
-
-}  // namespace
-
-namespace {
-
-const std::string xsph = "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.05\n";
-
-void comes_to_rest(const std::string& name, const std::string& solids, const std::string& periodic, const Vec3d& fill,
-                   const std::string& viscosity) {
+void comes_to_rest(const Vessel& vessel, const std::string& viscosity) {
     // A lattice is no stable packing: it melts, and what its fall to a denser one sets free (1 % of the height) has to die out. Speeds in
     // units of sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached), and falling: below half of what it was at 0.5 s
     // (0.7 to 2 %, by when the lattice melts). Single particles that find a better place jump: the fastest of 1000, 1 to 3 % from run to
     // run (float and double are two runs), below 5 %. The densest particle scatters in the same way (.02 to .3 %), the mean does not.
-    INFO(name << (viscosity.empty() ? "" : ", XSPH"));
-    const Rest rest = settle(solids, periodic, fill, viscosity, d, 2.4);
+    INFO(vessel.kind << (viscosity.empty() ? "" : ", XSPH"));
+    const Rest rest = settle(vessel, viscosity, 2.4);
     CAPTURE(rest.early, rest.late, rest.fastest, rest.density, rest.densest);
     CHECK(rest.fastest < 0.05);
     CHECK(rest.late < 0.02 / 3);
@@ -352,11 +251,13 @@ void comes_to_rest(const std::string& name, const std::string& solids, const std
     CHECK(rest.densest < 1e-2);
 }
 
+const Vessel open_box{"open box", d, 0.1, 0.1}, full_box{"full box", d, 0.1, 0.1}, gap{"gap", d, 0.1, 0.1}, slot{"slot", d, 0.06, 0.2};
+
 }  // namespace
 
 TEST_CASE("water comes to rest in an open box, and with viscosity in a full closed one", "[validation][sim]") {
-    comes_to_rest("open box", open_box, "[false, false, false]", {0.1, 0.1, 0.1}, "");
-    comes_to_rest("full closed box", full_box, "[false, false, false]", {0.1, 0.1, 0.1}, xsph);
+    comes_to_rest(open_box, "");
+    comes_to_rest(full_box, xsph);
 }
 
 TEST_CASE("a block of water at side walls stays at rest, and its corners have rho g depth within 5 %", "[validation][sim]") {
@@ -366,33 +267,10 @@ TEST_CASE("a block of water at side walls stays at rest, and its corners have rh
     const bool plane = GENERATE(true, false);
     constexpr double spacing = 0.0125;
     const double width = plane ? 0.2 : 0.15;
-    const auto deep = [&](double z) { return plane ? std::string() : fmt::format(", {}", z); };
-    Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 2
-[domain]
-dimensions = {0}
-min = [-0.05, -0.05{1}]
-max = [0.25, 0.3{2}]
-[fluid]
-spacing = {3}
-[models]
-pressure = "ppe"
-[[block]]
-shape = "box"
-min = [0, 0{4}]
-max = [{5}, {5}{6}]
-[[solid]]
-shape = "box"
-min = [0, 0{4}]
-max = [{5}, 0.3{6}]
-container = true
-slip = "free"
-[[probe]]
-name = "tank"
-kind = "solid"
-solid = 0
-)toml",
-                                                      plane ? 2 : 3, deep(-0.05), deep(0.25), spacing, deep(0), width, deep(width)));
+    const auto at = [&](double x, double y, double z) { return text::point(plane ? 2 : 3, x, y, z); };
+    Simulation simulation = simulation_of(text::time(2) + text::domain(at(-0.05, -0.05, -0.05), at(0.25, 0.3, 0.25)) +
+                                          text::fluid(spacing) + ppe + text::block(at(0, 0, 0), at(width, width, width)) +
+                                          text::tank(at(0, 0, 0), at(width, 0.3, width), "slip = \"free\""));
     double most = 0, corners = 0, exact = 0;
     while (simulation.time() < 0.1) {
         REQUIRE_FALSE(simulation.step(0.1).diverged);
@@ -418,19 +296,8 @@ namespace {
 
 /// 16 x 16 particles of water in 2D, in a tank .2 m wide. @param time keys of [time] @param tank its solids
 std::string square_of_water(const std::string& time, const std::string& tank) {
-    return "[time]\nend = 1\n" + time + R"toml([domain]
-dimensions = 2
-min = [-0.05, -0.05]
-max = [0.25, 0.3]
-[fluid]
-spacing = 0.0125
-[models]
-pressure = "ppe"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.2, 0.2]
-)toml" + tank;
+    return text::time(1, time) + text::domain({-0.05, -0.05}, {0.25, 0.3}) + text::fluid(0.0125) + ppe + text::block({0, 0}, {0.2, 0.2}) +
+           tank;
 }
 
 }  // namespace
@@ -444,13 +311,8 @@ TEST_CASE("still water has rho g depth within 5 % at 99 of 100 frame times for a
     };
     const Rhythm rhythm = GENERATE(Rhythm{5e-3, 200}, Rhythm{2e-3, 165}, Rhythm{1e-3, 165}, Rhythm{1e-3, 60});
     INFO("max_step " << rhythm.max_step << " fps " << rhythm.fps);
-    Simulation simulation = simulation_of(square_of_water(fmt::format("max_step = {}\n", rhythm.max_step), R"toml([[solid]]
-shape = "box"
-min = [0, 0]
-max = [0.2, 0.3]
-container = true
-slip = "free"
-)toml"));
+    Simulation simulation =
+        simulation_of(square_of_water(fmt::format("max_step = {}", rhythm.max_step), text::tank({0, 0}, {0.2, 0.3}, "slip = \"free\"")));
     int frames = 0, off = 0;
     double farthest = 0;
     for (int frame = 1; frame < 0.7 * rhythm.fps; ++frame) {
@@ -470,20 +332,8 @@ slip = "free"
 TEST_CASE("a tank of boxes, thin or thick, holds still water as calm as one container", "[validation][sim]") {
     // K/P is 1e-7 as in a container. It was 1e-4 to 3e-4 when faces that lie on each other, or the far edges of a thin box, spoilt images.
     const double wall = GENERATE(0.025, 0.05);
-    Simulation simulation = simulation_of(square_of_water("", fmt::format(R"toml([[solid]]
-shape = "box"
-min = [-{0}, -{0}]
-max = [{1}, 0]
-[[solid]]
-shape = "box"
-min = [-{0}, 0]
-max = [0, 0.3]
-[[solid]]
-shape = "box"
-min = [0.2, 0]
-max = [{1}, 0.3]
-)toml",
-                                                                          wall, 0.2 + wall)));
+    Simulation simulation = simulation_of(square_of_water(
+        "", text::box({-wall, -wall}, {0.2 + wall, 0}) + text::box({-wall, 0}, {0, 0.3}) + text::box({0.2, 0}, {0.2 + wall, 0.3})));
     run_until(simulation, 0.1);
     const Measures now = measure(simulation.world(), Vec3d(0, -g, 0), 1);
     CHECK(now.kinetic_energy < 1e-5 * now.potential_energy);
@@ -496,27 +346,9 @@ TEST_CASE("a deep tank in 2D stays calm when its first steps are short, on a lat
     // 0.32 m of the fluid, so three times that to the surface, and half of it in the mean: 10 % of sqrt(g L) is twice the mean.
     for (const std::string sampling : {"lattice", "jittered"}) {
         INFO(sampling);
-        Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 1
-max_step = 1e-4
-[domain]
-dimensions = 2
-min = [-0.05, -0.05]
-max = [0.15, 1.3]
-[fluid]
-spacing = 0.01
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.1, 1]
-sampling = "{}"
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0]
-max = [0.1, 1.2]
-)toml",
-                                                          sampling));
+        Simulation simulation =
+            simulation_of(text::time(1, "max_step = 1e-4") + text::domain({-0.05, -0.05}, {0.15, 1.3}) + text::fluid(0.01) +
+                          text::block({0, 0}, {0.1, 1}, fmt::format("sampling = \"{}\"", sampling)) + text::tank({0, 0}, {0.1, 1.2}));
         double most = 0;
         for (int k = 1; k <= 20; ++k) {
             run_until(simulation, 1e-3 / 2 * k);
@@ -532,18 +364,16 @@ max = [0.1, 1.2]
 TEST_CASE("water that fills the gap between floor and ceiling lies still", "[validation][sim]") {
     // No surface makes room for what the particles' motion bends. Root mean square over sqrt(2 g H): 0.010; where the pressure is asked for
     // it nevertheless, 0.24.
-    const Rest rest = settle(floor_and_ceiling, "[true, false, true]", {0.1, 0.1, 0.1}, xsph, d, 1);
+    const Rest rest = settle(gap, xsph, 1);
     CHECK(rest.early < 0.02);
     CHECK(rest.lost == 0);
 }
 
 TEST_CASE("water comes to rest between floor and ceiling, in a slot and in inverted boxes", "[validation][sim][long]") {
-    comes_to_rest("open box", open_box, "[false, false, false]", {0.1, 0.1, 0.1}, xsph);
-    comes_to_rest("full closed box", full_box, "[false, false, false]", {0.1, 0.1, 0.1}, "");
-    for (const std::string& viscosity : {std::string(), xsph}) {
-        comes_to_rest("floor and ceiling", floor_and_ceiling, "[true, false, true]", {0.1, 0.1, 0.1}, viscosity);
-        comes_to_rest("slot", slot, "[false, false, true]", {0.06, 0.2, 0.06}, viscosity);
-    }
+    comes_to_rest(open_box, xsph);
+    comes_to_rest(full_box, "");
+    for (const std::string& viscosity : {std::string(), xsph})
+        for (const Vessel& vessel : {gap, slot}) comes_to_rest(vessel, viscosity);
 }
 
 TEST_CASE("water in an open box comes to rest with half the spacing, and with steps of 1 ms", "[validation][sim][long]") {
@@ -551,49 +381,13 @@ TEST_CASE("water in an open box comes to rest with half the spacing, and with st
     // the densest 3 % for a moment.
     for (const double spacing : {d / 2, d}) {
         INFO("spacing " << spacing);
-        const Rest rest =
-            settle(open_box, "[false, false, false]", {0.1, 0.1, 0.1}, "", spacing, spacing < d ? 1.2 : 2.0, spacing < d ? 5e-3 : 1e-3);
+        const Rest rest = settle({"open box", spacing, 0.1, 0.1}, "", spacing < d ? 1.2 : 2.0, spacing < d ? 5e-3 : 1e-3);
         CAPTURE(rest.early, rest.late, rest.fastest, rest.density, rest.densest);
         CHECK(rest.fastest < 0.05);
         CHECK(rest.late < 0.02 / 3);
         CHECK(rest.late < rest.early / 2);
         CHECK(rest.density < 1e-3);
         CHECK(rest.densest < 5e-2);
-    }
-}
-
-TEST_CASE(
-    "water at rest has the pressure of the depth, within 1 % in the mean over the lower half of a column, within 2.5 % in a slot 6 "
-    "spacings wide",
-    "[validation][sim][regression]") {
-    // The depth below the level that the settled water has (0.5 % lower than the lattice), over 0.3 s. Single layers scatter by 2 %: what
-    // the particles of a settled packing press with is not the same in all directions, and the pressure is the mean over them. In the slot
-    // two of three particles are next to a wall: 2.0 to 2.2 % (1 % was aimed at).
-    for (const bool between_walls : {false, true}) {
-        constexpr double layers = 20, H = 0.2, spacing = H / layers, width = 6 * spacing;
-        const double reach = between_walls ? 0.05 : 0;
-        const std::string walls = fmt::format(
-            "[[solid]]\nshape = \"plane\"\nnormal = [1, 0, 0]\n[[solid]]\nshape = \"plane\"\nposition = [{}, 0, 0]\nnormal = [-1, 0, 0]\n",
-            width);
-        Simulation simulation =
-            simulation_of(fmt::format("[time]\nend = 2\nmax_step = 5e-3\n[domain]\nmin = [{0}, -0.05, 0]\nmax = [{1}, 0.3, {2}]\nperiodic "
-                                      "= [{3}, false, true]\n[fluid]\nspacing = {4}\n"
-                                      "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [{2}, 0.2, {2}]\n[[solid]]\nshape = "
-                                      "\"plane\"\n{5}[models]\npressure = \"ppe\"\n",
-                                      -reach, width + reach, width, between_walls ? "false" : "true", spacing, between_walls ? walls : ""));
-        run_until(simulation, 0.8);
-        double pressure = 0, exact = 0;
-        for (int frame = 1; frame <= 30; ++frame) {  // pressures are known at frame times
-            run_until(simulation, 0.8 + 0.01 * frame);
-            const auto x = simulation.world().fluid.column<field::position>();
-            const auto p = simulation.world().fluid.column<field::pressure>();
-            double level = 0;
-            for (const Vec3& one : x) level += 2 * static_cast<double>(one.y()) / static_cast<double>(x.size());
-            for (std::size_t i = 0; i < x.size(); ++i)
-                if (x[i].y() < Real(level / 2)) pressure += p[i], exact += rho_0 * g * (level - static_cast<double>(x[i].y()));
-        }
-        INFO((between_walls ? "slot" : "column"));
-        CHECK(pressure / exact == Approx(1).epsilon(between_walls ? 0.025 : 0.01));
     }
 }
 
@@ -605,29 +399,7 @@ TEST_CASE(
     // column fall for some steps and catches it in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density error
     // alone). Mean over the lowest four layers.
     for (const double cfl : {0.4, 0.2}) {
-        const Scene scene = read_scene_text(fmt::format(R"toml([time]
-end = 1
-cfl = {}
-[domain]
-min = [-0.05, -0.05, -0.05]
-max = [0.15, 0.4, 0.15]
-[fluid]
-spacing = 0.0125
-[models]
-pressure = "ppe"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.2, 0.1]
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0, 0]
-max = [0.1, 0.4, 0.1]
-)toml",
-                                                        cfl),
-                                            "column.toml");
-        Simulation simulation(scene, make_plan(scene));
+        Simulation simulation = simulation_of(scene_of({"open box", 0.0125, 0.1, 0.2}, fmt::format("cfl = {}", cfl), ppe));
         run_until(simulation, 0.5);
         double off = 0;
         int steps = 0;
@@ -649,31 +421,11 @@ max = [0.1, 0.4, 0.1]
 namespace {
 
 /// Honey in a bucket of 48 mm that spins at 14/s from the first step on.
-std::string spun_bucket(double spacing, double viscosity, const std::string& models = "pressure = \"ppe\"\nviscosity = \"full\"") {
-    return fmt::format(R"toml([time]
-end = 20
-[domain]
-min = [-0.06, -0.01, -0.06]
-max = [0.06, 0.12, 0.06]
-[fluid]
-spacing = {}
-viscosity = {}
-[models]
-{}
-[[block]]
-shape = "cylinder"
-from = [0, 0, 0]
-to = [0, 0.036, 0]
-radius = 0.048
-[[solid]]
-shape = "cylinder"
-from = [0, 0, 0]
-to = [0, 0.11, 0]
-radius = 0.048
-container = true
-rotation = [0, 14, 0]
-)toml",
-                       spacing, viscosity, models);
+std::string spun_bucket(double spacing, double viscosity, const std::string& models = text::models("ppe", "full")) {
+    const std::string round = "shape = \"cylinder\"\nfrom = [0, 0, 0]\nradius = 0.048\n";
+    return text::time(20) + text::domain({-0.06, -0.01, -0.06}, {0.06, 0.12, 0.06}) + text::fluid(spacing, viscosity) + models +
+           "[[block]]\n" + round + "to = [0, 0.036, 0]\n[[solid]]\n" + round +
+           "to = [0, 0.11, 0]\ncontainer = true\nrotation = [0, 14, 0]\n";
 }
 
 double energy_of(const Simulation& simulation) {
@@ -722,7 +474,7 @@ TEST_CASE("coupled honey in a bucket that spins keeps the paraboloid within half
     // 6 spacings in the radius. If the force of the fluid's own hydrostatic pressure erred among disordered particles: 3.8 % high, 2
     // spacings too high at 20/s. If walls had the next step's velocities in the gradients before the solve: 6 %.
     constexpr double spacing = 8e-3;
-    Simulation simulation = simulation_of(spun_bucket(spacing, 4, "pressure = \"coupled\""));
+    Simulation simulation = simulation_of(spun_bucket(spacing, 4, text::models("coupled")));
     run_until(simulation, 3);
     check_paraboloid(simulation, spacing, 0.015, spacing / 2);
 }
@@ -732,7 +484,7 @@ TEST_CASE("honey spun for 20 s keeps its energy from 2 s on: within .5 % under p
     for (const bool coupled : {false, true}) {
         CAPTURE(coupled);
         const double spacing = coupled ? 8e-3 : 6e-3;
-        Simulation simulation = simulation_of(coupled ? spun_bucket(spacing, 4, "pressure = \"coupled\"") : spun_bucket(spacing, 4));
+        Simulation simulation = simulation_of(coupled ? spun_bucket(spacing, 4, text::models("coupled")) : spun_bucket(spacing, 4));
         run_until(simulation, 2);
         const double before = energy_of(simulation);
         run_until(simulation, 20);
