@@ -143,7 +143,7 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
     };
     const Case cases[]{
         {"nothing", [] {}, 3},
-        {"a record, by hand", [&] { change_record("memory_bytes", "much"); }, 2},
+        {"a record, by hand", [&] { change_record("memory", "much"); }, 2},
         {"a run's folder was removed", [&] { fs::remove_all(point("")); }, 2},
         {"a run is of another call, which was interrupted", [&] { write(point("") / "run.json", "{\"status\": \"running\"}"); }, 2},
         {"a point failed", [&] { change_record("status", "failed"); }, 2},
@@ -167,11 +167,11 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
     CHECK(dry.code == 0);
 }
 
-TEST_CASE("the reference run may be a point of the grid, and a value may be listed twice", "[study]") {
+TEST_CASE("the reference run may be a point of the grid", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     write(folder / "s.toml",
-          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.01, 0.02, 0.005, 0.005]\n[accuracy]\n"
+          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.01, 0.02, 0.005]\n[accuracy]\n"
           "of = \"reference\"\ntable = \"probes/all.csv\"\ncolumn = \"centroid_y\"\nreference = [\"time.max_step=0.01\"]\n[cost]\nrepeat = "
           "2\n");
     const Outcome done = test::whorl(
@@ -210,7 +210,7 @@ TEST_CASE("a stability map separates stable from unstable steps, with the plan's
     CHECK(cells[1].at("state") == "stable");
     CHECK(cells[2].at("state") != "stable");
     CHECK(cells[2].at("first_bad_step").get<long>() > 0);  // when it went wrong, from the run's own report
-    CHECK(cells[0].at("first_bad_step").get<long>() == 0);
+    CHECK(cells[0].at("first_bad_step").is_null());
     CHECK(cells[0].at("limits").at("viscous").get<double>() == Approx(3.1e-3).epsilon(0.05));
     CHECK(fs::file_size(folder / "out" / "stability.png") > 1000);
 }
@@ -328,11 +328,13 @@ TEST_CASE("a point reads scene, quality and seed of its settings, a scene next t
     write(folder / "falling.toml", falling);
     Study study;
     study.directory = folder.path(), study.quality = "draft";
-    const Options own = point_options(study, "honey_coil", {"seed=3", "threads=2", "program=./x"});
-    CHECK(own.scene == "honey_coil");
-    CHECK(own.quality == "draft");
-    CHECK(own.set == std::vector<std::string>{"seed=3"});
-    const Options other = point_options(study, "honey_coil", {"scene=falling.toml", "quality=fine", "time.end=1"});
+    const PointCall own = point_call(study, "honey_coil", {"seed=3", "threads=2", "program=./x"});
+    CHECK(own.options.scene == "honey_coil");
+    CHECK(own.options.quality == "draft");
+    CHECK(own.options.set == std::vector<std::string>{"seed=3"});
+    CHECK(own.threads == "2");
+    CHECK(fs::path(own.program) == folder / "./x");
+    const Options other = point_call(study, "honey_coil", {"scene=falling.toml", "quality=fine", "time.end=1"}).options;
     CHECK(other.scene == (folder / "falling.toml").string());
     CHECK(other.quality == "fine");
     CHECK(other.set == std::vector<std::string>{"time.end=1"});
@@ -353,11 +355,13 @@ TEST_CASE("a study with a key without effect is refused, and a point that the pl
 
 TEST_CASE("mistakes of a study file are reported together with their locations", "[study]") {
     const ScratchFolder folder;
-    write(folder / "bad.toml", "scenes = []\nlimit = -1\n[[knob]]\nkey = \"a\"\nvalues = [1]\n[acuracy]\n");
+    write(folder / "bad.toml",
+          "scenes = []\nlimit = -1\n[[knob]]\nkey = \"a\"\nvalues = [1]\n[[knob]]\nkey = \"b\"\nvalues = [1, 2, 1]\n[acuracy]\n");
     const Outcome bad = test::whorl({"tradeoff", (folder / "bad.toml").string(), "--out", (folder / "out").string()});
     CHECK(bad.code == 2);
     CHECK_THAT(bad.err, Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") &&
                             Catch::Contains("limit = -1 is out of range") && Catch::Contains("needs two values or more") &&
+                            Catch::Contains("knob[1].values has a value twice") &&
                             Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
     write(folder / "names.toml", "scenes = [\"a.toml\", \"b/a.toml\"]\n");

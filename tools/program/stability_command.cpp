@@ -5,14 +5,13 @@
 #include <cmath>
 #include <memory>
 
-#include "engine/io/csv.h"
+#include "engine/core/clock.h"
 #include "engine/sim/simulation.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"
 #include "tools/scene_file/scene_file.h"
 #include "tools/study/plot.h"
-#include "tools/study/point.h"
 
 namespace whorl {
 namespace {
@@ -37,16 +36,20 @@ public:
     void run() {
         const double began = wall_seconds();
         std::size_t started = 0, done = 0;
-        sweep_.run<Cell>([&](double) { return started < cells_.size() ? task(started++) : nullptr; },
-                         [&](std::size_t k, Cell cell) {
-                             cells_[k] = std::move(cell), was_run_[k] = true, ++done;
-                             const double spent = wall_seconds() - began;
-                             report(k, done, spent / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
-                         });
+        sweep_.run([&](double) -> Sweep::Task {
+            if (started == cells_.size()) return nullptr;
+            const std::size_t k = started++;
+            return [this, began, &done, k, measure = task(k)] {
+                return [this, began, &done, k, cell = measure()] {
+                    cells_[k] = cell, was_run_[k] = true, ++done;
+                    const double spent = wall_seconds() - began;
+                    report(k, done, spent / static_cast<double>(done) * static_cast<double>(cells_.size() - done));
+                };
+            };
+        });
         if (started < cells_.size())
             sweep_.say(fmt::format("the budget of {} is spent; the same command continues from here", sweep_.options.budget));
-        sweep_.write("stability", table(), map());
-        conclude();
+        write();
     }
 
 private:
@@ -77,9 +80,8 @@ private:
 
     /// Step limits of the models at the start. @throws InputError if the plan refuses the scene
     std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
-        const SceneFile file = read_scene_file(point_options(study_, sweep_.scene, run_settings(study_, settings)));
-        const Plan plan = make_plan(file.scene);
-        const Simulation simulation(file.scene, plan);
+        const Scene scene = read_scene_file(point_call(study_, sweep_.scene, settings).options).scene;
+        const Simulation simulation(scene, make_plan(scene));
         std::map<std::string, double> limits;
         const double fastest = largest_speed(simulation.world());
         for (const StepLimit& limit : simulation.assembly().limits)
@@ -96,7 +98,7 @@ private:
             empty.limits = limits_of(all);
         } catch (const InputError& error) {
             // Another program may accept what this one refuses: one of double precision reaches farther from the origin.
-            if (!name_a_program(run_settings(study_, all))) {
+            if (point_call(study_, sweep_.scene, all).program.empty()) {
                 empty.verdict = refused(error);
                 return [empty] { return empty; };
             }
@@ -178,25 +180,6 @@ private:
         return all;
     }
 
-    std::string table() const {
-        std::string csv;
-        for (const Knob& knob : study_.knobs) csv += csv_cell(knob.key) + ",";
-        csv += "state,largest_stable,first_bad_time,first_bad_step,limits,why\n";
-        for (std::size_t k = 0; k < cells_.size(); ++k) {
-            if (!was_run_[k]) continue;
-            const Cell& c = cells_[k];
-            for (const std::string& setting : settings(k)) csv += csv_cell(setting.substr(setting.find('=') + 1)) + ",";
-            std::vector<std::string> limits;
-            for (const auto& [name, dt] : c.limits) limits.push_back(fmt::format("{} {:.3g}", name, dt));
-            const bool placed = c.verdict.step > 0;
-            csv += fmt::format("{},{},{},{},{},{}\n", c.verdict.state,
-                               std::isfinite(c.largest_stable) ? fmt::format("{:.4g}", c.largest_stable) : "",
-                               placed ? fmt::format("{:.6g}", c.verdict.time) : "", placed ? fmt::format("{}", c.verdict.step) : "",
-                               csv_cell(fmt::format("{}", fmt::join(limits, "; "))), csv_cell(c.verdict.why));
-        }
-        return csv;
-    }
-
     Canvas map() const {
         std::vector<StabilityPanel> panels;
         for (std::size_t p = 0; p < panels_; ++p) {
@@ -211,24 +194,26 @@ private:
                          study_.knobs.size() > 1 ? study_.knobs[1].title() : "");
     }
 
-    void conclude() const {
+    void write() const {
         std::map<std::string, int> count;
-        Json cells = Json::array();
+        Json rows = Json::array();
         for (std::size_t k = 0; k < cells_.size(); ++k) {
             if (!was_run_[k]) continue;
             const Cell& c = cells_[k];
-            ++count[c.verdict.state];
-            cells.push_back({{"settings", settings(k)},
-                             {"state", c.verdict.state},
-                             {"why", c.verdict.why},
-                             {"first_bad_step", c.verdict.step},
-                             {"largest_stable", std::isfinite(c.largest_stable) ? Json(c.largest_stable) : Json()},
-                             {"limits", c.limits}});
+            const Verdict& v = c.verdict;
+            ++count[v.state];
+            rows.push_back({{"settings", settings(k)},
+                            {"state", v.state},
+                            {"largest_stable", c.largest_stable},
+                            {"first_bad_time", v.step > 0 ? Json(v.time) : Json()},
+                            {"first_bad_step", v.step > 0 ? Json(v.step) : Json()},
+                            {"limits", c.limits},
+                            {"why", v.why}});
         }
+        sweep_.write("stability", map(), {"state", "largest_stable", "first_bad_time", "first_bad_step", "limits", "why"}, "cells", rows);
         std::vector<std::string> sums;
         for (const auto& [state, n] : count) sums.push_back(fmt::format("{} {}", n, state));
         sweep_.say(fmt::format("{}; {}/stability.csv, stability.png, stability.svg", fmt::join(sums, ", "), sweep_.folder.string()));
-        sweep_.print_json("cells", cells);
     }
 
     const Sweep& sweep_;
@@ -237,8 +222,6 @@ private:
     std::vector<Cell> cells_;
     std::vector<bool> was_run_;
 };
-
-}  // namespace
 
 int run_stability(const SweepOptions& options) {
     const Study study = read_study(options.study);
@@ -249,6 +232,8 @@ int run_stability(const SweepOptions& options) {
             "search for a further one with stability.bisect");
     return run_sweeps(study, options, false, [](const Sweep& sweep) { StabilityMap(sweep).run(); });
 }
+
+}  // namespace
 
 void add_stability(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();

@@ -3,8 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <future>
+#include <limits>
+#include <thread>
 
+#include "engine/core/clock.h"
 #include "engine/core/whole_file.h"
+#include "engine/io/csv.h"
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
@@ -34,22 +40,65 @@ void add_sweep_options(CLI::App& app, SweepOptions& o) {
     app.add_flag("--json", o.json, "the result as JSON on standard output");
 }
 
-Sweep::Sweep(const Study& s, const SweepOptions& o, std::string of, fs::path into)
-    : study(s), options(o), scene(std::move(of)), folder(std::move(into)), runner(s, folder, o.threads, {o.on == "slurm", o.sbatch}) {}
-
 void Sweep::say(const std::string& text) const {
     if (!options.json) fmt::print("{}\n", text), std::fflush(stdout);
 }
 
-void Sweep::write(const std::string& name, const std::string& csv, const Canvas& canvas) const {
+void Sweep::run(const std::function<Task(double)>& next) const {
+    const double began = wall_seconds(), budget = seconds_of(options.budget);
+    const auto left = [&] { return budget > 0 ? budget - (wall_seconds() - began) : std::numeric_limits<double>::infinity(); };
+    std::vector<std::future<std::function<void()>>> running;
+    for (;;) {
+        const bool room = running.size() < static_cast<std::size_t>(options.jobs) && left() > 0;
+        if (const Task task = room ? next(left()) : nullptr) {
+            running.push_back(std::async(std::launch::async, task));
+            continue;
+        }
+        if (running.empty()) return;
+        const auto ended = std::find_if(running.begin(), running.end(),
+                                        [](const auto& job) { return job.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+        if (ended == running.end()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            continue;
+        }
+        const auto done = ended->get();
+        running.erase(ended);
+        done();
+    }
+}
+
+namespace {
+
+/// A value of a row as a cell: numbers with six digits, an unknown one empty, an object as "name value; name value".
+std::string cell_of(const nlohmann::ordered_json& value) {
+    if (value.is_string()) return csv_cell(value.get<std::string>());
+    if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
+    if (value.is_number_float()) return std::isfinite(value.get<double>()) ? fmt::format("{:.6g}", value.get<double>()) : "";
+    if (!value.is_object()) return value.is_null() ? "" : value.dump();
+    std::string text;
+    for (const auto& [name, number] : value.items())
+        text += fmt::format("{}{} {:.3g}", text.empty() ? "" : "; ", name, number.get<double>());
+    return csv_cell(text);
+}
+
+}  // namespace
+
+void Sweep::write(const std::string& name, const Canvas& canvas, const std::vector<std::string>& columns, const char* rows_name,
+                  const nlohmann::ordered_json& rows) const {
+    std::string csv = "scene,";
+    for (const Knob& knob : study.knobs) csv += csv_cell(knob.key) + ",";
+    csv += csv_header(columns) + "\n";
+    for (const auto& row : rows) {
+        csv += csv_cell(fs::path(scene).stem().string()) + ",";
+        for (const std::string setting : row.at("settings")) csv += csv_cell(setting.substr(setting.find('=') + 1)) + ",";
+        for (std::size_t k = 0; k < columns.size(); ++k) csv += (k ? "," : "") + cell_of(row.at(columns[k]));
+        csv += "\n";
+    }
     write_text(folder / (name + ".csv"), csv);
     write_png(folder / (name + ".png"), canvas.image());
     write_text(folder / (name + ".svg"), canvas.svg());
-}
-
-void Sweep::print_json(const char* points_name, nlohmann::ordered_json points) const {
     if (options.json)
-        fmt::print("{}\n", json_text({{"study", study.name}, {"scene", scene}, {"folder", folder.string()}, {points_name, points}}, 2));
+        fmt::print("{}\n", json_text({{"study", study.name}, {"scene", scene}, {"folder", folder.string()}, {rows_name, rows}}, 2));
 }
 
 int run_sweeps(const Study& study, SweepOptions o, bool timed, const std::function<void(const Sweep&)>& sweep) {
@@ -66,7 +115,7 @@ int run_sweeps(const Study& study, SweepOptions o, bool timed, const std::functi
         for (const std::string& scene : study.scenes) {
             const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
             fs::create_directories(own);
-            sweep(Sweep(study, o, scene, own));
+            sweep(Sweep{study, o, scene, own, {study, own, o.threads, o.on == "slurm", o.sbatch}});
         }
     } catch (const StudyInterrupted&) {
         fmt::print(stderr, "whorl: interrupted; points that are done are kept, the same command continues\n");

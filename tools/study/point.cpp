@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -25,16 +24,18 @@
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PointResult, status, message, cpu, wall, memory, frames, limit, made_by)
+
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 constexpr int by_signal = 128;  ///< what shells and Slurm add to the number of the signal that ended a program
 
 struct ChildUse {
-    int code = 0;    ///< exit status; -1: it took too long
-    int signal = 0;  ///< that ended it; 0: none
+    int code = 0;  ///< exit status; -1: it took too long
     double cpu = 0, wall = 0, memory = 0;
 };
 
@@ -56,11 +57,8 @@ ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& ou
     }
     if (interrupt.interrupted()) throw StudyInterrupted();
     const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
-    const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-    return {late     ? -1
-            : signal ? by_signal + signal
-                     : WEXITSTATUS(status),
-            signal, seconds(usage.ru_utime) + seconds(usage.ru_stime), wall_seconds() - began,
+    const int code = WIFSIGNALED(status) ? by_signal + WTERMSIG(status) : WEXITSTATUS(status);
+    return {late ? -1 : code, seconds(usage.ru_utime) + seconds(usage.ru_stime), wall_seconds() - began,
             1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 
@@ -84,8 +82,6 @@ std::string text_of(const fs::path& file) {
 
 Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, false); }
 
-bool is_option(const std::string& setting, const char* name) { return setting.rfind(std::string(name) + "=", 0) == 0; }
-
 /// Checksum of a run's input: the scene with its settings and the files that it names; if the scene cannot be read, of its file alone.
 std::size_t hash_of(const Options& options) {
     const std::hash<std::string> hash;
@@ -106,168 +102,79 @@ std::size_t hash_of(const Options& options) {
     } catch (const InputError&) { return 0; }  // reported when it is run
 }
 
-/// How a run failed. @param said its own words, if any
-std::string failure(const ChildUse& use, const std::string& said) {
-    if (!use.signal) return said.empty() ? fmt::format("ended with code {}", use.code) : said;
-    return fmt::format("ended by signal {}{}{}{}", use.signal, use.signal == SIGKILL ? " (out of memory?)" : "", said.empty() ? "" : ": ",
-                       said);
+/// How a run failed. @param code exit status @param said its own words, if any
+std::string failure(int code, const std::string& said) {
+    const int signal = code - by_signal;
+    if (signal <= 0 || signal >= NSIG || code == exit_interrupted)  // a run that saved its state ended by itself
+        return said.empty() ? fmt::format("ended with code {}", code) : said;
+    return fmt::format("ended by signal {}{}{}{}", signal, signal == SIGKILL ? " (out of memory?)" : "", said.empty() ? "" : ": ", said);
 }
 
-/// The signal that ended a job of Slurm's, taken from the exit status; 0: none.
-int signal_of_job(int code) {
-    const int number = code - by_signal;
-    return number > 0 && number < NSIG && code != exit_interrupted ? number : 0;  // a run that saved its state ended by itself
-}
-
-/// Finds a record that can be reused: of the same call and build, timed often enough, with its run in the folder. Failed points may
-/// succeed now, and late ones with more time. @return whether there is one
-bool take_record(const fs::path& record, const std::string& identity, int repeat, double limit, PointResult& result) {
-    const Json known = json_of(record);
-    if (!known.is_object()) return false;
-    PointResult kept{result};
-    try {
-        if (known.value("identity", "") != identity || known.value("build", "") != build_id()) return false;
-        if (static_cast<int>(known.at("cpu_seconds").size()) < (known.at("status") == "done" ? repeat : 1)) return false;
-        kept.status = known.at("status"), kept.message = known.at("message");
-        if (kept.status == "timeout") {
-            if (known.at("limit").get<double>() < limit) return false;
-        } else if ((kept.status != "done" && kept.status != "diverged") || json_of(kept.folder / "run.json").at("status") != kept.status) {
-            return false;
-        }
-        kept.cpu = known.at("cpu_seconds").get<std::vector<double>>(), kept.wall = known.at("wall_seconds").get<std::vector<double>>();
-        kept.memory = known.at("memory_bytes"), kept.frames = known.at("frames");
-    } catch (const Json::exception&) {
-        return false;  // it was changed or removed: the point is run again
-    }
-    kept.kept = true;
-    result = std::move(kept);
-    return true;
-}
-
-void write_record(const fs::path& record, const std::string& identity, double limit, const PointResult& result) {
-    const Json json{{"identity", identity},          {"build", build_id()},       {"status", result.status},
-                    {"message", result.message},     {"cpu_seconds", result.cpu}, {"wall_seconds", result.wall},
-                    {"memory_bytes", result.memory}, {"frames", result.frames},   {"limit", limit}};
-    write_text(record, json_text(json, 1) + "\n");
+/// Takes over an earlier result of the same call and build whose run is in the folder. Failed points may succeed now, and late ones with
+/// more time. @return whether nothing is left to do; a result with too few timings gets more
+bool take_record(const fs::path& record, int repeat, PointResult& result) try {
+    auto known = json_of(record).get<PointResult>();
+    const bool late = known.status == "timeout" && known.limit >= result.limit;
+    const bool ended = (known.done() || known.status == "diverged") && json_of(result.folder / "run.json").at("status") == known.status;
+    if (known.made_by != result.made_by || !(late || ended)) return false;
+    known.folder = result.folder;
+    result = std::move(known);
+    return !result.done() || static_cast<int>(result.cpu.size()) >= repeat;
+} catch (const Json::exception&) {
+    return false;  // it was changed or removed: the point is run again
 }
 
 }  // namespace
 
-/// Command of a point.
-struct PointRunner::Call {
-    std::string program, threads;
-    std::vector<std::string> all;  ///< settings
-    Options options;
-};
-
-Options point_options(const Study& study, const std::string& scene, const std::vector<std::string>& settings) {
-    Options options;
-    options.scene = scene, options.quality = study.quality;
-    for (const std::string& s : settings) {
-        const std::string value = s.substr(s.find('=') + 1);
-        if (is_option(s, "scene")) options.scene = scene_of(study, value);
-        else if (is_option(s, "quality")) options.quality = value;
-        else if (!is_option(s, "program") && !is_option(s, "threads")) options.set.push_back(s);
-    }
-    return options;
-}
-
-PointRunner::Call PointRunner::call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings) {
-    Call call{program_path().string(), std::to_string(threads), std::move(settings), {}};
-    call.options = point_options(study, scene, call.all);
-    for (const std::string& s : call.all) {
-        const std::string value = s.substr(s.find('=') + 1);
-        if (is_option(s, "program")) call.program = fs::absolute(study.directory / value).string();
-        else if (is_option(s, "threads")) call.threads = value;
+PointCall point_call(const Study& study, const std::string& scene, const std::vector<std::string>& settings) {
+    PointCall call{joined_settings(settings), run_settings(study, settings), {}, {}, {}};
+    call.options.scene = scene, call.options.quality = study.quality;
+    for (const std::string& s : call.settings) {
+        const std::string key = s.substr(0, s.find('=')), value = s.substr(key.size() + 1);
+        if (key == "scene") call.options.scene = scene_of(study, value);
+        else if (key == "quality") call.options.quality = value;
+        else if (key == "program") call.program = fs::absolute(study.directory / value).string();
+        else if (key == "threads") call.threads = value;
+        else call.options.set.push_back(s);
     }
     return call;
 }
 
+namespace {
+
 /// Text that is equal for runs of equal result and cost.
-std::string PointRunner::identity_of(const Call& call, bool pictures) {
+std::string identity_of(const PointCall& call, int threads, bool pictures) {
     Options read = call.options;
     read.no_images = !pictures, read.no_video = pictures;
-    std::string identity = fmt::format("{} {:016x} | {} | {} | {} threads{}", read.scene, hash_of(read), joined_settings(call.all),
-                                       read.quality, call.threads, pictures ? " | pictures" : "");
-    if (!name_a_program(call.all)) return identity;
+    const std::string identity =
+        fmt::format("{} {:016x} | {} | {} | {} threads{} | {}", read.scene, hash_of(read), joined_settings(call.settings), read.quality,
+                    call.threads.empty() ? std::to_string(threads) : call.threads, pictures ? " | pictures" : "", build_id());
+    if (call.program.empty()) return identity;
     std::error_code none;  // a missing program is reported when it is run
     return identity + fmt::format(" | {} bytes of {}", fs::file_size(call.program, none),
                                   fs::last_write_time(call.program, none).time_since_epoch().count());
 }
 
-std::vector<std::string> PointRunner::arguments_of(const Call& call, bool pictures, const fs::path& folder) {
-    std::vector<std::string> arguments{call.program, "render",    call.options.scene, "--out",     folder.string(),     "--overwrite",
-                                       "--quiet",    "--threads", call.threads,       "--quality", call.options.quality};
-    arguments.emplace_back(pictures ? "--no-video" : "--no-images");
-    for (const std::string& key : call.options.set) arguments.emplace_back("--set"), arguments.push_back(key);
-    return arguments;
-}
-
-bool name_a_program(const std::vector<std::string>& settings) {
-    return std::any_of(settings.begin(), settings.end(), [](const std::string& s) { return is_option(s, "program"); });
-}
-
-std::string joined_settings(const std::vector<std::string>& settings) { return fmt::format("{}", fmt::join(settings, ", ")); }
-
-PointRunner::PointRunner(const Study& study, fs::path folder, int threads, PointPlace place)
-    : study_(study), folder_(std::move(folder)), threads_(threads), place_(std::move(place)) {
-    if (!place_.slurm) return;
-    fs::create_directories(folder_ / "points");
-    write_text(folder_ / "points" / "job.sh", "#!/bin/sh\n# What sbatch runs for a point: the words behind it.\nexec \"$@\"\n");
-}
-
-PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
-    const Call call = call_of(study_, threads_, scene, run_settings(study_, settings));
-    const std::string words = joined_settings(settings);
-    PointResult result;
-    result.folder = folder_ / "points" / folder_name(fs::path(call.options.scene).stem().string() + (words.empty() ? "" : "," + words));
-    const fs::path record = result.folder.string() + ".json";
-    std::unique_lock lock(mutex_);
-    std::mutex& own = folders_[result.folder];
-    lock.unlock();
-    const std::lock_guard turn(own);  // another call for the same point waits, and finds what this one leaves
-    const std::string identity = identity_of(call, pictures);
-    if (take_record(record, identity, repeat, study_.limit, result)) {
-        lock.lock();
-        result.kept = !ran_.contains(result.folder);
-        return result;
-    }
-
-    if (access(call.program.c_str(), X_OK) != 0) {
-        if (!name_a_program(call.all))
-            throw EnvironmentError("the program " + call.program + " was removed", "",
-                                   "it was removed or rebuilt while the study ran: start the study again");
-        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: program {} not found", words, call.program),
-                         "build it first: bash tools/build.sh PRESET whorl");
-    }
-    fs::create_directories(result.folder.parent_path());
-    fs::remove(record);  // its run goes, too, also where this one is interrupted
-    for (int k = 0; k < repeat && (k == 0 || result.done()); ++k) run_once(call, pictures, words, result);
-    write_record(record, identity, study_.limit, result);
-    lock.lock();
-    ran_.insert(result.folder);
-    return result;
-}
-
 /// Runs the program as a job and waits for its end. The point's limit counts from its start on a machine, not from when it is queued.
-/// @return exit status; -1: it took too long @throws EnvironmentError if Slurm does not take it
-int PointRunner::run_job(const Call& call, const std::vector<std::string>& arguments, const fs::path& output) const {
+/// @return exit status; -1: it took too long @throws EnvironmentError if Slurm does not accept it
+int run_job(const PointRunner& runner, const PointCall& call, const std::vector<std::string>& arguments, const fs::path& output) {
+    const Study& study = runner.study;
     constexpr double to_begin = 300;  // s: before Slurm itself ends the job
-    const fs::path said = output.string() + ".job";
+    const fs::path said = output.string() + ".job", script = runner.folder / "points" / "job.sh";
+    write_text(script, "#!/bin/sh\n# What sbatch runs for a point: the words behind it.\nexec \"$@\"\n");
     std::vector<std::string> words{"sbatch",
                                    "--wait",
                                    "--requeue",
                                    "--parsable",
-                                   "--job-name=whorl-" + study_.name,
+                                   "--job-name=whorl-" + study.name,
                                    "--cpus-per-task=" + call.threads,
                                    "--output=" + fs::absolute(output).string(),
-                                   fmt::format("--time={:.0f}", std::ceil((study_.limit + to_begin) / 60))};
-    words.insert(words.end(), place_.sbatch.begin(), place_.sbatch.end());
-    words.push_back((folder_ / "points" / "job.sh").string());
-    for (const std::string& word : {std::string("timeout"), fmt::format("{:g}", study_.limit)}) words.push_back(word);
+                                   fmt::format("--time={:.0f}", std::ceil((study.limit + to_begin) / 60))};
+    words.insert(words.end(), runner.sbatch.begin(), runner.sbatch.end());
+    words.insert(words.end(), {script.string(), "timeout", fmt::format("{:g}", study.limit)});
     words.insert(words.end(), arguments.begin(), arguments.end());
     try {
-        const int code = run_child(words, said, std::numeric_limits<double>::infinity(), interrupt_).code;
+        const int code = run_child(words, said, std::numeric_limits<double>::infinity(), runner.interrupt).code;
         if (slurm_job(text_of(said)).empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm running? call sinfo");
         constexpr int timeout_ended_it = 124;
         return code == timeout_ended_it ? -1 : code;
@@ -277,30 +184,70 @@ int PointRunner::run_job(const Call& call, const std::vector<std::string>& argum
     }
 }
 
-/// Runs the point, and adds what it took to the result. @param words the point's name in messages
-void PointRunner::run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const {
+/// Runs the point, and adds its costs to the result.
+void run_once(const PointRunner& runner, const PointCall& call, bool pictures, PointResult& result) {
+    const Study& study = runner.study;
     const fs::path output = result.folder.string() + ".txt";
-    const std::vector<std::string> arguments = arguments_of(call, pictures, result.folder);
-    fs::remove_all(result.folder);  // of another build or timing; --overwrite is for a job that is begun again
-    ChildUse use;
-    if (place_.slurm) use.code = run_job(call, arguments, output), use.signal = signal_of_job(use.code);
-    else use = run_child(arguments, output, study_.limit, interrupt_);
+    std::vector<std::string> arguments{
+        call.program, "render",    call.options.scene, "--out",     result.folder.string(), "--overwrite",
+        "--quiet",    "--threads", call.threads,       "--quality", call.options.quality,   pictures ? "--no-video" : "--no-images"};
+    for (const std::string& key : call.options.set) arguments.insert(arguments.end(), {"--set", key});
+    fs::remove_all(result.folder);  // of another build or timing; --overwrite is for a job that is restarted
+    const ChildUse use = runner.slurm ? ChildUse{.code = run_job(runner, call, arguments, output)}
+                                      : run_child(arguments, output, study.limit, runner.interrupt);
     if (use.code == exit_bad_input)
-        throw InputError({study_.name, 0, 0}, fmt::format("the point {} cannot run: {}", words, text_of(output)));
+        throw InputError({study.name, 0, 0}, fmt::format("the point {} cannot run: {}", call.name, text_of(output)));
     const Json run = json_of(result.folder / "run.json");
-    if (place_.slurm && run.is_object())  // it ran on another machine: as it measured itself
-        use.cpu = run.value("cpu_seconds", 0.0), use.wall = run.value("wall_seconds", 0.0),
-        use.memory = run.value("peak_memory_bytes", 0.0);
-    const bool late = use.code == -1;
+    const auto measured = [&](const char* name) { return run.is_object() ? run.value(name, 0.0) : 0.0; };
     const std::string status = run.is_object() ? run.value("status", "failed") : "failed";
-    result.status = late ? "timeout" : use.code == exit_done ? "done" : status == "diverged" ? status : "failed";
-    if (use.code > exit_failed) result.status = "failed";
     result.message = run.is_object() ? run.value("message", "") : text_of(output);
-    if (late) result.message = fmt::format("took longer than {:g} s", study_.limit);
-    else if (result.status == "failed") result.message = failure(use, result.message);
-    result.cpu.push_back(use.cpu), result.wall.push_back(use.wall);
-    result.memory = std::max(result.memory, use.memory);
-    result.frames = run.is_object() ? run.value("frames_planned", 0.0) : 0.0;
+    if (use.code == -1) {
+        result.status = "timeout", result.message = fmt::format("took longer than {:g} s", study.limit);
+    } else if (use.code == exit_done) {
+        result.status = "done";
+    } else if (use.code == exit_failed && status == "diverged") {
+        result.status = status;
+    } else {
+        result.status = "failed", result.message = failure(use.code, result.message);
+    }
+    // A job ran on another machine: as it measured itself.
+    result.cpu.push_back(runner.slurm ? measured("cpu_seconds") : use.cpu),
+        result.wall.push_back(runner.slurm ? measured("wall_seconds") : use.wall);
+    result.memory = std::max(result.memory, runner.slurm ? measured("peak_memory_bytes") : use.memory);
+    result.frames = measured("frames_planned");
+}
+
+}  // namespace
+
+std::string joined_settings(const std::vector<std::string>& settings) { return fmt::format("{}", fmt::join(settings, ", ")); }
+
+PointResult PointRunner::run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const {
+    PointCall call = point_call(study, scene, settings);
+    PointResult result;
+    result.limit = study.limit, result.made_by = identity_of(call, threads, pictures);
+    result.folder =
+        folder / "points" / folder_name(fs::path(call.options.scene).stem().string() + (call.name.empty() ? "" : "," + call.name));
+    const fs::path record = result.folder.string() + ".json";
+    if (take_record(record, repeat, result)) {
+        result.kept = fs::last_write_time(record) < began;
+        return result;
+    }
+    const bool own = !call.program.empty();
+    if (!own) call.program = program_path().string();
+    if (call.threads.empty()) call.threads = std::to_string(threads);
+    if (access(call.program.c_str(), X_OK) != 0) {
+        if (own)
+            throw InputError({study.name, 0, 0}, fmt::format("the point {} cannot run: program {} not found", call.name, call.program),
+                             "build it first: bash tools/build.sh PRESET whorl");
+        throw EnvironmentError("the program " + call.program + " was removed", "",
+                               "it was removed or rebuilt while the study ran: start the study again");
+    }
+    fs::create_directories(folder / "points");
+    fs::remove(record);  // its run is replaced, even if this one is interrupted
+    do run_once(*this, call, pictures, result);
+    while (result.done() && static_cast<int>(result.cpu.size()) < repeat);
+    write_text(record, json_text(Json(result), 1) + "\n");
+    return result;
 }
 
 }  // namespace whorl

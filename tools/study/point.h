@@ -1,9 +1,6 @@
 #pragma once
 /// One point of a study: a run in a separate process, kept when it is done.
 #include <filesystem>
-#include <map>
-#include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -14,59 +11,47 @@
 namespace whorl {
 
 struct PointResult {
-    std::string status;  ///< of run.json: done | diverged | failed; or "timeout"
-    std::string message;
+    std::string status;             ///< of run.json: done | diverged | failed; or "timeout"
+    std::string message;            ///< reason if it is not done
     std::vector<double> cpu, wall;  ///< s, one for each timing
     double memory = 0;              ///< bytes, peak
     double frames = 0;
-    bool kept = false;             ///< it was there before the call
+    double limit = 0;              ///< s of wall time that it was given
+    std::string made_by;           ///< the call, the checksum of its input and the program's build
+    bool kept = false;             ///< an earlier call of the study made it
     std::filesystem::path folder;  ///< of the run
     bool done() const { return status == "done"; }
-    double fps() const { return frames / wall.front(); }
-};
-
-/// Folder and machine of points.
-struct PointPlace {
-    bool slurm = false;  ///< each as a job of Slurm's, which finds it a machine and begins it again where that one fails; else here
-    std::vector<std::string> sbatch;  ///< more options of sbatch
+    double fps() const { return wall.empty() ? 0 : frames / wall.front(); }
 };
 
 /// Thrown if SIGINT or SIGTERM ended a point: finished points are kept, and the next call continues the study.
 struct StudyInterrupted {};
 
-/// Runs points, from several threads at a time if need be.
-class PointRunner {
-public:
-    /// @param folder of the study's results; points go into its folder "points" @param threads of each run; 0: all cores
-    PointRunner(const Study& study, std::filesystem::path folder, int threads, PointPlace place = {});
+/// The command of a point.
+struct PointCall {
+    std::string name;                   ///< settings of the knobs
+    std::vector<std::string> settings;  ///< of run_settings()
+    Options options;                    ///< scene, quality and keys
+    std::string program, threads;       ///< empty: this program, the study's threads
+};
+/// @param settings "key=value" of each knob, on top of the study's own
+PointCall point_call(const Study& study, const std::string& scene, const std::vector<std::string>& settings);
 
-    /// @param settings on top of the study's own @param repeat timings @param pictures draw
+/// Runs points; different points from several threads at the same time if need be.
+struct PointRunner {
+    const Study& study;
+    std::filesystem::path folder;     ///< of the study's results; points go into its folder "points"
+    int threads = 1;                  ///< of each run
+    bool slurm = false;               ///< each as a job of Slurm's, which restarts it if its machine fails; else on this machine
+    std::vector<std::string> sbatch;  ///< more options of sbatch
+
+    /// @param settings "key=value" of each knob @param repeat timings @param pictures draw
     /// @throws InputError if the scene or a setting cannot work, EnvironmentError if this program's file was removed, StudyInterrupted
     PointResult run(const std::string& scene, const std::vector<std::string>& settings, int repeat, bool pictures) const;
 
-private:
-    struct Call;
-    static Call call_of(const Study& study, int threads, const std::string& scene, std::vector<std::string> settings);
-    static std::string identity_of(const Call& call, bool pictures);
-    static std::vector<std::string> arguments_of(const Call& call, bool pictures, const std::filesystem::path& folder);
-    int run_job(const Call& call, const std::vector<std::string>& arguments, const std::filesystem::path& output) const;
-    void run_once(const Call& call, bool pictures, const std::string& words, PointResult& result) const;
-
-    const Study& study_;
-    std::filesystem::path folder_;
-    int threads_;
-    PointPlace place_;
-    InterruptGuard interrupt_;
-    mutable std::mutex mutex_;                                     ///< of what follows
-    mutable std::map<std::filesystem::path, std::mutex> folders_;  ///< of points: one call at a time
-    mutable std::set<std::filesystem::path> ran_;                  ///< of those that it ran
+    InterruptGuard interrupt = {};
+    std::filesystem::file_time_type began = std::filesystem::file_time_type::clock::now();
 };
-
-/// The scene that a point reads, as the command line gives it. @param settings of run_settings()
-Options point_options(const Study& study, const std::string& scene, const std::vector<std::string>& settings);
-
-/// Whether settings name a program of their own, which takes and refuses scenes as it can.
-bool name_a_program(const std::vector<std::string>& settings);
 
 /// "fluid.spacing=0.002, pressure.tolerance=0.01"
 std::string joined_settings(const std::vector<std::string>& settings);

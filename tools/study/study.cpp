@@ -165,7 +165,10 @@ void check_expressions(const Study& study, Reader& reader) {
 void check(const Study& study, Reader& reader) {
     for (std::size_t i = 0; i < study.knobs.size(); ++i) {
         const std::string name = entry_name("knob", i);
-        if (study.knobs[i].values.size() < 2) reader.disagree({name + ".values"}, name + ".values needs two values or more");
+        const std::vector<std::string>& values = study.knobs[i].values;
+        if (values.size() < 2) reader.disagree({name + ".values"}, name + ".values needs two values or more");
+        if (std::set<std::string>(values.begin(), values.end()).size() < values.size())
+            reader.disagree({name + ".values"}, name + ".values has a value twice");
         for (std::size_t j = 0; j < i; ++j)
             if (study.knobs[j].key == study.knobs[i].key)
                 reader.disagree({name + ".key"}, name + ".key is swept by " + entry_name("knob", j) + " already");
