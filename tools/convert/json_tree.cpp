@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "engine/io/csv.h"
 
 namespace whorl {
@@ -47,41 +45,34 @@ struct TreeBuilder {
     std::string newest_key;
     Place key_place;
 
-    JsonNode& add(JsonNode::Kind kind) {
-        JsonNode node;
-        node.kind = kind;
-        node.place = now;
-        if (kind == JsonNode::Kind::object || kind == JsonNode::Kind::list) --node.place.column;  // of its bracket
-        if (open.empty()) return root = std::move(node);
+    bool add(nlohmann::json value) {
+        JsonNode node{std::move(value), {}, "", "", now};
+        if (node.value.is_structured()) --node.place.column;  // of its bracket
+        if (open.empty()) return root = std::move(node), true;
         JsonNode& parent = *open.back();
-        if (parent.kind == JsonNode::Kind::list) {
-            node.path = fmt::format("{}[{}]", parent.path, parent.list.size());
-            return parent.list.emplace_back(std::move(node));
-        }
-        node.path = parent.path.empty() ? newest_key : parent.path + "." + newest_key;
-        node.place = key_place;
-        node.name = newest_key;
-        return parent.members.emplace_back(std::move(node));
+        if (parent.value.is_array()) node.path = fmt::format("{}[{}]", parent.path, parent.entries.size());
+        else node.path = (parent.path.empty() ? "" : parent.path + ".") + newest_key, node.name = newest_key, node.place = key_place;
+        parent.entries.push_back(std::move(node));
+        return true;
     }
-    bool add_number(double value) { return add(JsonNode::Kind::number).number = value, true; }
-
-    bool start(JsonNode::Kind kind) {
-        constexpr std::size_t deepest = 100;  // each level takes its part of the stack when the tree goes
+    bool start(nlohmann::json value) {
+        constexpr std::size_t deepest = 100;  // each level takes its part of the stack when the tree is deleted
         if (open.size() >= deepest)
             throw InputError({now.file, now.line, now.column - 1}, "more than 100 brackets are open", "", "a scene file in JSON");
-        open.push_back(&add(kind));
+        add(std::move(value));
+        open.push_back(open.empty() ? &root : &open.back()->entries.back());
         return true;
     }
 
-    bool null() { return add(JsonNode::Kind::nothing), true; }
-    bool boolean(bool value) { return add(JsonNode::Kind::truth).truth = value, true; }
-    bool number_integer(std::int64_t value) { return add_number(static_cast<double>(value)); }
-    bool number_unsigned(std::uint64_t value) { return add_number(static_cast<double>(value)); }
-    bool number_float(double value, const std::string&) { return add_number(value); }
-    bool string(std::string& value) { return add(JsonNode::Kind::text).text = value, true; }
+    bool null() { return add(nullptr); }
+    bool boolean(bool value) { return add(value); }
+    bool number_integer(std::int64_t value) { return add(value); }
+    bool number_unsigned(std::uint64_t value) { return add(value); }
+    bool number_float(double value, const std::string&) { return add(value); }
+    bool string(std::string& value) { return add(value); }
     bool binary(nlohmann::json::binary_t&) { return false; }
-    bool start_object(std::size_t) { return start(JsonNode::Kind::object); }
-    bool start_array(std::size_t) { return start(JsonNode::Kind::list); }
+    bool start_object(std::size_t) { return start(nlohmann::json::object()); }
+    bool start_array(std::size_t) { return start(nlohmann::json::array()); }
     bool end_object() { return open.pop_back(), true; }
     bool end_array() { return open.pop_back(), true; }
     bool key(const std::string& name) {
@@ -90,22 +81,22 @@ struct TreeBuilder {
         return true;
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& error) {
-        // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while ...": the place is known better here.
+        // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while ...": the location is known better here.
         std::string what = error.what();
         if (const std::size_t colon = what.find(": "); colon != std::string::npos) what = what.substr(colon + 2);
         throw InputError(now, what, "", "a scene file in JSON");
     }
 };
 
-[[noreturn]] void wrong_kind(const JsonNode& node, const char* wanted) {
-    throw InputError(node.place, node.path + " is not " + wanted, "", std::string("allowed: ") + wanted);
+void check(const JsonNode& node, bool is_right, const char* wanted) {
+    if (!is_right) throw InputError(node.place, node.path + " is not " + wanted, "", std::string("allowed: ") + wanted);
 }
 
 }  // namespace
 
 const JsonNode* JsonNode::find(const std::string& key) const {
     used = true;
-    for (const JsonNode& node : members)
+    for (const JsonNode& node : entries)
         if (node.name == key) {
             node.used = true;
             return &node;
@@ -116,49 +107,49 @@ const JsonNode* JsonNode::find(const std::string& key) const {
 std::optional<double> JsonNode::number_of(const std::string& key) const {
     const JsonNode* node = find(key);
     if (!node) return {};
-    if (node->kind != Kind::number) wrong_kind(*node, "a number");
-    return node->number;
+    check(*node, node->value.is_number(), "a number");
+    return node->value.get<double>();
 }
 
 std::optional<bool> JsonNode::truth_of(const std::string& key) const {
     const JsonNode* node = find(key);
     if (!node) return {};
-    if (node->kind == Kind::number) return node->number != 0;
-    if (node->kind != Kind::truth) wrong_kind(*node, "true or false");
-    return node->truth;
+    if (node->value.is_number()) return node->value.get<double>() != 0;
+    check(*node, node->value.is_boolean(), "true or false");
+    return node->value.get<bool>();
 }
 
 std::optional<std::string> JsonNode::text_of(const std::string& key) const {
     const JsonNode* node = find(key);
     if (!node) return {};
-    if (node->kind != Kind::text) wrong_kind(*node, "a text");
-    return node->text;
+    check(*node, node->value.is_string(), "a text");
+    return node->value.get<std::string>();
 }
 
 std::optional<Vec3d> JsonNode::vector_of(const std::string& key) const {
     const JsonNode* node = find(key);
     if (!node) return {};
-    if (node->kind == Kind::number) return Vec3d(Vec3d::Constant(node->number));  // a scale of all axes
-    if (node->kind != Kind::list || node->list.size() != 3) wrong_kind(*node, "a list of three numbers");
+    if (node->value.is_number()) return Vec3d(Vec3d::Constant(node->value.get<double>()));  // a scale of all axes
+    check(*node, node->value.is_array() && node->entries.size() == 3, "a list of three numbers");
     Vec3d vector;
-    for (int a = 0; a < 3; ++a) {
-        const JsonNode& one = node->list[static_cast<std::size_t>(a)];
-        one.used = true;
-        if (one.kind != Kind::number) wrong_kind(one, "a number");
-        vector[a] = one.number;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const JsonNode& entry = node->entries[a];
+        entry.used = true;
+        check(entry, entry.value.is_number(), "a number");
+        vector[static_cast<Eigen::Index>(a)] = entry.value.get<double>();
     }
     return vector;
 }
 
 std::vector<const JsonNode*> JsonNode::objects_of(const std::string& key) const {
-    const JsonNode* node = find(key);
     std::vector<const JsonNode*> objects;
+    const JsonNode* node = find(key);
     if (!node) return objects;
-    if (node->kind != Kind::list) wrong_kind(*node, "a list");
-    for (const JsonNode& one : node->list) {
-        if (one.kind != Kind::object) wrong_kind(one, "an object");
-        one.used = true;
-        objects.push_back(&one);
+    check(*node, node->value.is_array(), "a list");
+    for (const JsonNode& entry : node->entries) {
+        check(entry, entry.value.is_object(), "an object");
+        entry.used = true;
+        objects.push_back(&entry);
     }
     return objects;
 }
@@ -169,7 +160,7 @@ JsonNode read_json(const std::filesystem::path& file) {
     TreeBuilder sax{place, {}, {}, {}, {}};
     const CountingIterator begin(text.data(), &place), end(text.data() + text.size(), &place);
     nlohmann::json::sax_parse(begin, end, &sax, nlohmann::json::input_format_t::json, true, true);
-    if (sax.root.kind != JsonNode::Kind::object) throw InputError({file.string(), 1, 1}, "is not a scene", "", "a JSON object");
+    if (!sax.root.value.is_object()) throw InputError({file.string(), 1, 1}, "is not a scene", "", "a JSON object");
     return std::move(sax.root);
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 /// JSON whose values store their location in the file, and whether they were read.
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/core/errors.h"
@@ -12,16 +12,10 @@
 namespace whorl {
 
 struct JsonNode {
-    enum class Kind { nothing, truth, number, text, list, object };
-    Kind kind = Kind::nothing;
-    bool truth = false;
-    double number = 0;
-    std::string text;
-    std::vector<JsonNode> list;
-    std::vector<JsonNode> members;  ///< of an object, by their names
-    std::string name;               ///< of a member, its key
-    std::string path;               ///< "Materials[0].viscosity"
-    Place place;                    ///< of a member its key's
+    nlohmann::json value;           ///< of a list or object without its entries
+    std::vector<JsonNode> entries;  ///< of a list, or of an object: these have names
+    std::string name, path;         ///< "viscosity", "Materials[0].viscosity"
+    Place place;                    ///< of an object's entry its key's
     mutable bool used = false;      ///< it was read
 
     /// Value of the member; empty if it is absent. @throws InputError at its location if it has another type
@@ -38,8 +32,7 @@ struct JsonNode {
     template <class F>
     void each_unused(F&& f) const {
         if (!used) return f(*this);
-        for (const JsonNode& one : list) one.each_unused(f);
-        for (const JsonNode& one : members) one.each_unused(f);
+        for (const JsonNode& entry : entries) entry.each_unused(f);
     }
 };
 

@@ -122,7 +122,7 @@ std::string_view name_of(const Methods& methods, double number, int first = 1) {
 /// Node of a method's parameters: its section or, as before 2.16, the parent of its number.
 const JsonNode& section_of(const JsonNode& node, std::string_view method) {
     const JsonNode* found = node.find(std::string(method));
-    return found && found->kind == JsonNode::Kind::object ? *found : node;
+    return found && found->value.is_object() ? *found : node;
 }
 
 class Converter {
@@ -163,8 +163,10 @@ private:
     }
     void find_sections(const JsonNode* of) {
         if (!of) return;
-        for (const JsonNode& one : of->list) find_sections(&one);
-        for (const JsonNode& one : of->members) has_sections_ |= one.kind == JsonNode::Kind::object;
+        for (const JsonNode& entry : of->entries) {
+            if (entry.name.empty()) find_sections(&entry);
+            else has_sections_ |= entry.value.is_object();
+        }
     }
     void line(std::string& to, const std::string& key, const std::string& value) { to += key + " = " + value + "\n"; }
     static std::string number(double value) {
@@ -208,7 +210,7 @@ private:
 void Converter::configuration() {
     static const JsonNode none;
     const JsonNode* found = root_.find("Configuration");
-    if (found && found->kind != JsonNode::Kind::object) throw InputError(found->place, "Configuration is not an object");
+    if (found && !found->value.is_object()) throw InputError(found->place, "Configuration is not an object");
     const JsonNode& of = found ? *found : none;
     plane_ = of.truth_of("sim2D").value_or(false);
     spacing_ = 2 * of.number_of("particleRadius").value_or(0.025);
