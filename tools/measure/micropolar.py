@@ -17,38 +17,43 @@ def curls(m):
                     "uneven: error of w [%] | momentum | angular momentum | energy", rows)
 
 
-def three_runs(m, scene, times, spin, finer):
-    """Energy, energy across and enstrophy at these times: coarse, coarse with spin, fine. nan where a run has diverged."""
+def three_runs(m, scene, frames, spin, finer):
+    """Energy and energy across [J/kg] and enstrophy [1/s^2] of every frame: coarse, coarse with spin, fine. nan where a run has diverged."""
     spinning = ["models.micropolar=notes", "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0", *spin]
+    everywhere = {"name": "flow", "kind": "flow", "min": [-9, -9, -9], "max": [9, 9, 9]}
+    overlay = m.toml_file("refinement/probe", {"probe": [everywhere], "output": {"export": ["points"]}})
     found = []
     for words, settings in (("coarse", []), ("spin", spinning), ("fine", finer)):
-        rows = m.solver("vorticity", f"scenes/studies/{scene}.toml", *(a for s in settings for a in ("--set", s)), "--times", *times,
-                        name=f"vorticity-{scene}-{words}")
-        at = {number(r["time"]): r for r in rows}
-        found.append([{name: number(at[t][name]) if t in at else math.nan for name in ("energy", "energy_across", "enstrophy")}
-                      for t in times])
+        run = m.render(f"scenes/studies/{scene}.toml", f"refinement/{scene}-{words}", *settings, options=["--with", overlay])
+        square, rows = run.table("probes/flow.csv")["mean_square_vorticity"], []
+        for frame in range(2, frames + 2):
+            if m.dry or frame > len(square):
+                rows.append(dict.fromkeys(("energy", "across", "enstrophy"), math.nan))
+                continue
+            now = run.particles(frame)[1]
+            u, v, w = (now[f"velocity_{axis}"] for axis in "xyz")
+            rows.append({"energy": (u**2 + v**2 + w**2).mean() / 2, "across": (v**2).mean() / 2, "enstrophy": square[frame - 1] / 2})
+        found.append(rows)
     return found
 
 
 @table("refinement", "a Taylor-Green vortex in three dimensions: coarse, with spin, fine", "3 minutes")
 def refinement(m):
-    times = [0.25, 0.5, 0.75, 1, 1.5, 2]
-    three = three_runs(m, "vortex_box", times, ["micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4"],
+    three = three_runs(m, "vortex_box", 8, ["micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4"],
                        ["fluid.spacing=0.03125"])
-    rows = [[f"{t:.2f}", *(f"{run[k]['energy']:.4f}" for run in three), *(f"{run[k]['enstrophy']:.2f}" for run in three)]
-            for k, t in enumerate(times)]
+    rows = [[f"{k / 4:.2f}", *(f"{run[k - 1]['energy']:.4f}" for run in three), *(f"{run[k - 1]['enstrophy']:.2f}" for run in three)]
+            for k in (1, 2, 3, 4, 6, 8)]
     return markdown("t [s] | energy [J/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 
 
 @table("refinement_street", "a Karman street: coarse, with spin, fine", "15 minutes")
 def refinement_street(m):
-    times = [k / 8 for k in range(1, 17)]
-    three = three_runs(m, "cylinder_street", times, ["micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6"],
+    three = three_runs(m, "cylinder_street", 16, ["micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6"],
                        ["fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.0066667]", "block[0].max=[0.22,0.04,0.0066667]"])
     rows = []
     for k in range(0, 16, 4):  # means of half a second, about one and a half vortices
         mean = [{name: sum(row[name] for row in run[k:k + 4]) / 4 for name in run[k]} for run in three]
-        rows.append([f"{times[k] - 0.125:.1f} to {times[k + 3]:.1f}", *(f"{1e3 * run['energy_across']:.3f}" for run in mean),
+        rows.append([f"{k / 8:.1f} to {k / 8 + 0.5:.1f}", *(f"{1e3 * run['across']:.3f}" for run in mean),
                      *(f"{run['enstrophy']:.0f}" for run in mean)])
     return markdown("t [s] | energy across [mJ/kg]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 

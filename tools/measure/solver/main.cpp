@@ -15,7 +15,6 @@ int main(int count, char** arguments) try {
     whorl::add_viscous_preconditioners(program);
     whorl::add_pressure_solves(program);
     whorl::add_curls(program);
-    whorl::add_vorticity(program);
     CLI11_PARSE(program, count, arguments);
     return 0;
 } catch (const std::exception& error) {

@@ -22,6 +22,5 @@ void add_viscous_models(CLI::App& program);
 void add_viscous_preconditioners(CLI::App& program);
 void add_pressure_solves(CLI::App& program);
 void add_curls(CLI::App& program);
-void add_vorticity(CLI::App& program);
 
 }  // namespace whorl
