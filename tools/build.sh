@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# build.sh PRESET [target ...]: configures where that has not been done yet, and builds. Arguments for cmake's configure step: CONFIGURE="-DX=Y ...".
+# build.sh PRESET [target ...]: configures if necessary, and builds. Arguments for cmake's configure step: CONFIGURE="-DX=Y ...".
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=$1

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# format.sh [--check]: writes every C++ source as .clang-format says; with --check only names what differs, and fails.
+# format.sh [--check]: writes every C++ source as .clang-format says; with --check it only names files that differ, and fails.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bash tools/setup.sh clang-format

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Measures again what README.md and docs say, by name: tools/measure.py --help."""
+"""Measures the tables and images of README.md and docs again, by name: tools/measure.py --help."""
 import sys
 
 sys.dont_write_bytecode = True

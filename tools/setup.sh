@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what Whorl needs on Debian 12, and says what it installs. Nothing to install: returns at once.
+# Installs the packages that Whorl needs on Debian 12, and names them. Returns immediately if none is missing.
 # setup.sh [extra package ...]
 set -euo pipefail
 

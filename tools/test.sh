@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # test.sh [--long] [argument of ctest ...]: installs what is missing, builds Whorl and its tests, and runs them. bash tools/test.sh -L fast runs
-# the fast ones. With --long: builds the benchmarks too, runs the fast tests under the address and undefined sanitizers, then all tests, those that
-# take minutes each (the ctest label long) among them.
+# the fast ones. With --long: builds the benchmarks too, runs the fast tests under the address and undefined sanitizers, then all tests, including
+# those that take minutes each (the ctest label long).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 which=(-LE long)

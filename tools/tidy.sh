@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# tidy.sh [REVISION]: clang-tidy over the sources that have changed since that revision (HEAD where none is given, so what is not committed yet).
+# tidy.sh [REVISION]: clang-tidy over the sources that have changed since that revision (default: HEAD, that is, uncommitted changes).
 # clang-tidy looks at one source at a time: the preset tidy has neither unity builds nor precompiled headers.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,4 +1,4 @@
-"""Holds the user's pages (README.md and docs/guide) against the program: their scenes, commands, keys, links and pictures.
+"""Checks the user's pages (README.md and docs/guide) with the program: their scenes, commands, keys, links and images.
 
     python3 tests/docs/pages.py build/release/whorl
 

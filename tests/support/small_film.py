@@ -1,5 +1,5 @@
-"""A small film of honey, for scripts that make it under hard conditions and compare the results."""
-TIMES = ("wall_seconds", "cpu_seconds")  # of a row: no two runs share them
+"""A small run of honey, for scripts that run it under adverse conditions and compare the results."""
+TIMES = ("wall_seconds", "cpu_seconds")  # columns that differ from run to run
 
 
 def film(end, spacing, size, more=""):

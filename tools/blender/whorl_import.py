@@ -32,7 +32,7 @@ Y_UP = Matrix.Rotation(math.pi / 2, 4, "X")  # Whorl's y is up, Blender's z
 
 
 class NotARun(Exception):
-    """What a person has to do for the run to open."""
+    """Error with the step that a user has to take before the run can be opened."""
 
 
 # The files of a run --------------------------------------------------------------------------------------------------------------------
@@ -140,7 +140,7 @@ def fill(mesh, path, about):
 
 
 def show_frame(thing, frame):
-    """The run's frame in a fluid object; the nearest that there is."""
+    """The run's frame in a fluid object; the nearest existing one."""
     about = thing["whorl"]
     folder = Path(bpy.path.abspath(about["folder"]))
     number = min(max(frame, about["first"]), about["last"])
@@ -178,7 +178,7 @@ def put(node, values):
 
 
 def body_of(fluid):
-    """The colour of the surface itself: what light goes through has none."""
+    """Colour of the surface itself; none for transparent materials."""
     return [1.0, 1.0, 1.0] if fluid["refracts"] else list(fluid["colour"])
 
 
@@ -204,7 +204,7 @@ def fluid_material(fluid, has_ink):
     put(absorption, [(("Color",), (*(1 - a / most for a in fluid["absorption_per_m"]), 1)), (("Density",), most)])
     output = next(node for node in nodes if node.type == "OUTPUT_MATERIAL")
     volume = absorption.outputs[0]
-    if fluid["haze_per_m"] > 0:  # the light that the body gives back on the way, as a glow
+    if fluid["haze_per_m"] > 0:  # scattered light, as a glow
         glow, both = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeAddShader")
         put(glow, [(("Color",), (*fluid["scatter"], 1)), (("Strength",), fluid["haze_per_m"] * 0.25)])
         links.new(volume, both.inputs[0])
@@ -215,7 +215,7 @@ def fluid_material(fluid, has_ink):
 
 
 def cloud_material(size):
-    """As dense as the picture's cloud: an optical depth of about one through its middle."""
+    """Density of the volume: an optical depth of about one through its middle."""
     material = bpy.data.materials.new("Whorl volume")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -237,7 +237,7 @@ def light_world(scene, about):
             return
         picture = nodes.new("ShaderNodeTexEnvironment")
         picture.image = bpy.data.images.load(about["environment"])
-        # The picture's middle looks along Whorl's -z, which is Blender's y; Blender's own looks along x.
+        # The middle of the panorama looks along Whorl's -z, which is Blender's y; Blender's convention is x.
         place, turn = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeMapping")
         turn.inputs["Rotation"].default_value = (0, 0, math.pi / 2)
         links.new(place.outputs["Generated"], turn.inputs["Vector"])
@@ -248,7 +248,7 @@ def light_world(scene, about):
 
 
 def add_soft_boxes(collection, about, studio, centre, distance):
-    """The studio's boxes as area lights far off: what they are mirrored as is right; they do not light what is matt."""
+    """The studio's boxes as distant area lights: their reflections are right; they do not light matt surfaces."""
     for number, box in enumerate(about.get("studio", {}).get("soft_boxes", [])):
         light = bpy.data.lights.new(f"soft box {number}", "AREA")
         light.shape, light.size, light.size_y = "RECTANGLE", 2 * distance * box["size"][0], 2 * distance * box["size"][1]
@@ -277,7 +277,7 @@ def set_camera(scene, camera, about):
 
 
 def find_run(path):
-    """The run folder that a person meant by it, or by a file in it."""
+    """The run folder of a path: the folder itself, or that of a file in it."""
     path = Path(path).absolute()
     for folder in (path, *path.parents[:2]):
         if (folder / "run.json").exists():
@@ -316,7 +316,7 @@ def add_volume(scene, folder, name):
 
 
 def import_run(context, path):
-    """Everything of a run into the scene of the context. Returns the fluid's object, or the volume's. Raises NotARun."""
+    """Imports a run into the scene of the context. Returns the fluid's object, or the volume's. Raises NotARun."""
     folder, scene = find_run(path), context.scene
     scenes = sorted((folder / "scene").glob("*.glb"))
     if not scenes:
@@ -329,7 +329,7 @@ def import_run(context, path):
 
     before = set(bpy.data.objects)
     if not hasattr(numpy, "bool"):
-        numpy.bool = bool  # Blender 3.4's glTF importer asks for the old name, which Debian 12's numpy does not have
+        numpy.bool = bool  # Blender 3.4's glTF importer uses the old name, which Debian 12's numpy lacks
     bpy.ops.import_scene.gltf(filepath=str(scenes[0]))
     things = {thing.name.split(".")[0]: thing for thing in set(bpy.data.objects) - before}
     for thing in things.values():
@@ -355,7 +355,7 @@ def import_run(context, path):
 
 
 def fluid_extent(fluid, things):
-    """Middle and size [m] of what the scene holds, the ground left out by its size."""
+    """Middle and size [m] of the scene without the ground, which is recognised by its size."""
     corners = [thing.matrix_world @ Vector(corner) for thing in things.values() if thing.type == "MESH" for corner in thing.bound_box]
     corners += [fluid.matrix_world @ Vector(corner) for corner in fluid.bound_box]
     low, high = (Vector(pick(c[a] for c in corners) for a in range(3)) for pick in (min, max))
@@ -406,7 +406,7 @@ def set_cycles(scene, samples):
     scene.render.engine = "CYCLES"
     scene.cycles.samples = samples
     scene.cycles.use_denoising = False  # not built into every Blender
-    scene.cycles.sample_clamp_indirect, scene.cycles.blur_glossy = 2, 1  # else the light through the fluid leaves bright grains
+    scene.cycles.sample_clamp_indirect, scene.cycles.blur_glossy = 2, 1  # without these, light through the fluid leaves bright grains
     scene.cycles.max_bounces = scene.cycles.transmission_bounces = 16
 
 

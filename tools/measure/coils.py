@@ -1,4 +1,4 @@
-"""Coils against slender-thread theory, falling threads, the sewing machine."""
+"""Coils compared with slender-thread theory, falling threads, the sewing machine."""
 import math
 
 import numpy as np
@@ -17,8 +17,8 @@ def theory_rows():
 def coil(m, row, spacing, turns=7):
     """The last row of the probe of a coil on a plate, and the run."""
     c = theory_rows()[row]
-    f, R, down = c["frequency"], c["radius"], c["fall"] / c["speed"]  # the fall takes no longer than `down`
-    # The plate circles until the thread has been down for 1.5 turns; what was laid is taken away after 0.6 of a turn.
+    f, R, down = c["frequency"], c["radius"], c["fall"] / c["speed"]  # `down` is an upper bound for the time of the fall
+    # The plate circles until the thread has been down for 1.5 turns; laid thread is removed after 0.6 of a turn.
     circle, phase = f"{R:.6g}*max(0, min(1, ({down + 1.5 / f:.6g}-t)*{f:.6g}))", f"({2 * math.pi * f:.6g}*t)"
     run = m.render("scenes/studies/coil_on_plate.toml", f"coils/row{row}-{spacing:g}-{turns}", f"fluid.spacing={spacing:g}",
                    f"fluid.viscosity={1000 * c['viscosity']:g}", f"emitter[0].speed={c['speed']:g}",
@@ -53,7 +53,7 @@ def coil_table(m, cases):
                     "theory | off | turns | CPU s", rows)
 
 
-@table("coils", "fourteen coils on a plate, 2 mm, against slender-thread theory", "20 minutes")
+@table("coils", "fourteen coils on a plate, 2 mm, compared with slender-thread theory", "20 minutes")
 def coils(m):
     return coil_table(m, [(row, 2e-3, 7) for row in theory_rows()])
 
@@ -66,11 +66,11 @@ def coils_fine(m):
     return coil_table(m, [(row, 1.25e-3, turns) for row, turns in fine_turns.items()])
 
 
-@table("coils_laid_speed", "how fast a coil lays its thread, and how thick the thread is", "nothing after coils and coils_fine")
+@table("coils_laid_speed", "speed and thickness of the laid thread", "nothing after coils and coils_fine")
 def coils_laid_speed(m):
     rows = []
     for row, c in theory_rows().items():
-        laid = 2 * math.pi * c["radius"] * c["frequency"]  # in theory, the thread's speed where it lands
+        laid = 2 * math.pi * c["radius"] * c["frequency"]  # in theory the speed of the thread at the contact
         slenderness = 5e-3 * math.sqrt(c["speed"] / laid) / c["radius"]
 
         def excess(spacing, turns):
@@ -103,7 +103,7 @@ def honey_coil_qualities(m):
                 continue
             run = m.render("scenes/honey_coil.toml", f"coils/honey-{quality}-{seed}", f"seed={seed}", options=["--quality", quality])
             columns = run.table("probes/coil.csv")
-            pours = np.isfinite(columns["theory_frequency"])  # as long as honey comes there is a theory
+            pours = np.isfinite(columns["theory_frequency"])  # theory exists while honey flows
             p = {name: values[pours][-1] if pours.any() else math.nan for name, values in columns.items()}
             if m.dry:
                 continue
@@ -134,7 +134,7 @@ def coil_convergence(m):
     return "![Frequency and radius of row 2 over theory against the spacing](../pictures/coil_convergence.svg)"
 
 
-@table("falling_thread", "a thread that falls 0.25 m: draw, radius and longest link against one-dimensional theory", "3 minutes")
+@table("falling_thread", "a thread that falls 0.25 m: draw, radius and longest link compared with one-dimensional theory", "3 minutes")
 def falling_thread(m):
     speed, radius, heights = 0.1, 5e-3, [10, 30, 50, 90, 130, 170, 210, 230]  # m/s, m, mm
     slices = [{"name": f"at_{mm}", "kind": "region", "min": [-0.05, -(mm + 10) / 1e3, -0.05], "max": [0.05, -(mm - 10) / 1e3, 0.05]}

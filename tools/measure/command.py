@@ -18,7 +18,7 @@ examples = """examples:
 
 def parser():
     p = argparse.ArgumentParser(prog="tools/measure.py", epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter,
-                                description="Measures the tables and pictures of README.md and docs again, by name. A table goes "
+                                description="Measures the tables and images of README.md and docs again, by name. A table goes "
                                 "between the lines <!-- begin NAME --> and <!-- end NAME --> of the page that has them; nothing else of a "
                                 "page changes.")
     p.add_argument("names", nargs="*", metavar="NAME", help="a table or picture, or a pattern of names")

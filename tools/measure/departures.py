@@ -14,7 +14,7 @@ note_2, note_3 = "scenes/studies/published_pressure.toml", "scenes/studies/notes
 
 
 def viscosity(m):
-    """A cylinder of syrup that turns free: exact is 0.985 of its energy, which its own weight strains."""
+    """A free rotating cylinder of syrup; the exact energy left is 0.985 because of its strain."""
     rows = []
     for words, settings in (("as printed", [printed, "models.viscosity=full_assembled"]),
                             ("V_i in the Jacobian, load T", ["models.viscosity=full_assembled", "viscosity.penalty=0"]),
@@ -27,7 +27,7 @@ def viscosity(m):
         energy = d["kinetic_energy"] / d["kinetic_energy"][0]
         turning = d["angular_momentum_z"] / d["angular_momentum_z"][0]
         rows.append([words, f"{energy[-1]:.4f}", f"{turning[-1]:.4f}", f"{run.iterations_per_step:.1f}", f"{run.report['cpu_seconds']:.1f}"])
-    return markdown("first note | energy left after 0.1 s | angular momentum left | iterations a step | CPU s", rows)
+    return markdown("first note | energy left after 0.1 s | angular momentum left | iterations per step | CPU s", rows)
 
 
 def pressure(m):
@@ -44,12 +44,12 @@ def pressure(m):
         rows.append([words, percent(d["max_speed"][late].mean() / math.sqrt(theory.gravity * depth), 1),
                      f"{low['pressure'][low['time'] >= 1].mean() / weight:.3f}", percent(d["density_error_mean"][late].mean(), 2),
                      f"{run.iterations_per_step:.1f}", f"{run.report['lost_particles']:.0f}", f"{run.report['cpu_seconds']:.1f}"])
-    return markdown("second note | largest speed over sqrt(g H) | pressure over rho g h | mean density error | iterations a step | particles lost "
+    return markdown("second note | largest speed over sqrt(g H) | pressure over rho g h | mean density error | iterations per step | particles lost "
                     "| CPU s", rows)
 
 
 def free_ball(m, end):
-    """A ball of the third note's fluid that turns, free and without weight."""
+    """A free rotating ball of the third note's fluid, without weight."""
     scene = read_scene(note_3)
     return m.toml_file(f"departures/ball-{end}", {
         **scene, "name": "ball", "time": {"end": end, "fps": 10}, "fluid": {**scene["fluid"], "spacing": 0.2},
@@ -73,12 +73,12 @@ def micropolar(m):
     return markdown("third note | vortices: energy off the two equations | free ball after 2 s: energy | angular momentum | CPU s (vortices)", rows)
 
 
-@table("departures", "what each departure from the notes as printed costs and brings: error, energy, time", "5 minutes")
+@table("departures", "cost and benefit of each departure from the notes as printed: error, energy, time", "5 minutes")
 def departures(m):
     return "\n\n".join((viscosity(m), pressure(m), micropolar(m)))
 
 
-@table("energy_budget", "the energy of a free ball that turns: as printed, with the safe form, with eringen", "1 minute",
+@table("energy_budget", "the energy of a rotating free ball: as printed, with the safe form, with eringen", "1 minute",
        files="docs/pictures/energy_budget.svg")
 def energy_budget(m):
     safe = ["models.notes=amended", "micropolar.co_rotating=true", "pressure.sound_damping=1", "viscosity.laplacian=auto"]
@@ -87,7 +87,7 @@ def energy_budget(m):
     rows = []
 
     def parts(d):
-        """Flow, spin, what viscosity, exchange and XSPH have taken, and other work, over the energy at the start."""
+        """Energies of flow and spin, dissipation by viscosity, exchange and XSPH, and other work, over the initial energy."""
         taken = d["viscous_dissipation"] + d["exchange_dissipation"] + d["smoothing_dissipation"]
         work = d["pressure_work"] + d["moves_work"]
         return [part / d["kinetic_energy"][0] for part in (d["kinetic_energy"], d["spin_energy"], taken, work)]
@@ -107,4 +107,4 @@ def energy_budget(m):
     if not m.dry:
         m.write("docs/pictures/energy_budget.svg", drawing.figure(6.4, 3.9, draw))
     return "![Energy of a free ball over time](../pictures/energy_budget.svg)\n\n" + markdown(
-        "form | flow after 6 s | spin | dissipated | other work | what does not close", rows)
+        "form | flow after 6 s | spin | dissipated | other work | remainder", rows)

@@ -1,9 +1,9 @@
-"""Pictures: matplotlib for plots (the same bytes for the same numbers), ffmpeg for what films showed."""
+"""Images: plots by matplotlib (identical bytes for identical numbers), frames of runs by ffmpeg."""
 import io
 
 
 def figure(width, height, draw):
-    """An SVG of that many inches; draw(axes) draws it."""
+    """SVG of the given size in inches, drawn by draw(axes)."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -20,7 +20,7 @@ def figure(width, height, draw):
 
 
 def picture(m, path, images, width, quality=()):
-    """Scales images to that width and puts them side by side into a file of the documentation."""
+    """Scales images to a width and writes them side by side into a file of the documentation."""
     if m.writes:
         (m.into / path).parent.mkdir(parents=True, exist_ok=True)
     elif not m.dry:

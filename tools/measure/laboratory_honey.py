@@ -30,7 +30,7 @@ def die_swell(found, runs):
 
 @experiment("folding_sheet", {viscosity: [f"fluid.viscosity={viscosity}"] for viscosity in (50, 100, 200)})
 def folding_sheet(found, runs):
-    """Folds from the sheet's place 45 mm below the slot, and its thickness and speed there."""
+    """Folds from the position of the sheet 45 mm below the slot, and its thickness and speed there."""
     sheet, lines = published("folding_sheet"), []
     for (viscosity, one), *exact, style in zip(runs.items(), sheet["frequency"], sheet["thickness"], sheet["speed"], ("C0-", "C1-", "C2-")):
         d, rows = spacing(one), []
@@ -53,7 +53,7 @@ def folding_sheet(found, runs):
 @experiment("hanging_sheet")
 def hanging_sheet(found, one):
     fall, nu = 0.1, 0.1
-    below, exact = theory.falling_thread_speed(4 / 3 * nu, 0.1, fall)  # a sheet resists with 4 nu where a thread does with 3
+    below, exact = theory.falling_thread_speed(4 / 3 * nu, 0.1, fall)  # Trouton viscosity: 4 nu for a sheet, 3 nu for a thread
     places = np.arange(0.005, 0.1, 0.005)
     late = [p for t, p in snapshots(one) if t > 1.3]
     depths, down = (np.concatenate([p[name] for p in late]) for name in ("y", "velocity_y"))
@@ -98,7 +98,7 @@ def fed_puddle(found, runs):
 
 
 def bessel_zeros(count):
-    """Of J1, by McMahon's expansion: within 2e-4."""
+    """Zeros of J1 by McMahon's expansion, within 2e-4."""
     b = (np.arange(1, count + 1) + 0.25) * pi
     return b - 3 / (8 * b) + 36 / (1536 * b**3)
 
@@ -150,7 +150,7 @@ def couette(found, runs):
 
 
 def hasimoto(c):
-    """Drag on a ball of a cubic lattice over that on one alone at the same mean velocity; c: the balls' share of the volume."""
+    """Drag on a ball of a cubic lattice over that on a single ball at the same mean velocity; c: volume fraction of the balls."""
     return 1 / (1 - 1.7601 * c**(1 / 3) + c - 1.5593 * c**2)
 
 
@@ -161,7 +161,7 @@ def balls(found, runs):
         d, c = one.table(), 4 * pi / 3 * (radius / side)**3
         U = d["momentum_x"][-1] / (rho * side**3)
         pushed = 0.5 * rho * side**3 * (1 - c)
-        # Hasimoto's drag counts what a pressure that drives the fluid does to the ball, too
+        # Hasimoto's drag includes the force of the driving pressure on the ball
         points.append((c, pushed / (1 - c) / (6 * pi * mu * radius * U)))
         found.add(f"drag over 6 pi mu a U, radius {1e3 * radius:.0f} mm", hasimoto(c), points[-1][1])
         found.add(f"force on the ball over that on the fluid, radius {1e3 * radius:.0f} mm", 1,

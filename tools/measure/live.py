@@ -1,4 +1,4 @@
-"""The pace of a live run with its page open, and how long a change takes to be seen."""
+"""Pace of a live run with its page open, and delay until an image shows a change."""
 import collections
 import http.client
 import json
@@ -18,11 +18,11 @@ from .registry import MeasureError, markdown, table
 from .runs import words_of
 
 counts = (2500, 5000)  # particles; each row is measured from .8 to 1.2 of its count
-columns = ("particles | real time | pictures a second | between two, ms | 95 of 100 below, ms | CPU of simulation, ms a second | of pictures | "
+columns = ("particles | real time | images per second | interval, ms | 95th percentile, ms | CPU of simulation, ms per second | of images | "
            "of the browser")
-changes = {"look.exposure": (1.3, 1.0), "fluid.viscosity": (1200, 1000)}  # to and fro
+changes = {"look.exposure": (1.3, 1.0), "fluid.viscosity": (1200, 1000)}  # alternately
 tries = 24  # of each
-change_columns = "change | until a picture shows it, ms | 95 of 100 below, ms"
+change_columns = "change | delay to the image, ms | 95th percentile, ms"
 
 
 @dataclass
@@ -33,7 +33,7 @@ class Picture:
 
 
 class Viewer(threading.Thread):
-    """Takes the pictures as a page does."""
+    """Receives the images as a page does."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -157,7 +157,7 @@ def row_of(count, rows, pictures):
 
 
 def changes_of(session):
-    """Rows of the second table: changes at moments that know nothing of the pictures'."""
+    """Rows of the second table: changes at times independent of the images."""
     moments, rows = random.Random(1), []
     for key, values in changes.items():
         taken = []
@@ -168,7 +168,7 @@ def changes_of(session):
     return rows
 
 
-@table("live", "pace of a live run of honey_coil with its page open, and how soon a change is seen", "2 min")
+@table("live", "pace of a live run of honey_coil with its page open, and the delay until an image shows a change", "2 min")
 def live(m):
     folder = m.out / "live"
     start = [m.program, "live", "honey_coil", "--port", "0", "--quiet", "--out", folder]

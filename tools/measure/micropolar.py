@@ -1,4 +1,4 @@
-"""Micropolar fluids: curls, vorticity refinement, the price of spin."""
+"""Micropolar fluids: curls, vorticity refinement, the cost of spin."""
 import math
 
 import numpy as np
@@ -70,7 +70,7 @@ def towed_post(m):
     return markdown("t [s] | energy [mJ/m]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 
 
-@table("spin_cost", "CPU ns a particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
+@table("spin_cost", "CPU ns per particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
 def spin_cost(m):
     rows = []
     for words, panel in zip(("with spin (`notes`)", "without spin", "without viscosity, too"),
@@ -79,7 +79,7 @@ def spin_cost(m):
         parts = [ns.get("neighbours", 0), ns.get("density", 0), ns.get("pressure", 0), ns.get("viscosity", 0) + ns.get("micropolar", 0)]
         rows.append([words, *(f"{part:.0f}" if part else "" for part in parts), f"{sum(ns.values()):.0f}",
                      f"{panel['particle_steps'] / panel['wall_seconds'] / 1e6:.2f}"])
-    return markdown("two threads | neighbours | density | pressure | viscosity and spin | all | million particle-steps a second", rows)
+    return markdown("two threads | neighbours | density | pressure | viscosity and spin | all | million particle-steps per second", rows)
 
 
 def bessel(n, x):

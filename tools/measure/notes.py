@@ -40,7 +40,7 @@ def published_pressure(m):
             rows.append([f"{correction:g}", cycle.replace("_", "-"), percent(d["max_speed"][late].mean() / math.sqrt(theory.gravity * depth), 1),
                          f"{low['pressure'][low['time'] >= 1].mean() / weight:.3f}", percent(d["density_error_mean"][late].mean(), 2),
                          f"{run.iterations_per_step:.1f}", f"{run.report['lost_particles']:.0f}"])
-    return markdown("share of correction | cycle | largest speed over sqrt(g H) | pressure over rho g h | mean density error | iterations a step | "
+    return markdown("share of correction | cycle | largest speed over sqrt(g H) | pressure over rho g h | mean density error | iterations per step | "
                     "particles lost", rows)
 
 

@@ -1,4 +1,4 @@
-"""Pictures of README.md and docs/guide, and how long whole films take."""
+"""Images of README.md and docs/guide, and the time of whole runs."""
 import re
 
 from . import drawing
@@ -6,14 +6,14 @@ from .registry import markdown, table, write_file
 from .runs import number, read_rows, root
 
 
-@table("picture_honey_coil", "the README's first picture: frame 80 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
+@table("picture_honey_coil", "the README's first image: frame 80 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
        section=False)
 def picture_honey_coil(m):
     run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 80, "--no-video"])
     drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000080.png"], 720)
 
 
-@table("picture_over_plate", "honey_coil without a background, laid over a picture of a cloth with a box and a ball", "2 minutes",
+@table("picture_over_plate", "honey_coil without a background, laid over an image of a cloth with a box and a ball", "2 minutes",
        files="docs/pictures/guide/over_plate.jpg", section=False)
 def picture_over_plate(m):
     camera = {"kind": "fixed", "position": [0, 0.12, 0.42], "target": [0, 0.008, 0], "fov": 25}  # honey_coil's
@@ -43,7 +43,7 @@ def picture_live(m):
     m.call([folder / "tests/whorl_validation", "[page_picture]"], environment={"WHORL_PICTURE": str(m.into / "docs/pictures/live.png")})
 
 
-# What to see, the time of the picture [s], quality of the film
+# Caption, time of the image [s], quality of the run
 gallery_scenes = {
     "honey_coil": ("A thread of honey coils on a plate.", 3.3, "standard"),
     "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
@@ -69,11 +69,11 @@ gallery_scenes = {
 }
 
 
-# Films keep both cores busy: half of their processor time is what they take, however busy the machine is that measures them.
+# Runs keep both cores busy, so their duration is half of their processor time, however busy the measuring machine is.
 cores = 2
 
 
-@table("films", "how long each scene's whole film takes on two cores, drawing included: the README's gallery", "hours: --only SCENE",
+@table("films", "time of each scene's whole run on two cores, drawing included: the README's gallery", "hours: --only SCENE",
        files="docs/studies/films.csv", keeps_rows=True)
 def films(m):
     file, columns = "docs/studies/films.csv", ["scene", "quality", "minutes"]
@@ -94,11 +94,11 @@ def whole_film(m, scene, quality=None):
     return m.render(scene, name, threads=cores, images=True, options=["--quality", quality or gallery_scenes[scene][2]])
 
 
-# Whole films at fine that hold the plan against what they take.
+# Whole runs at fine whose time is compared with the plan.
 fine_films_run = ("dripping_syrup", "spin_up", "honey_ball")
 
 
-@table("fine_films", "what each scene's film takes at fine, as the plan foresees it, and three of them as they do",
+@table("fine_films", "time of each scene's run at fine, predicted by the plan, and measured for three of them",
        "10 minutes and 15 for the three films", files="docs/studies/fine_films.csv", keeps_rows=True)
 def fine_films(m):
     file, columns = "docs/studies/fine_films.csv", ["scene", "how", "simulation", "surface", "drawing"]
@@ -107,24 +107,24 @@ def fine_films(m):
     def keep(scene, how, seconds):
         rows[scene, how] = dict(zip(columns, [scene, how, *(f"{part:.0f}" for part in seconds)]))
         order = list(gallery_scenes)
-        m.write_csv(file, columns, sorted(rows.values(), key=lambda row: (order.index(row["scene"]), row["how"])))
+        m.write_csv(file, columns, sorted(rows.values(), key=lambda row: (order.index(row["scene"]), row["how"] == "measured")))
 
     for scene in filter(m.wanted, gallery_scenes):
         seconds = m.plan(scene, options=["--quality", "fine"], threads=cores, images=True)["cost"]["film_cpu_seconds"]
-        keep(scene, "foreseen", (seconds["simulate"], seconds["surface"], seconds["draw"]))
+        keep(scene, "predicted", (seconds["simulate"], seconds["surface"], seconds["draw"]))
         if scene in fine_films_run:
             run = whole_film(m, scene, "fine")
             surface, drawing = run.stage_seconds("surface"), run.drawing_seconds
             keep(scene, "measured", (run.cpu_seconds - drawing, surface, drawing - surface))
     columns = "scene | | simulation [CPU s] | surface [CPU s] | drawing [CPU s] | minutes of two cores"
     cells = []
-    for (scene, how), row in sorted(rows.items(), key=lambda item: (list(gallery_scenes).index(item[0][0]), item[0][1])):
+    for (scene, how), row in sorted(rows.items(), key=lambda item: (list(gallery_scenes).index(item[0][0]), item[0][1] == "measured")):
         parts = [row[name] for name in ("simulation", "surface", "drawing")]
         cells.append([f"`{scene}`", how, *parts, f"{sum(map(number, parts)) / cores / 60:.1f}"])
     return markdown(columns, cells)
 
 
-@table("gallery", "a moment of every scene's film", "1 to 5 minutes a scene, unless films is measured already", files="docs/pictures/gallery",
+@table("gallery", "one frame of every scene", "1 to 5 minutes a scene, unless films is measured already", files="docs/pictures/gallery",
        section=False)
 def gallery(m):
     for scene, (_, moment, _) in gallery_scenes.items():
@@ -136,7 +136,7 @@ def gallery(m):
 
 
 def film(m, scene, row):
-    """A cell of the README's gallery. A film that has not been measured takes as long as the plan says."""
+    """A cell of the README's gallery, with the predicted time if the run has not been measured."""
     words, _, quality = gallery_scenes[scene]
     if row:
         minutes = number(row["minutes"])
@@ -147,7 +147,7 @@ def film(m, scene, row):
     return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
 
 
-@table("guide_pictures", "the last moment of every scene that a page of docs/guide prints whole and shows, and the plots of its probes",
+@table("guide_pictures", "the last frame of every complete scene that a page of docs/guide prints and shows, and the plots of its probes",
        "1 minute a scene",
        files="docs/pictures/guide", section=False)
 def guide_pictures(m):
@@ -160,7 +160,7 @@ def guide_pictures(m):
                 write_file(folder / name, body.encode())
         scene = None
         for name in (file[:-5] for file in files if file.endswith(".toml")):
-            whole = "[time]" in files[f"{name}.toml"]  # else it is laid over the whole scene before it
+            whole = "[time]" in files[f"{name}.toml"]  # otherwise it is laid over the complete scene before it
             scene = folder / f"{name}.toml" if whole else scene
             if f"pictures/guide/{name}.jpg" in text and m.wanted(name):
                 over = [] if whole else ["--with", folder / f"{name}.toml"]

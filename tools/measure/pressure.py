@@ -25,7 +25,7 @@ def preconditioners(m, cases):
             rows.append([form, particles, factor, f"{number(residual):.1e}", *cells, milliseconds(last["set_up_seconds"]), last["levels"],
                          f"{number(last['bytes']):.0f}", f"{number(found['diagonal']['seconds']) / number(last['seconds']):.1f}"])
     return markdown("form | particles | step over CFL 0.4 | residual | " + " | ".join(f"{name} | ms | error %" for name in names) +
-                    " | of it set-up | levels | bytes a particle | times faster", rows)
+                    " | of it set-up | levels | bytes per particle | times faster", rows)
 
 
 @table("pressure_preconditioners", "none, the diagonal and multigrid: iterations, time, error; 1e3 to 1e5 particles", "3 minutes")
@@ -80,7 +80,7 @@ def dam_break_whole(m):
 
         if m.wanted(f"{spacing:g}"):
             rows.append(attempt(measure))
-    return markdown("particles | steps | iterations a step | CPU us a particle-step | CPU s a simulated s | mean density error | "
+    return markdown("particles | steps | iterations per step | CPU us per particle-step | CPU s per simulated s | mean density error | "
                     "largest mean of a frame | largest of any particle | lost", rows)
 
 
@@ -91,7 +91,7 @@ def dam_break_threads(m):
         runs = [[dam_break(m, spacing, 0.1, threads, words=f"-{k}").report for threads in (1, 2)] for k in range(3)]
         gains = [one["wall_seconds"] / two["wall_seconds"] for one, two in runs]
         rows.append([f"{runs[0][0]['particles']:.0f}", f"{min(gains):.2f}", f"{max(gains):.2f}"])
-    return markdown("particles | two threads over one, least | most", rows)
+    return markdown("particles | two threads over one, smallest | largest", rows)
 
 
 @table("dam_break_density", "density errors of dam breaks 10 and 16 particles wide", "2 minutes")
@@ -102,7 +102,7 @@ def dam_break_density(m):
         d = run.table()
         rows.append([f"{1e3 * spacing:g} mm", f"{run.report['particles']:.0f}", percent(d["density_error_mean"].mean(), 3),
                      percent(d["density_error_max"].max(), 2), f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}"])
-    return markdown("spacing | particles | mean | largest | iterations a step | CPU us a particle-step", rows)
+    return markdown("spacing | particles | mean | largest | iterations per step | CPU us per particle-step", rows)
 
 
 @table("dam_break_stages", "where the time of a step goes: the first 0.15 s of dam_break", "1 minute")
@@ -111,7 +111,7 @@ def dam_break_stages(m):
     stages = {name: stage["cpu_seconds"] for name, stage in run.report["stages"].items() if name != "write"}
     rows = [[name, percent(seconds / sum(stages.values())), f"{1e6 * seconds / run.report['particle_steps']:.2f}"]
             for name, seconds in sorted(stages.items(), key=lambda stage: -stage[1])]
-    return markdown("stage | share of the time | CPU us a particle-step", rows)
+    return markdown("stage | share of the time | CPU us per particle-step", rows)
 
 
 @table("standing_water", "pressure in a resting column against rho g h, by the length of the step", "1 minute")
@@ -123,4 +123,4 @@ def standing_water(m):
         expected = 1000 * theory.gravity * 0.16  # a fifth above the floor of 0.2 m of water
         deviation = abs(low["pressure"][~(low["time"] < 0.5)] / expected - 1).mean()
         rows.append([f"{cfl}", percent(deviation, 1), f"{run.iterations_per_step:.1f}", f"{run.report['cpu_seconds']:.2f}"])
-    return markdown("CFL | mean deviation | iterations a step | CPU s", rows)
+    return markdown("CFL | mean deviation | iterations per step | CPU s", rows)

@@ -63,16 +63,16 @@ def elliptic_drop(m):
                     cells.append(", ".join(f"{100 * (axis / e - 1):+.2f} %" for axis, e in zip(axes, exact)))
             energy = run.table()["kinetic_energy"]
             rows.append([f"{form}, {words}", "1.5 %", *cells, f"{energy[-1] / energy[0]:.4f}", *cost(run)])
-    return markdown("case | bound | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | energy at the end over the start | steps | CPU s", rows)
+    return markdown("case | bound | half-axes off theory at 0.5 s | 1 s | 1.5 s (1 : 9) | final over initial energy | steps | CPU s", rows)
 
 
-@table("swinging_drop", "a drop that surface tension holds together, under the projection: pressure, rest and swing", "10 minutes")
+@table("swinging_drop", "a drop with surface tension under the projection: pressure, rest and oscillation", "10 minutes")
 def swinging_drop(m):
     rows, sigma, rho, radius = [], 0.072, 1000, 5e-3
     space = ["domain.dimensions=3", "domain.gravity=[0,0,0]", "domain.min=[-0.01,-0.01,-0.01]", "domain.max=[0.01,0.01,0.01]",
              "probe.0.min=[0,0,-0.01]", "probe.0.max=[0.01,0.01,0.01]", "probe.1.at=[0,0,0]", 'block.0.velocity=["1.5*x","-3*y","1.5*z"]']
-    for words, ways, spacing, settings in (("plane", 1, 4e-4, []), ("plane", 1, 2e-4, []), ("space", 2, 6.25e-4, space),
-                                           ("space", 2, 4.5e-4, space)):
+    for words, ways, spacing, settings in (("2D", 1, 4e-4, []), ("2D", 1, 2e-4, []), ("3D", 2, 6.25e-4, space),
+                                           ("3D", 2, 4.5e-4, space)):
         if not m.wanted(f"{words}-{spacing}"):
             continue
         still = flow(m, "swinging_drop", f"{words}-{spacing}-still", f"fluid.spacing={spacing}", *settings,
@@ -94,5 +94,5 @@ def swinging_drop(m):
         peaks = [np.abs(signal[(probe["time"] > a) & (probe["time"] < b)]).max() for a, b in zip(zeros, zeros[1:])]
         rows.append([f"{words}, R = {R / spacing:.1f} d", f"{inside:.3f}", percent(speed, 1), f"{(zeros[4] - zeros[0]) / 2 * omega / 2 / pi:.3f}",
                      f"{(peaks[3] / peaks[1]):.2f}", *cost(run)])
-    return markdown("drop | pressure over theory | speed at rest over sqrt(sigma/(rho R)) | period over theory | amplitude that a period leaves | "
+    return markdown("drop | pressure over theory | speed at rest over sqrt(sigma/(rho R)) | period over theory | amplitude left after a period | "
                     "steps | CPU s", rows)

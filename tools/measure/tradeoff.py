@@ -59,7 +59,7 @@ second_panel = ("kinetic energy, to fine", against("fine", "kinetic_energy", "pa
 coil = ("frequency of the first turns to steady theory",
         {"of": "exact", "table": "probes/coil.csv", "column": "frequency", "expected": "2.139"})
 angular = ("angular momentum lost", {"of": "conserved", "column": "angular_momentum_z", "at": "all"})
-qualities = {  # scene: seconds, what the error is of
+qualities = {  # scene: seconds, quantity whose error is measured
     "honey_coil": (1.6, *coil), "honey_ball": (0.9, *potential), "honey_thread": (0.45, *potential), "sewing_machine": (0.7, *kinetic),
     "cake_batter": (0.8, *potential), "toothpaste": (2.0, *potential), "lava": (1.2, *potential), "dripping_syrup": (0.3, *potential),
     "rotating_drop": (0.4, *angular), "dam_break": (0.08, *density), "dam_break_obstacle": (0.12, *density), "paddle": (0.08, *density),
@@ -112,8 +112,8 @@ def quality_section(rows):
                         short(number(r["cpu_seconds_a_second"]), 3), "reference" if fine and error < 1e-8 else short(100 * error, 2),
                         "reference" if fine else short(picture, 2)])
         words[r["scene"]] = [f"`{r['scene']}`", r["error_of"], f"![](../pictures/quality/{r['scene']}.jpg)"]
-    columns = "scene | until [s] | quality | spacing [mm] | particles | CPU s a simulated second | error [%] | picture, dE"
-    return markdown(columns, figures) + "\n\n" + markdown("scene | what the error is of | draft, standard and fine", words.values())
+    columns = "scene | until [s] | quality | spacing [mm] | particles | CPU s per simulated second | error [%] | image, dE"
+    return markdown(columns, figures) + "\n\n" + markdown("scene | error of | draft, standard and fine", words.values())
 
 
 # What auto chooses
@@ -147,7 +147,7 @@ def scene_with_models(m, scene, combination):
 
 def compare_models(m, scene, until, combinations):
     """auto compared with other models, at draft quality, one thread, least of two timings: by combination cells of CPU seconds and error, and
-    what auto takes. Error: of the kinetic energy over all frames against auto at standard spacing. What takes more than four times the wall
+    what auto chooses. Error: of the kinetic energy over all frames against auto at standard spacing. What takes more than four times the wall
     time of auto is broken off: it cannot be the cheaper one."""
     name, limit, by_name = f"auto/{scene}", 120.0, {}
     files = [scene_with_models(m, scene, combination) for combination in ("auto+auto", *combinations)]
@@ -186,7 +186,7 @@ def auto(m):
                 return [words_of(c.took), *c.auto, *(cell for cells in c.cells.values() for cell in cells)]
 
             rows.append([scene, f"{scenes[scene]}", *attempt(measure)])
-        columns = [f"{kind} | until [s] | auto takes | s | error", *(f"{words_of(combination)} s | error" for combination in combinations)]
+        columns = [f"{kind} | until [s] | auto chooses | s | error", *(f"{words_of(combination)} s | error" for combination in combinations)]
         sections += [markdown(" | ".join(columns), rows)] if rows else []
     return "\n\n".join(sections)
 
@@ -233,7 +233,7 @@ plan_cases = ("honey_coil:1.5 honey_ball:1.2 honey_thread:0.7 sewing_machine:1 c
               "shear_layer:0.1 stirred_tank:0.3 taylor_green:0.1 towed_post:0.3 turbulence:0.4 vortex_rings:0.5")
 
 
-@table("plan", "the plan's CPU time and memory compared with those of a film, the beginning of each scene", "10 minutes")
+@table("plan", "the plan's CPU time and memory compared with those of a run, the beginning of each scene", "10 minutes")
 def plan(m):
     rows, stages = [], ("surface", "draw")
     for scene, until in (case.split(":") for case in plan_cases.split()):
@@ -244,14 +244,14 @@ def plan(m):
             pictures = sum(cost["film_cpu_seconds"][stage] for stage in stages), run.stage_seconds(*stages)
             simulate = cost["film_cpu_seconds"]["simulate"], run.simulation_seconds
             memory = cost["memory_bytes"], max(panel["peak_memory_bytes"] for panel in run.panels)
-            return [text for foreseen, taken in (simulate, pictures)
-                    for text in (f"{foreseen:.1f} s", f"{taken:.1f} s", off(foreseen, taken))] + [
+            return [text for predicted, taken in (simulate, pictures)
+                    for text in (f"{predicted:.1f} s", f"{taken:.1f} s", off(predicted, taken))] + [
                         *(f"{bytes / 1e6:.0f} MB" for bytes in memory), off(*memory)]
 
         if m.wanted(scene):
             rows.append([scene, f"{until} s", *attempt(measure)])
-    return markdown("scene | until | simulation, foreseen | taken | off by | pictures, foreseen | taken | off by | memory, foreseen | "
-                    "taken | off by", rows)
+    return markdown("scene | until | simulation, predicted | measured | off by | images, predicted | measured | off by | memory, "
+                    "predicted | measured | off by", rows)
 
 
 tension, full = ("surface tension", ["fluid.surface_tension=0.05"]), ("implicit viscosity (full)", ["models.viscosity=full"])
@@ -267,7 +267,7 @@ model_cases = (("honey_coil", 1.2, tension), ("honey_ball", 0.9, tension), ("cak
                ("taylor_green", 0.1, full), ("stirred_tank", 0.2, full), ("stirred_tank", 0.2, shifting))
 
 
-@table("model_cost", "what a model costs that a scene does not need, and what the plan says that it costs", "20 minutes")
+@table("model_cost", "measured and predicted cost of a model that a scene does not need", "20 minutes")
 def model_cost(m):
     rows = []
     for scene, until, model in model_cases:
@@ -283,11 +283,11 @@ def model_cost(m):
 
         if m.wanted(scene):
             rows.append([scene, f"{until} s", words, *attempt(measure)])
-    return markdown("scene | until | switched on | predicted | taken | predicted, without | taken, without | times as dear, predicted | "
-                    "times as dear, taken | off by", rows)
+    return markdown("scene | until | switched on | predicted | measured | predicted, without | measured, without | factor, predicted | "
+                    "factor, measured | off by", rows)
 
 
-@table("live_speed", "how much of real time a draft reaches with its pictures, lever by lever", "2 minutes, an idle machine")
+@table("live_speed", "fraction of real time that a draft reaches with its images, by setting", "2 minutes, an idle machine")
 def live_speed(m):
     settings, rows = [], []
     for k, (words, more) in enumerate((
@@ -307,4 +307,4 @@ def live_speed(m):
         rows.append([words, f"{(time[-1] - time[0]) / (wall[-1] - wall[0]):.2f}", f"{1e3 * simulate / run.report['frames']:.0f}",
                      f"{iterations[1:].sum() / (steps[-1] - steps[0]):.0f}", f"{(steps[-1] - steps[0]) / (len(steps) - 1):.0f}",
                      *(f"{ms:.0f}" for ms in pictures)])
-    return markdown("lever | of real time | simulate ms | iterations a step | steps a picture | draw ms | surface ms", rows)
+    return markdown("lever | of real time | simulate ms | iterations per step | steps per image | draw ms | surface ms", rows)

@@ -41,7 +41,7 @@ def viscous_waves(m):
             "nanoseconds_100" if "nanoseconds_100" in q else "nanoseconds_0.1",))
         rows.append([*model, *cells(q, ".3f", lengths), f"{order:.1f}", step, *iterations, *nanoseconds])
     return markdown("model | R/d | 8 | 16 | 32 | 64 | order | largest nu dt/d^2 | iterations at K = 1 | at K = 100 | at K = 10^4 | "
-                    "ns a particle", rows)
+                    "ns per particle", rows)
 
 
 def preconditioners(m, solve, cases):
@@ -101,4 +101,4 @@ def coupled_or_ppe(m):
                 rows.append([name, "ppe + full" if pressure == "ppe" else pressure, f"{run.report['steps']:.0f}",
                              f"{run.iterations_per_step:.1f}", f"{run.microseconds:.1f}", *first])
                 rows += [[""] * 5 + line for line in more]
-    return markdown("scene | models | steps | iterations a step | CPU us a particle-step | what | found | off theory by", rows)
+    return markdown("scene | models | steps | iterations per step | CPU us per particle-step | quantity | measured | off theory by", rows)

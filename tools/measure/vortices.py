@@ -134,15 +134,15 @@ def projection_sizes(m):
         ns = {name: 1e9 * stage["cpu_seconds"] / r["particle_steps"] for name, stage in r["stages"].items()}
         rows.append([f"{a_side**2}", f"{run.iterations_per_step:.1f}", *(f"{ns.get(name, math.nan):.0f}" for name in ("neighbours", "density", "viscosity", "pressure", "move")),
                      f"{1e9 * r['cpu_seconds'] / r['particle_steps']:.0f}"])
-    return markdown("particles | iterations a step | ns a particle-step: neighbours | geometry | viscosity | pressure | move | all", rows)
+    return markdown("particles | iterations per step | ns per particle-step: neighbours | geometry | viscosity | pressure | move | all", rows)
 
 
-@table("plane_speed", "what a particle-step costs in the plane and in a slab, by part: the least of three runs", "1 minute")
+@table("plane_speed", "cost of a particle-step in 2D and in a slab, by part: the smallest of three runs", "1 minute")
 def plane_speed(m):
     rows, parts = [], ("neighbours", "density", "viscosity", "pressure", "move")
     for words, settings in (("projection", []), ("weakly compressible", ["models.pressure=wcsph", "pressure.sound_speed=15"])):
         all_of = {}
-        for shape, spacing, more in (("plane", 1 / 128, []), ("slab of 8 layers", 1 / 64, slab_of(0.125))):
+        for shape, spacing, more in (("2D", 1 / 128, []), ("slab of 8 layers", 1 / 64, slab_of(0.125))):
             runs = [flow(m, "taylor_green_vortices", f"speed-{words.split()[0]}-{shape.split()[0]}-{k}", f"fluid.spacing={spacing}", "time.end=0.2",
                          "block.0.sampling=jittered", *more, *settings).report for k in range(3)]
             best = min(runs, key=lambda r: r["cpu_seconds"] / r["particle_steps"])
@@ -150,7 +150,7 @@ def plane_speed(m):
             all_of[shape] = 1e9 * best["cpu_seconds"] / best["particle_steps"]
             rows.append([words, shape, *(f"{ns.get(name, 0):.0f}" for name in parts), f"{all_of[shape]:.0f}"])
         rows[-2].append(f"{all_of['slab of 8 layers'] / all_of['plane']:.2f}")
-    return markdown("pressure | shape | ns a particle-step: neighbours | density or geometry | viscosity | pressure | move | all | times faster", rows)
+    return markdown("pressure | shape | ns per particle-step: neighbours | density or geometry | viscosity | pressure | move | all | times faster", rows)
 
 
 @table("kept_momentum", "how well the projection keeps momentum and angular momentum", "1 minute")
@@ -168,7 +168,7 @@ def kept_momentum(m):
         run = flow(m, "single_vortex", f"{across}", f"fluid.spacing={1 / across}")
         turn = run.table()["angular_momentum_z"]
         rows.append([f"angular momentum, single vortex, {across} a side", f"{np.abs(turn / turn[0] - 1).max():.1e}", *cost(run)])
-    return markdown("case | largest change over the start | steps | CPU s", rows)
+    return markdown("case | largest relative change | steps | CPU s", rows)
 
 
 def spinning(a, kappa, g, theta_s, k, times):
@@ -180,7 +180,7 @@ def spinning(a, kappa, g, theta_s, k, times):
     return [(vectors @ (weights * np.exp(values * t))).real for t in times]
 
 
-@table("taylor_green_spin", "Taylor-Green vortices of particles that spin against their two equations", "1 minute")
+@table("taylor_green_spin", "Taylor-Green vortices with spin compared with their two equations", "1 minute")
 def taylor_green_spin(m):
     rows, times = [], (0.5, 1, 2)
     exact = spinning(0.0125, 0.005, 1e-4, 1e-3, 2 * pi, times)
@@ -196,7 +196,7 @@ def taylor_green_spin(m):
 
 
 def core_radius(x, v):
-    """Of u = (1 - exp(-r^2/c^2))/(2 pi r), by least squares."""
+    """Core c of u = (1 - exp(-r^2/c^2))/(2 pi r), by least squares."""
     keep = np.abs(x) > 1e-6
     radii = np.arange(0.05, 0.4, 1e-4)
     off = [((v[keep] - (1 - np.exp(-x[keep]**2 / c**2)) / (2 * pi * x[keep]))**2).sum() for c in radii]
@@ -204,7 +204,7 @@ def core_radius(x, v):
 
 
 def modes_energy(square_core):
-    """Of four vortices of alternating sign in a box of 2 m that repeats, but for a factor."""
+    """Energy of four vortices of alternating sign in a periodic box of 2 m, up to a factor."""
     odd = np.arange(1, 60, 2)
     k2 = pi**2 * np.add.outer(odd**2, odd**2)
     return (np.exp(-k2 * square_core / 2) / k2).sum()
@@ -298,12 +298,12 @@ def rest(m):
 
 
 def median_of_three(values):
-    """Of each value and its neighbours: leaves out single values that are far off."""
+    """Median of each value and its neighbours: removes single outliers."""
     return np.median([np.r_[values[:1], values[:-1]], values, np.r_[values[1:], values[-1:]]], axis=0)
 
 
 def wave(time, signal, frequencies):
-    """Frequency and amplitude of the strongest sine in a signal, under a window that lets the ends count little."""
+    """Frequency and amplitude of the strongest sine in a signal, with a window that reduces the weight of the ends."""
     window = np.sin(pi * (time - time[0]) / (time[-1] - time[0]))**2
     parts = [abs((window * (signal - signal.mean()) * np.exp(-2j * pi * f * time)).sum()) for f in frequencies]
     k = int(np.argmax(parts))
@@ -329,7 +329,7 @@ def cylinder_stream(m):
             friction = force["viscous_x"][late].mean() / 500
             rows.append([f"Re {reynolds}, {across} across, {blocked} % blocked", "3, 5 %", f"{found:.4f} ({strouhal})",
                          f"{x.mean():.3f} ({drag})", f"{friction:.3f}", f"{lift:.3f}", *cost(run)])
-    return markdown("case | bound for Strouhal number, drag | Strouhal number (published) | mean drag (published) | of it friction | "
+    return markdown("case | bound for Strouhal number, drag | Strouhal number (published) | mean drag (published) | friction part | "
                     "lift amplitude | steps | CPU s", rows)
 
 
