@@ -12,5 +12,7 @@ Simulation simulation_of(const std::string& text);
 void run_until(Simulation& simulation, double end);
 /// All that lives from step to step, as bytes.
 std::string state_of(const Simulation& simulation);
+/// Empty if the state at `end` [s] has the same bits on 1 and 4 threads and in a run that was saved half-way; otherwise where it differs.
+std::string differing_bits(const std::string& text, double end);
 
 }  // namespace whorl::test

@@ -102,19 +102,4 @@ TEST_CASE("on a plate that slips a blob slides freely and does not sink in", "[m
     CHECK(lowest > Real(0.25) * d);
 }
 
-TEST_CASE("the coupled solve gives the same bits for 1, 2 and 4 threads", "[models][coupled]") {
-    const int before = threads();
-    std::vector<Vec3> reference;
-    for (const int count : {1, 2, 4}) {
-        set_threads(count);
-        CoupledWorld w(blue_noise_cylinder(Real(3.5) * d, 24 * d, d), d, 1);
-        for (std::size_t i = 0; i < w.position().size(); ++i) w.velocity()[i] = Vec3(0, w.position()[i][1] * 5, w.position()[i][0]);
-        for (int k = 0; k < 5; ++k) w.step(Real(2e-3));
-        const std::vector<Vec3> x(w.position().begin(), w.position().end());
-        if (count == 1) reference = x;
-        else CHECK(x == reference);
-    }
-    set_threads(before);
-}
-
 }  // namespace coupled_solve_test

@@ -1,9 +1,7 @@
 #include "engine/models/micropolar/micropolar.h"
 
 #include <catch2/catch.hpp>
-#include <cstring>
 
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
@@ -291,27 +289,6 @@ TEST_CASE("a scene without a micropolar model has no spin and no other field of 
     for (const Stage& stage : without.assembly().stages) CHECK(stage.group != "micropolar");
     without.step(1);
     CHECK_FALSE(without.totals().any_work);
-}
-
-TEST_CASE("a micropolar run has the same bits with one thread and with two", "[micropolar]") {
-    const auto state = [](int count) {
-        const int before = threads();
-        set_threads(count);
-        Simulation simulation = simulation_of(eddies);
-        simulation.count_energy();
-        for (int k = 0; k < 5; ++k) simulation.step(1);
-        set_threads(before);
-        const auto w = simulation.world().fluid.column<field::spin>();
-        const auto u = simulation.world().fluid.column<field::velocity>();
-        std::vector<Vec3> all(w.begin(), w.end());
-        all.insert(all.end(), u.begin(), u.end());
-        return std::pair(all, simulation.totals().work.total());
-    };
-    const auto [one, one_work] = state(1);
-    const auto [two, two_work] = state(2);
-    REQUIRE(one.size() == two.size());
-    CHECK(std::memcmp(one.data(), two.data(), one.size() * sizeof(Vec3)) == 0);
-    CHECK(one_work == two_work);
 }
 
 TEST_CASE("a uniform torque turns fluid at rest as theta dw/dt = tau - 2 kappa w", "[micropolar]") {

@@ -10,6 +10,7 @@
 #include "engine/particles/solid_sampling.h"
 #include "engine/probes/experiments.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 
@@ -308,36 +309,10 @@ TEST_CASE("a gauge reads the mean pressure on its disc, over all steps, and the 
 // pressure itself is that of the models; here it is only held to the weight above, as a mean over the wall.
 TEST_CASE("gauges that tile a wall add up to its force, for every model of the plane", "[probe][sim]") {
     for (const std::string model : {"wcsph", "ppe"}) {
-        std::string scene = fmt::format(R"toml([time]
-end = 0.3
-fps = 10
-[domain]
-dimensions = 2
-min = [-0.02, -0.02]
-max = [0.12, 0.2]
-[fluid]
-spacing = 5e-3
-[models]
-pressure = "{}"
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.1, 0.08]
-[[solid]]
-shape = "plane"
-[[solid]]
-shape = "plane"
-normal = [1, 0]
-[[solid]]
-shape = "box"
-min = [0.1, -0.02]
-max = [0.12, 0.2]
-[[probe]]
-name = "wall"
-kind = "solid"
-solid = 1
-)toml",
-                                        model);
+        std::string scene = test::text::time(0.3, "fps = 10") + test::text::domain({-0.02, -0.02}, {0.12, 0.2}) + test::text::fluid(5e-3) +
+                            test::text::models(model) + test::text::block({0, 0}, {0.1, 0.08}) + test::text::plane({0, 0}, {0, 1}) +
+                            test::text::plane({0, 0}, {1, 0}) + test::text::box({0.1, -0.02}, {0.12, 0.2}) +
+                            "[[probe]]\nname = \"wall\"\nkind = \"solid\"\nsolid = 1\n";
         for (int k = 0; k < 4; ++k)
             scene += fmt::format("[[probe]]\nname = \"g{}\"\nkind = \"gauge\"\nsolid = 1\nat = [0, {}]\nradius = 0.0125\n", k,
                                  0.0125 + 0.025 * k);

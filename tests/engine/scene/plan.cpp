@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/support/poured_honey.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -12,6 +13,7 @@ using test::choice;
 using test::messages_with;
 using test::plan_with;
 using test::scene_with;
+namespace text = test::text;
 
 TEST_CASE("thick honey with a free surface is solved with its pressure, and the reason has the viscous number", "[plan]") {
     const Plan plan = plan_with({});
@@ -31,43 +33,25 @@ TEST_CASE("thick honey with a free surface is solved with its pressure, and the 
 }
 
 TEST_CASE("thick honey that fills its gap is solved with its pressure, and the reason names no free surface", "[plan]") {
-    const char* gap = R"toml([time]
-end = 1
-[domain]
-min = [-0.03, -0.02, -0.03]
-max = [0.03, 0.06, 0.03]
-periodic = [true, false, true]
-[fluid]
-spacing = 5e-3
-viscosity = 100
-[[block]]
-shape = "box"
-min = [-0.03, 0, -0.03]
-max = [0.03, 0.04, 0.03]
-[[solid]]
-shape = "plane"
-[[solid]]
-shape = "plane"
-normal = [0, -1, 0]
-position = ["0.1*t", "0.04", "0"]
-)toml";
+    const std::string gap = text::time(1) + text::domain({-0.03, -0.02, -0.03}, {0.03, 0.06, 0.03}, "periodic = [true, false, true]") +
+                            text::fluid(5e-3, 100) + text::block({-0.03, 0, -0.03}, {0.03, 0.04, 0.03}) +
+                            text::plane({0, 0, 0}, {0, 1, 0}) +
+                            "[[solid]]\nshape = \"plane\"\nnormal = [0, -1, 0]\nposition = [\"0.1*t\", \"0.04\", \"0\"]\n";
     const Plan plan = make_plan(scene_with({}, gap));
     CHECK(plan.pressure == PressureModel::coupled);
     CHECK(choice(plan, "models.pressure").reason.find("free surface") == std::string::npos);
 }
 
 TEST_CASE("a solid that moves through the lid of a container is a warning", "[plan]") {
-    const std::string box = "shape = \"box\"\nmin = [-0.1, 0, -0.1]\nmax = [0.1, ";
-    const auto warnings = [&](const std::string& height) {
-        const std::string text =
-            "[time]\nend = 1\n[domain]\nmin = [-0.3, -0.1, -0.3]\nmax = [0.3, 0.9, 0.3]\n[fluid]\nspacing = 0.01\n[[block]]\n" + box +
-            "0.05, 0.1]\n[[solid]]\n" + box + height +
-            ", 0.1]\ncontainer = true\n[[solid]]\nshape = \"sphere\"\nradius = 0.02\nposition = [\"0\", \"0.1+0.2*t\", \"0\"]\n";
+    const auto warnings = [&](double height) {
+        const std::string text = text::time(1) + text::domain({-0.3, -0.1, -0.3}, {0.3, 0.9, 0.3}) + text::fluid(0.01) +
+                                 text::block({-0.1, 0, -0.1}, {0.1, 0.05, 0.1}) + text::tank({-0.1, 0, -0.1}, {0.1, height, 0.1}) +
+                                 "[[solid]]\nshape = \"sphere\"\nradius = 0.02\nposition = [\"0\", \"0.1+0.2*t\", \"0\"]\n";
         const std::vector<std::string> all = make_plan(read_scene_text(text, "s.toml")).warnings;
         return std::count_if(all.begin(), all.end(), [](const auto& w) { return w.find("closed all round") != std::string::npos; });
     };
-    CHECK(warnings("0.2") == 1);  // the sphere reaches .32 m
-    CHECK(warnings("0.4") == 0);
+    CHECK(warnings(0.2) == 1);  // the sphere reaches .32 m
+    CHECK(warnings(0.4) == 0);
 }
 
 TEST_CASE("a thinner fluid is solved with its pressure down to a viscous number of a quarter", "[plan]") {
@@ -155,24 +139,10 @@ TEST_CASE("weakly compressible sound is ten times the expected speed, and solids
 TEST_CASE(
     "where the Laplacian of each velocity component would stop a body that turns, auto takes the full viscosity, and explicit is warned of",
     "[plan]") {
-    const std::string turning = R"toml([time]
-end = 1
-[domain]
-min = [-0.1, -0.1, -0.1]
-max = [0.1, 0.1, 0.1]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 4e-3
-viscosity = 0.05
-[models]
-pressure = "wcsph"
-[[block]]
-shape = "cylinder"
-from = [0, 0, -0.02]
-to = [0, 0, 0.02]
-radius = 0.03
-velocity = ["-9*y", "9*x", "0"]
-)toml";
+    const std::string turning = text::time(1) + text::domain({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, "gravity = [0, 0, 0]") +
+                                text::fluid(4e-3, 0.05) + text::models("wcsph") +
+                                "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, -0.02]\nto = [0, 0, 0.02]\nradius = 0.03\n"
+                                "velocity = [\"-9*y\", \"9*x\", \"0\"]\n";
     const auto plan_of = [&](const std::vector<std::string>& changes) { return make_plan(scene_with(changes, turning)); };
     const auto warned = [&](const std::vector<std::string>& changes) {
         for (const std::string& w : plan_of(changes).warnings)
@@ -193,10 +163,9 @@ TEST_CASE("viscosity that varies in space counts with its largest value", "[plan
 }
 
 TEST_CASE("thick fluid that lies on a floor counts for the models", "[plan]") {
-    const std::string scene =
-        "name = \"floor\"\n[time]\nend = 0.1\n[domain]\nmin = [0,-0.1,0]\nmax = [1,1,1]\n[fluid]\nspacing = 0.025\n"
-        "viscosity = \"y < 0.05 ? 100 : 0.001\"\n[[solid]]\nshape = \"plane\"\n[[block]]\nshape = \"box\"\n"
-        "min = [0.2,0,0.2]\nmax = [0.8,0.4,0.8]\n";
+    const std::string scene = text::time(0.1) + text::domain({0, -0.1, 0}, {1, 1, 1}) +
+                              text::fluid(0.025, 0, "viscosity = \"y < 0.05 ? 100 : 0.001\"") + text::plane({0, 0, 0}, {0, 1, 0}) +
+                              text::block({0.2, 0, 0.2}, {0.8, 0.4, 0.8});
     CHECK(make_plan(scene_with({}, scene)).largest_viscosity == Approx(100));
 }
 
@@ -270,23 +239,18 @@ TEST_CASE("the monaghan Laplacian with few neighbours is warned of with its stif
 }
 
 TEST_CASE("a background pressure is a warning if blocks leave room, not in a full channel", "[plan]") {
-    const auto channel = [](const std::string& top) {
-        return make_plan(
-            scene_with({},
-                       "[time]\nend = 1\n[domain]\nmin = [0, -0.01, 0]\nmax = [0.2, 0.11, 0.1]\nperiodic = [true, false, true]\n"
-                       "[fluid]\nspacing = 0.01\n[models]\npressure = \"wcsph\"\n[pressure]\nbackground_pressure = 100\n"
-                       "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.2, " +
-                           top +
-                           ", 0.1]\n"
-                           "[[solid]]\nshape = \"box\"\nmin = [-0.1, -0.02, -0.1]\nmax = [0.3, 0, 0.2]\n"
-                           "[[solid]]\nshape = \"box\"\nmin = [-0.1, 0.1, -0.1]\nmax = [0.3, 0.12, 0.2]\n"));
+    const auto channel = [](double top) {
+        return make_plan(scene_with({}, text::time(1) + text::domain({0, -0.01, 0}, {0.2, 0.11, 0.1}, "periodic = [true, false, true]") +
+                                            text::fluid(0.01) + text::models("wcsph") + "[pressure]\nbackground_pressure = 100\n" +
+                                            text::block({0, 0, 0}, {0.2, top, 0.1}) + text::box({-0.1, -0.02, -0.1}, {0.3, 0, 0.2}) +
+                                            text::box({-0.1, 0.1, -0.1}, {0.3, 0.12, 0.2})));
     };
     const auto warned = [](const Plan& plan) {
         return std::any_of(plan.warnings.begin(), plan.warnings.end(),
                            [](const std::string& w) { return w.find("background_pressure") != std::string::npos; });
     };
-    CHECK_FALSE(warned(channel("0.1")));
-    CHECK(warned(channel("0.05")));
+    CHECK_FALSE(warned(channel(0.1)));
+    CHECK(warned(channel(0.05)));
 }
 
 TEST_CASE("the projection is chosen if fluid fills its space, and warned of if it has a surface", "[plan][pressure]") {
@@ -325,25 +289,8 @@ TEST_CASE("the projection is chosen if fluid fills its space, and warned of if i
 }
 
 TEST_CASE("in 2D the plan counts particles by area, and refuses by name keys that exist only in 3D", "[plan][plane]") {
-    const std::string tank = R"toml([time]
-end = 1
-[domain]
-dimensions = 2
-min = [-0.1, -0.1]
-max = [0.3, 0.3]
-[fluid]
-spacing = 0.01
-viscosity = 100
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.2, 0.1]
-[[solid]]
-shape = "box"
-min = [0, 0]
-max = [0.2, 0.2]
-container = true
-)toml";
+    const std::string tank = text::time(1) + text::domain({-0.1, -0.1}, {0.3, 0.3}) + text::fluid(0.01, 100) +
+                             text::block({0, 0}, {0.2, 0.1}) + text::tank({0, 0}, {0.2, 0.2});
     const Plan plan = make_plan(scene_with({}, tank));
     CHECK(plan.estimated_particles == Approx(200));
     CHECK(plan.particle_volume() == Approx(1e-4));

@@ -7,6 +7,7 @@
 
 #include "tests/support/poured_honey.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -14,36 +15,12 @@ using namespace whorl::test;
 namespace as_printed_test {
 namespace {
 
-const std::string cloud = R"toml([time]
-end = 0.01
-fixed_step = 1e-3
-[domain]
-min = [-1, -1, -1]
-max = [2, 2, 2]
-gravity = [0, -1, 0]
-[fluid]
-spacing = 0.1
-density = 1
-viscosity = 0.5
-[models]
-pressure = "wcsph"
-viscosity = "explicit"
-micropolar = "notes"
-notes = "as_printed"
-[pressure]
-sound_speed = 3
-background_pressure = 0.1
-[micropolar]
-transfer_viscosity = 0.3
-exchange = "explicit"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.5, 0.5, 0.5]
-sampling = "jittered"
-velocity = ["sin(3*y)", "cos(2*x)", "0.3*z"]
-spin = ["y", "0.5*x", "cos(3*z)"]
-)toml";
+const std::string cloud =
+    text::time(0.01, "fixed_step = 1e-3") + text::domain({-1, -1, -1}, {2, 2, 2}, "gravity = [0, -1, 0]") +
+    text::fluid(0.1, 0.5, "density = 1") + text::models("wcsph", "explicit") + "micropolar = \"notes\"\nnotes = \"as_printed\"\n" +
+    "[pressure]\nsound_speed = 3\nbackground_pressure = 0.1\n[micropolar]\ntransfer_viscosity = 0.3\nexchange = \"explicit\"\n" +
+    text::block({0, 0, 0}, {0.5, 0.5, 0.5},
+                "sampling = \"jittered\"\nvelocity = [\"sin(3*y)\", \"cos(2*x)\", \"0.3*z\"]\nspin = [\"y\", \"0.5*x\", \"cos(3*z)\"]");
 
 struct State {
     std::vector<Vec3d> x, u, w;

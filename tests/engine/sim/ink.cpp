@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "engine/core/errors.h"
 #include "engine/io/snapshot.h"
@@ -58,12 +57,7 @@ TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the partic
 TEST_CASE("a run with ink resumes bit-identically", "[sim][ink]") {
     const std::string scene =
         vortices("ink_diffusion = 1e-4", stream + "velocity = [\"1\", \"0\"]\ntime = 0.2\nink = [\"0.5+0.5*sin(20*t)\", \"x\", 1]\n");
-    Simulation whole = simulation_of(scene), half = simulation_of(scene), rest = simulation_of(scene);
-    run_until(whole, 0.1), run_until(half, 0.1);
-    std::istringstream saved(state_of(half));
-    rest.load(saved);
-    run_until(whole, 0.2), run_until(rest, 0.2);
-    CHECK(state_of(rest) == state_of(whole));
+    CHECK(differing_bits(scene, 0.2) == "");
 }
 
 TEST_CASE("fluid in a stream has the stream's ink, of time and place", "[sim][ink]") {

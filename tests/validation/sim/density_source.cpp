@@ -1,11 +1,9 @@
 /// pressure.source = "density", the published rows of the pressure equation, in fluid that moves.
-#include <fmt/format.h>
-
 #include <catch2/catch.hpp>
 
 #include "engine/io/diagnostics.h"
 #include "tests/support/runs.h"
-#include "tests/support/scenes.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -14,7 +12,7 @@ namespace density_source_runs {
 
 namespace {
 
-const std::string published = "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n";
+const std::string published = text::pressure_form("projection") + "source = \"density\"\n";
 
 /// Largest rise of the energy above the least that it had before [J], looked at every 0.02 s.
 struct EnergyRise {
@@ -33,26 +31,9 @@ TEST_CASE("pressure.source density: a dam break gains no energy, loses no partic
     // The energy of height that the dam has to give: half of m g H. It may rise by 0.1 % where the wave falls on itself (0.003 % was
     // measured). The level: two fifths of the width are filled to H.
     constexpr double d = 0.0125, H = 12 * d;
-    Simulation simulation = simulation_of(fmt::format(R"toml([time]
-end = 3
-max_step = 2e-3
-[domain]
-min = [-0.05, -0.05, 0]
-max = [0.4, 0.5, {0}]
-periodic = [false, false, true]
-[fluid]
-spacing = {1}
-{2}[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [{3}, {4}, {0}]
-[[solid]]
-shape = "box"
-container = true
-min = [0, 0, -1]
-max = [{5}, 0.45, 1]
-)toml",
-                                                      4 * d, d, published, 10 * d, H, 25 * d));
+    Simulation simulation = simulation_of(
+        text::time(3, "max_step = 2e-3") + text::domain({-0.05, -0.05, 0}, {0.4, 0.5, 4 * d}, "periodic = [false, false, true]") +
+        text::fluid(d) + published + text::block({0, 0, 0}, {10 * d, H, 4 * d}) + text::tank({0, 0, -1}, {25 * d, 0.45, 1}));
     const Vec3d gravity(0, -9.81, 0);
     const Measures start = measure(simulation.world(), gravity, 1);
     const double falls = start.potential_energy;  // above the floor
@@ -72,25 +53,10 @@ max = [{5}, 0.45, 1]
 TEST_CASE("pressure.source density: a lone falling particle rests half a spacing above the floor", "[validation][pressure]") {
     // It approaches by a tenth of what is left a step, and its weight holds it g dt^2/share = .01 d higher at most.
     for (const int dimensions : {2, 3}) {
-        const bool plane = dimensions == 2;
+        const auto at = [&](double x, double y, double z) { return text::point(dimensions, x, y, z); };
         Simulation simulation =
-            simulation_of(fmt::format(R"toml([time]
-end = 0.8
-[domain]
-dimensions = {0}
-min = [-0.1, -0.05{1}]
-max = [0.1, 0.2{2}]
-[fluid]
-spacing = 0.01
-{3}[[block]]
-shape = "box"
-min = [0, 0.05{4}]
-max = [0.0104, 0.0604{2}]
-[[solid]]
-shape = "plane"
-normal = [0, 1{4}]
-)toml",
-                                      dimensions, plane ? "" : ", -0.1", plane ? "" : ", 0.0104", published, plane ? "" : ", 0"));
+            simulation_of(text::time(0.8) + text::domain(at(-0.1, -0.05, -0.1), at(0.1, 0.2, 0.0104)) + text::fluid(0.01) + published +
+                          text::block(at(0, 0.05, 0), at(0.0104, 0.0604, 0.0104)) + text::plane(at(0, 0, 0), at(0, 1, 0)));
         double lowest = 1;
         for (int k = 1; k <= 40; ++k) {
             run_until(simulation, 0.02 * k);
