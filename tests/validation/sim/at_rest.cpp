@@ -284,7 +284,7 @@ TEST_CASE("a block of water at side walls stays at rest, and its corners have rh
         run_until(simulation, 0.05 * frame);
         const auto x = simulation.world().fluid.column<field::position>();
         const auto p = simulation.world().fluid.column<field::pressure>();
-        const auto outer = [&](Real at) { return std::abs(static_cast<double>(at) - width / 2) > width / 2 - spacing; };
+        const auto outer = [&](Real where) { return std::abs(static_cast<double>(where) - width / 2) > width / 2 - spacing; };
         for (std::size_t i = 0; i < x.size(); ++i)
             if (x[i].y() < Real(spacing) && outer(x[i].x()) && (plane || outer(x[i].z())))
                 corners += p[i], exact += rho_0 * g * (width - static_cast<double>(x[i].y()));
