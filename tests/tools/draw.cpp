@@ -196,7 +196,7 @@ TEST_CASE("draw follows a running film, next to its images or in its folder if i
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
     const bool draws_itself = GENERATE(true, false);
-    std::vector<std::string> words{"render", scene.string(),       "--out", run.string(),          "--quiet", "--set", "time.fps=100",
+    std::vector<std::string> words{"render", scene.string(),       "--out", run.string(),          "--quiet", "--set", "time.fps=50",
                                    "--set",  "fluid.spacing=2e-3", "--set", "output.size=[64, 36]"};
     if (!draws_itself) words.emplace_back("--no-draw");
     test::Program program(words);
@@ -220,7 +220,7 @@ TEST_CASE("draw follows a running film, next to its images or in its folder if i
     CHECK(done.code == 0);
     CHECK_THAT(done.err, Catch::Contains("the run continues: its frames are drawn as they come, until it ends"));
     const std::vector<int> frames = exported_frames(run);
-    CHECK(frames.size() == 11);
+    CHECK(frames.size() == 6);
     for (const int n : frames) CHECK(has_picture(drawn, n));
     CHECK(fs::exists(drawn / "contact.png"));
 }

@@ -45,7 +45,7 @@ void check_same_particles(const fs::path& a, const fs::path& b) {
 TEST_CASE("a run whose end lies between two frames is done with the last of them", "[tools][run]") {
     // Its time then is that of the frame to the bit.
     const Scratch scratch;
-    for (const char* until : {"0.07", "0.13", "0.21", "0.3"}) {
+    for (const char* until : {"0.07", "0.13"}) {
         INFO(until);
         const Outcome run = test::whorl(
             {"render", scratch.scene(), "--no-images", "--fps", "24", "--until", until, "--quiet", "--overwrite", "--out", scratch.run()});
@@ -83,19 +83,6 @@ TEST_CASE("a run writes a row per frame, its probes, its settings and its resour
     CHECK(reproducible(lines(scratch / "again/diagnostics.csv")) == reproducible(rows));
 }
 
-TEST_CASE("the same scene gives the same particles, bit for bit, with 1, 2 and 4 threads", "[tools][render]") {
-    const Scratch scratch;
-    for (const std::string threads : {"1", "2", "4"}) {
-        const Outcome done = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.1", "--export", "points", "--threads",
-                                          threads, "--out", scratch.run(threads), "--quiet"});
-        INFO(done.err);
-        REQUIRE(done.code == 0);
-    }
-    check_same_particles(scratch / "1", scratch / "2");
-    check_same_particles(scratch / "1", scratch / "4");
-    CHECK(reproducible(lines(scratch / "1/diagnostics.csv")) == reproducible(lines(scratch / "4/diagnostics.csv")));
-}
-
 TEST_CASE("an interrupted run prints how to continue, and continues bit-identically", "[tools][resume]") {
     const Scratch scratch;
     const std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--export", "points", "--quiet", "--out"};
@@ -108,7 +95,7 @@ TEST_CASE("an interrupted run prints how to continue, and continues bit-identica
 
     Program interrupted(with(scratch.run()));
     REQUIRE(interrupted.wait_until([&] { return lines(scratch / "run/diagnostics.csv").size() > 4; }));
-    interrupted.signal(GENERATE(SIGINT, SIGTERM));
+    interrupted.signal(SIGINT);
     const Outcome stopped = interrupted.wait();
     CHECK(stopped.code == 130);
     CHECK(stopped.err.find("whorl resume " + scratch.run()) != std::string::npos);
@@ -133,21 +120,22 @@ TEST_CASE("a finished film continues to a later end, and its saved settings make
     REQUIRE(
         test::whorl({"render", scratch.scene(), "--no-images", "--export", "points", "--until", "0.1", "--quiet", "--out", scratch.run()})
             .code == 0);
-    const auto [option, value, rows] =
-        GENERATE(table<std::string, std::string, std::size_t>({{"--until", "0.2", 9}, {"--frames", "8", 8}}));
-    const Outcome longer = test::whorl({"resume", scratch.run(), option, value, "--quiet"});
-    INFO(longer.err);
-    REQUIRE(longer.code == 0);
-    CHECK(lines(scratch / "run/diagnostics.csv").size() == 1 + rows);
-    const std::string used = read_whole(scratch / "run/scene.resolved.toml");
-    CHECK(used.find(option == "--until" ? "\nend = 0.2 " : "\nend = 0.175 ") != std::string::npos);
+    std::size_t rows = 6;
+    for (const auto& [option, value, end] :
+         {std::tuple{"--frames", "6", "\nend = 0.125 "}, std::tuple{"--until", "0.15", "\nend = 0.15 "}}) {
+        const Outcome longer = test::whorl({"resume", scratch.run(), option, value, "--quiet"});
+        INFO(longer.err);
+        REQUIRE(longer.code == 0);
+        CHECK(lines(scratch / "run/diagnostics.csv").size() == 1 + rows++);
+        CHECK(read_whole(scratch / "run/scene.resolved.toml").find(end) != std::string::npos);
+    }
 
     REQUIRE(test::whorl({"render", scratch.run() + "/scene.resolved.toml", "--quiet", "--out", scratch.run("again")}).code == 0);
     check_same_particles(scratch / "run", scratch / "again");
     CHECK(reproducible(lines(scratch / "run/diagnostics.csv")) == reproducible(lines(scratch / "again/diagnostics.csv")));
     // It stays so when it continues once more, and existing frames are kept.
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
-    CHECK(lines(scratch / "run/diagnostics.csv").size() == 1 + rows);
+    CHECK(lines(scratch / "run/diagnostics.csv").size() == rows);
     const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05"});
     CHECK(shorter.code == 2);
     CHECK(shorter.err.find("s, already") != std::string::npos);
@@ -210,7 +198,7 @@ TEST_CASE("an interrupted run without images reports that it continues without",
     const Scratch scratch;
     Program program({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--quiet", "--out", scratch.run()});
     REQUIRE(program.wait_until([&] { return lines(scratch / "run/diagnostics.csv").size() > 2; }));
-    program.signal(SIGINT);
+    program.signal(SIGTERM);
     const Outcome stopped = program.wait();
     CHECK(stopped.code == 130);
     CHECK_THAT(stopped.err, Catch::Contains("whorl resume " + scratch.run() + " --no-draw\n"));
