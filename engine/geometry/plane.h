@@ -1,6 +1,5 @@
 #pragma once
 /// The half-space below a plane.
-#include <limits>
 #include <optional>
 #include <vector>
 

@@ -17,18 +17,6 @@ namespace {
 
 constexpr std::string_view magic = "WHORLCP3";
 
-struct CheckpointPacker : Packer {
-    using Packer::operator();
-    void operator()(const StageTime& t) { (*this)(t.wall), (*this)(t.cpu), (*this)(t.calls); }
-    void operator()(const StageTimes& times) { entries(*this, times); }
-};
-
-struct CheckpointUnpacker : Unpacker {
-    using Unpacker::operator();
-    void operator()(StageTime& t) { (*this)(t.wall), (*this)(t.cpu), (*this)(t.calls); }
-    void operator()(StageTimes& times) { entries(*this, times); }
-};
-
 /// Every member, in the order of the file.
 template <class Archive, class C>
 void each_member(Archive& a, C& c) {
@@ -76,7 +64,7 @@ std::string build_id() {
 }
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
-    CheckpointPacker file;
+    Packer file;
     file.bytes.reserve(checkpoint.simulation.size() + (1 << 16));  // most of it, in one piece
     each_member(file, checkpoint);
     std::error_code gone;  // a run folder that was taken away is not made again: the write below says so
@@ -103,8 +91,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     }
     Checkpoint checkpoint;
     try {
-        CheckpointUnpacker in;
-        in.bytes = unsealed(magic, bytes);
+        Unpacker in{unsealed(magic, bytes)};
         each_member(in, checkpoint);
     } catch (const EnvironmentError& error) { refuse(error.what()); } catch (const InputError& error) {
         refuse(error.problems().front().what);

@@ -3,8 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
-#include <string_view>
+#include <utility>
 
 #include "engine/core/parallel.h"
 #include "engine/io/csv.h"
@@ -132,90 +133,77 @@ double coupled_volume(const World& world) {
     return filled_volume(out, world.step.domain, world.solids, world.step.spacing);
 }
 
-std::string diagnostics_header() {
-    return "frame,time,steps,particles,time_step,max_speed,kinetic_energy,potential_energy,spin_energy,momentum_x,momentum_y,momentum_z,"
-           "angular_momentum_x,angular_momentum_y,angular_momentum_z,density_error_mean,density_error_max,pressure_iterations,"
-           "viscosity_iterations,lost_particles,wall_seconds,cpu_seconds,gravity_work,torque_work,pressure_work,boundary_work,viscous_"
-           "dissipation,"
-           "exchange_dissipation,smoothing_dissipation,surface_tension_work,solid_work,force_work,moves_work,emitted_energy,drained_energy,"
-           "energy_error,emitted_particles,drained_particles,volume";
+namespace {
+
+/// A row with the names of its columns; NaN: an empty cell.
+struct NamedRow {
+    std::vector<std::string> names;
+    std::vector<double> values;
+
+    void add(std::initializer_list<std::pair<const char*, double>> columns) {
+        for (const auto& [name, value] : columns) names.emplace_back(name), values.push_back(value);
+    }
+    void add(const std::string& name, const Vec3d& value) {
+        for (int a = 0; a < 3; ++a) names.push_back(name + "xyz"[a]), values.push_back(value[a]);
+    }
+};
+
+NamedRow diagnostics(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall, double cpu) {
+    const double steps = static_cast<double>(std::max(1L, now.steps - before.steps));
+    NamedRow row;
+    row.add({{"frame", frame}, {"time", time}, {"steps", now.steps}, {"particles", m.particles}, {"time_step", now.last_step}});
+    row.add({{"max_speed", m.max_speed}, {"kinetic_energy", m.kinetic_energy}, {"potential_energy", m.potential_energy}});
+    row.add({{"spin_energy", m.spin_energy}});
+    row.add("momentum_", m.momentum);
+    row.add("angular_momentum_", m.angular_momentum);
+    row.add({{"density_error_mean", m.density_error_mean}, {"density_error_max", m.density_error_max}});
+    row.add({{"pressure_iterations", (now.pressure_iterations - before.pressure_iterations) / steps}});
+    row.add({{"viscosity_iterations", (now.viscosity_iterations - before.viscosity_iterations) / steps}});
+    row.add({{"lost_particles", now.lost_particles}, {"wall_seconds", wall}, {"cpu_seconds", cpu}});
+    const EnergyBudget& work = now.work;
+    const auto known = [&](double joule) { return now.any_work ? joule : NAN; };
+    row.add({{"gravity_work", known(work.gravity)}, {"torque_work", known(work.torque)}, {"pressure_work", known(work.pressure)}});
+    row.add({{"boundary_work", known(work.boundary)}, {"viscous_dissipation", known(-work.viscosity)}});
+    row.add({{"exchange_dissipation", known(-work.exchange)}, {"smoothing_dissipation", known(-work.smoothing)}});
+    row.add({{"surface_tension_work", known(work.surface_tension)}, {"solid_work", known(work.solids)}});
+    row.add({{"force_work", known(work.forces + work.lifted)}, {"moves_work", known(work.moves)}});
+    row.add({{"emitted_energy", known(work.emitted)}, {"drained_energy", known(-work.drained)}});
+    row.add({{"energy_error", known(work.error(m.energy()))}, {"emitted_particles", now.emitted_particles}});
+    row.add({{"drained_particles", now.drained_particles}, {"volume", m.volume > 0 ? m.volume : NAN}});
+    return row;
 }
+
+NamedRow body_row(int frame, double time, std::size_t solid, const RigidBody& b, const Vec3d& gravity) {
+    const Vec3d p = b.mass * b.velocity;
+    NamedRow row;
+    row.add({{"frame", frame}, {"time", time}, {"solid", solid}});
+    row.add("", b.centre);
+    row.add({{"turn_w", b.turn.w()}});
+    row.add("turn_", b.turn.vec());
+    row.add("velocity_", b.velocity);
+    row.add("angular_velocity_", b.angular_velocity());
+    row.add("momentum_", p);
+    row.add("angular_momentum_", b.centre.cross(p) + b.spin_momentum);  // about the origin
+    row.add({{"kinetic_energy", b.kinetic_energy()}, {"potential_energy", -b.mass * gravity.dot(b.centre)}});
+    return row;
+}
+
+}  // namespace
+
+std::string diagnostics_header() { return csv_header(diagnostics(0, 0, {}, {}, {}, 0, 0).names); }
 
 std::string diagnostics_row(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall,
                             double cpu) {
-    const double steps = static_cast<double>(std::max(1L, now.steps - before.steps));
-    std::string row = std::to_string(frame);
-    for (double value : {time,
-                         static_cast<double>(now.steps),
-                         static_cast<double>(m.particles),
-                         now.last_step,
-                         m.max_speed,
-                         m.kinetic_energy,
-                         m.potential_energy,
-                         m.spin_energy,
-                         m.momentum.x(),
-                         m.momentum.y(),
-                         m.momentum.z(),
-                         m.angular_momentum.x(),
-                         m.angular_momentum.y(),
-                         m.angular_momentum.z(),
-                         m.density_error_mean,
-                         m.density_error_max,
-                         (now.pressure_iterations - before.pressure_iterations) / steps,
-                         (now.viscosity_iterations - before.viscosity_iterations) / steps,
-                         static_cast<double>(now.lost_particles),
-                         wall,
-                         cpu})
-        row += "," + number(value);
-    const EnergyBudget& work = now.work;
-    const double error = work.error(m.energy());
-    for (double value : {work.gravity, work.torque, work.pressure, work.boundary, -work.viscosity, -work.exchange, -work.smoothing,
-                         work.surface_tension, work.solids, work.forces + work.lifted, work.moves, work.emitted, -work.drained, error})
-        row += now.any_work ? "," + number(value) : ",";
-    return row + "," + number(now.emitted_particles) + "," + number(now.drained_particles) + "," + (m.volume > 0 ? number(m.volume) : "") +
-           "\n";
+    return csv_lines({diagnostics(frame, time, m, before, now, wall, cpu).values});
 }
 
-std::string bodies_header() {
-    return "frame,time,solid,x,y,z,turn_w,turn_x,turn_y,turn_z,velocity_x,velocity_y,velocity_z,angular_velocity_x,angular_velocity_y,"
-           "angular_velocity_z,"
-           "momentum_x,momentum_y,momentum_z,angular_momentum_x,angular_momentum_y,angular_momentum_z,kinetic_energy,potential_energy";
-}
+std::string bodies_header() { return csv_header(body_row(0, 0, 0, {}, Vec3d::Zero()).names); }
 
 std::string bodies_rows(int frame, double time, const World& world, const Vec3d& gravity) {
-    std::string rows;
-    for (std::size_t k = 0; k < world.solids.all.size(); ++k) {
-        if (!world.solids.all[k].body) continue;
-        const RigidBody& b = *world.solids.all[k].body;
-        const Vec3d w = b.angular_velocity(), p = b.mass * b.velocity, L = b.centre.cross(p) + b.spin_momentum;  // about the origin
-        rows += std::to_string(frame);
-        for (double value : {time,
-                             static_cast<double>(k),
-                             b.centre.x(),
-                             b.centre.y(),
-                             b.centre.z(),
-                             b.turn.w(),
-                             b.turn.x(),
-                             b.turn.y(),
-                             b.turn.z(),
-                             b.velocity.x(),
-                             b.velocity.y(),
-                             b.velocity.z(),
-                             w.x(),
-                             w.y(),
-                             w.z(),
-                             p.x(),
-                             p.y(),
-                             p.z(),
-                             L.x(),
-                             L.y(),
-                             L.z(),
-                             b.kinetic_energy(),
-                             -b.mass * gravity.dot(b.centre)})
-            rows += "," + number(value);
-        rows += "\n";
-    }
-    return rows;
+    std::vector<std::vector<double>> rows;
+    for (std::size_t k = 0; k < world.solids.all.size(); ++k)
+        if (world.solids.all[k].body) rows.push_back(body_row(frame, time, k, *world.solids.all[k].body, gravity).values);
+    return csv_lines(rows);
 }
 
 }  // namespace whorl

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "engine/core/errors.h"
@@ -14,34 +15,26 @@ namespace whorl {
 /// Lays values one behind the other.
 struct Packer {
     std::string bytes;
+    /// A number, or a struct of numbers.
     template <class T>
-    void number(const T& value) {
+    void operator()(const T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
         bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
     }
-    void operator()(const int& value) { number(value); }
-    void operator()(const long& value) { number(value); }
-    void operator()(const float& value) { number(value); }
-    void operator()(const double& value) { number(value); }
-    void operator()(const bool& value) { number(value); }
-    void operator()(const std::uint64_t& value) { number(value); }
     void operator()(const std::string& text) {
-        number(static_cast<std::uint64_t>(text.size()));
+        (*this)(static_cast<std::uint64_t>(text.size()));
         bytes += text;
     }
     /// Values without pointers.
     template <class T>
     void operator()(const std::vector<T>& values) {
-        number(static_cast<std::uint64_t>(values.size()));
+        (*this)(static_cast<std::uint64_t>(values.size()));
         bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
     }
     template <class T>
     void operator()(const std::map<std::string, T>& values) {
-        entries(*this, values);
-    }
-    template <class Archive, class T>
-    static void entries(Archive& to, const std::map<std::string, T>& values) {
-        to.number(static_cast<std::uint64_t>(values.size()));
-        for (const auto& [key, value] : values) to(key), to(value);
+        (*this)(static_cast<std::uint64_t>(values.size()));
+        for (const auto& [key, value] : values) (*this)(key), (*this)(value);
     }
 };
 
@@ -55,37 +48,29 @@ struct Unpacker {
         return part;
     }
     template <class T>
-    void number(T& value) {
+    void operator()(T& value) {
+        static_assert(std::is_trivially_copyable_v<T>);
         std::memcpy(&value, next(sizeof value).data(), sizeof value);
     }
-    void operator()(int& value) { number(value); }
-    void operator()(long& value) { number(value); }
-    void operator()(float& value) { number(value); }
-    void operator()(double& value) { number(value); }
     void operator()(bool& value) { value = next(sizeof value)[0] != 0; }  // only the bytes 0 and 1 are valid
-    void operator()(std::uint64_t& value) { number(value); }
     void operator()(std::string& text) {
         std::uint64_t size = 0;
-        number(size);
+        (*this)(size);
         text = next(size);
     }
     template <class T>
     void operator()(std::vector<T>& values) {
         std::uint64_t size = 0;
-        number(size);
+        (*this)(size);
         if (size > bytes.size() / sizeof(T)) throw EnvironmentError("ends too early");
         values.resize(size);
         if (size > 0) std::memcpy(static_cast<void*>(values.data()), next(size * sizeof(T)).data(), size * sizeof(T));
     }
     template <class T>
     void operator()(std::map<std::string, T>& values) {
-        entries(*this, values);
-    }
-    template <class Archive, class T>
-    static void entries(Archive& from, std::map<std::string, T>& values) {
         std::uint64_t size = 0;
-        from.number(size);
-        for (std::string key; size > 0; --size) from(key), from(values[key]);
+        (*this)(size);
+        for (std::string key; size > 0; --size) (*this)(key), (*this)(values[key]);
     }
 };
 

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
-#include <stdexcept>
 #include <vector>
 
 #include "engine/core/errors.h"

@@ -84,9 +84,6 @@ inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
     to.yz[lane] = m(1, 2);
 }
 
-/// The lane_count numbers from `from` on, which must be aligned to sizeof(Lanes).
-inline const Lanes& lanes_at(const Real* from) { return *reinterpret_cast<const Lanes*>(from); }
-
 namespace detail {
 
 // L below is Lanes: where it is a template's own, clang does not look at the branches for other machines.

@@ -1,7 +1,6 @@
 #include "engine/math/multigrid.h"
 
 #include <cmath>
-#include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
@@ -18,8 +17,8 @@ Column<Real> inverse_diagonal(const SparseRows& A) {
     return inverse;
 }
 
-/// Constants over the groups, or (1 - w D^-1 A) times them.
-SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const std::vector<Index>& group_of, Index groups, bool smoothed) {
+/// (1 - w D^-1 A) times constants over the groups.
+SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const std::vector<Index>& group_of, Index groups) {
     SparseRows P;
     P.columns = groups;
     for (std::size_t i = 0; i < group_of.size(); ++i) {
@@ -27,7 +26,6 @@ SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const 
         P.column.push_back(group_of[i]);
         P.value.push_back(1);
     }
-    if (!smoothed) return P;
     SparseRows S = A;
     parallel_for(S.size(), [&](Index i) {
         for (std::size_t k = S.first[i]; k < S.first[i + 1]; ++k)
@@ -94,7 +92,7 @@ void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const Multigri
         const Index n = A.size();
         Level& level = levels_.emplace_back();
         for (Column<Real>* column : {&level.b, &level.x, &level.work}) column->assign(n, 0);
-        if (n <= options.coarsest || levels() == options.most_levels) {
+        if (n <= options.coarsest) {
             factor(A);
             level.A = std::move(A);
             return;
@@ -109,7 +107,7 @@ void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const Multigri
         std::vector<Index> group_of(n);
         for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
             group_of[i] = numbers.number(GridCell(cells[i][0] >> 1, cells[i][1] >> 1, cells[i][2] >> 1));
-        level.P = interpolation(A, level.smoothing, group_of, static_cast<Index>(numbers.cells().size()), options.smoothed);
+        level.P = interpolation(A, level.smoothing, group_of, static_cast<Index>(numbers.cells().size()));
         level.R = transposed(level.P);
         level.A = std::move(A);
         A = product(level.R, product(level.A, level.P));

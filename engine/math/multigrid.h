@@ -2,7 +2,6 @@
 /// A V-cycle on an explicit symmetric matrix whose unknowns are in cells of a lattice (Takahashi et al. 2016, Algorithm 3; aggregates and
 /// Galerkin operators as Vanek, Mandel and Brezina 1996).
 #include <Eigen/Cholesky>
-#include <memory>
 
 #include "engine/math/sparse_rows.h"
 
@@ -27,9 +26,7 @@ private:
 };
 
 struct MultigridOptions {
-    bool smoothed = true;  ///< interpolation is smoothed once: (1 - w D^-1 A) times constants; false: constants
-    Index coarsest = 250;  ///< unknowns that are left to a dense Cholesky factorisation
-    int most_levels = 20;
+    Index coarsest = 250;   ///< unknowns that are left to a dense Cholesky factorisation
     int sweeps_before = 1;  ///< of damped Jacobi on every level before the correction from the next, at least 1
     int sweeps_after = 1;   ///< and after it; as many as before keep the cycle symmetric, which conjugate gradients need
 };

@@ -3,7 +3,6 @@
 #include <utility>
 
 namespace whorl {
-namespace {}  // namespace
 
 void SparseRows::multiply(Span<const Real> x, Span<Real> y) const {
     parallel_for(size(), [&](Index i) {

@@ -21,9 +21,8 @@ std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t
 
 void Grouping::form_runs(Span<const std::int16_t> role, Real cell, int size) {
     std::fill(group.begin(), group.end(), 0);
-    CurveSort curve;
     std::vector<Index> order;
-    for (const Index i : curve.order(x, cell))
+    for (const Index i : curve_order(x, cell))
         if (role[i] == 0) order.push_back(i);
     groups = static_cast<int>((order.size() + static_cast<std::size_t>(size) - 1) / static_cast<std::size_t>(size));
     for (std::size_t k = 0; k < order.size(); ++k)
@@ -59,20 +58,13 @@ int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int1
 void RigidAggregates::place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups,
                             const Domain& domain, Real spacing) {
     const auto n = static_cast<Index>(x.size());
-    of_.resize(x.size());
-    arm_.resize(x.size());
-    parallel_for(n, [&](Index i) { of_[i] = role[i] == 0 ? group[i] - 1 : -1; });
+    std::vector<Index> group_of(x.size());
+    parallel_for(n, [&](Index i) { group_of[i] = role[i] == 0 ? group[i] - 1 : -1; });
+    groups_ = IndexGroups(std::move(group_of), groups);
     centre_ = aggregate_centres(x, group, groups, domain);
-    first_.assign(static_cast<std::size_t>(groups) + 1, 0);
-    for (const std::int32_t g : of_)
-        if (g >= 0) ++first_[g + 1];
-    for (std::size_t g = 0; g < static_cast<std::size_t>(groups); ++g) first_[g + 1] += first_[g];
-    member_.resize(first_.back());
-    std::vector<Index> next(first_.begin(), first_.end());
-    for (Index i = 0; i < n; ++i)
-        if (of_[i] >= 0) member_[next[of_[i]]++] = i;
+    arm_.resize(x.size());
     parallel_for(n, [&](Index i) {
-        arm_[i] = of_[i] < 0 ? Vec3(Vec3::Zero()) : Vec3(domain.minimum_image(x[i] - centre_[of_[i]].cast<Real>()) / spacing);
+        arm_[i] = of(i) < 0 ? Vec3(Vec3::Zero()) : Vec3(domain.minimum_image(x[i] - centre_[of(i)].cast<Real>()) / spacing);
     });
 }
 

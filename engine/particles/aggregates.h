@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "engine/core/parallel.h"
+#include "engine/math/sparse_rows.h"
 #include "engine/particles/pairs.h"
 
 namespace whorl {
@@ -101,26 +102,27 @@ public:
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
     int groups() const { return static_cast<int>(centre_.size()); }
-    Index size() const { return static_cast<Index>(of_.size()); }  ///< particles
+    Index size() const { return static_cast<Index>(groups_.of.size()); }  ///< particles
     /// From 0; -1: in none.
-    int of(Index i) const { return of_[i]; }
+    int of(Index i) const { return groups_.of[i]; }
     const Vec3& arm(Index i) const { return arm_[i]; }
-    Span<const Index> members(int g) const { return {member_.data() + first_[g], static_cast<std::size_t>(first_[g + 1] - first_[g])}; }
+    Span<const Index> members(int g) const {
+        return {groups_.member.data() + groups_.first[g], static_cast<std::size_t>(groups_.first[g + 1] - groups_.first[g])};
+    }
     Span<const Vec3d> centres() const { return centre_; }
 
     /// load = R^T r: six sums a group.
     void restrict_to_groups(Span<const Vec3> r, Span<Real> load) const;
     /// R motion of particle i.
     Vec3 motion_of(Span<const Real> motion, Index i) const {
-        if (of_[i] < 0) return Vec3::Zero();
-        const Real* m = motion.data() + 6 * static_cast<std::size_t>(of_[i]);
+        if (of(i) < 0) return Vec3::Zero();
+        const Real* m = motion.data() + 6 * static_cast<std::size_t>(of(i));
         return Vec3(m[0], m[1], m[2]) + Vec3(m[3], m[4], m[5]).cross(arm_[i]);
     }
 
 private:
-    std::vector<std::int32_t> of_;
+    IndexGroups groups_;
     Column<Vec3> arm_;
-    std::vector<Index> first_, member_;
     std::vector<Vec3d> centre_;
 };
 

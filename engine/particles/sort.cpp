@@ -1,7 +1,6 @@
 #include "engine/particles/sort.h"
 
 #include <bit>
-#include <limits>
 
 #include "engine/core/parallel.h"
 
@@ -41,17 +40,9 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> c, int bits) {
 
 }  // namespace
 
-Span<const Index> CurveSort::order(Span<const Vec3> x, Real cell) {
-    key_.resize(x.size()), other_key_.resize(x.size());
-    order_.resize(x.size()), other_order_.resize(x.size());
-    set_keys(x, cell);
-    sort_keys();
-    return order_;
-}
-
 /// Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the
 /// others.
-void CurveSort::set_keys(Span<const Vec3> x, Real cell) {
+std::vector<Index> curve_order(Span<const Vec3> x, Real cell) {
     constexpr double range = double(1 << axis_bits);
     const Index n = static_cast<Index>(x.size());
     const auto finite = [&](Index i) { return std::isfinite(x[i][0]) && std::isfinite(x[i][1]) && std::isfinite(x[i][2]); };
@@ -68,32 +59,16 @@ void CurveSort::set_keys(Span<const Vec3> x, Real cell) {
         extent = std::max(extent, highest[a] >= lowest[a] ? highest[a] - lowest[a] : 0);
     }
     const int bits = std::bit_width(extent);
+    std::vector<std::pair<std::uint64_t, Index>> keys(x.size());
     parallel_for(n, [&](Index i) {
         std::array<std::uint32_t, 3> c;
         for (int a = 0; a < 3; ++a) c[a] = finite(i) ? coordinate(i, a) - lowest[a] : 0;
-        key_[i] = finite(i) ? hilbert_key(c, bits) : not_finite;
-        order_[i] = i;
+        keys[i] = {finite(i) ? hilbert_key(c, bits) : not_finite, i};
     });
-}
-
-/// Radix sort, stable, from the lowest digit up; digits that all keys share are skipped.
-void CurveSort::sort_keys() {
-    constexpr int digit_bits = 11, digits = 1 << digit_bits;
-    std::uint64_t any = 0, all = ~std::uint64_t(0);
-    for (const std::uint64_t key : key_) any |= key, all &= key;
-    for (int shift = 0; shift <= 3 * axis_bits; shift += digit_bits) {
-        if (((any & ~all) >> shift & (digits - 1)) == 0) continue;
-        std::array<Index, digits + 1> start{};
-        for (const std::uint64_t key : key_) ++start[(key >> shift & (digits - 1)) + 1];
-        for (std::size_t d = 1; d <= digits; ++d) start[d] += start[d - 1];
-        for (std::size_t k = 0; k < key_.size(); ++k) {
-            const Index place = start[key_[k] >> shift & (digits - 1)]++;
-            other_key_[place] = key_[k];
-            other_order_[place] = order_[k];
-        }
-        key_.swap(other_key_);
-        order_.swap(other_order_);
-    }
+    std::sort(keys.begin(), keys.end());
+    std::vector<Index> order;
+    for (const auto& [key, i] : keys) order.push_back(i);
+    return order;
 }
 
 }  // namespace whorl

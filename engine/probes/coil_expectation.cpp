@@ -1,6 +1,5 @@
 #include "engine/probes/coil_expectation.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "engine/core/binary_io.h"

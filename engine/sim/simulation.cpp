@@ -256,7 +256,7 @@ struct Simulation::State {
         }
     }
 
-    void sort() { world.fluid.gather(CurveSort().order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
+    void sort() { world.fluid.gather(curve_order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
 
     /// Periodic axes wrap; particles that left elsewhere are removed and counted.
     void keep_inside() {

@@ -37,8 +37,7 @@ struct Block : test::TestWorld {
         RandomNumbers random(1);
         place(Vec3::Zero(), Vec3::Constant(Real(side * d)), 1, [&](const Vec3& x) { return Vec3(x.y(), Real(random()) * Real(1e-3), 0); });
         for (Vec3& x : column<field::position>()) x += Real(0.05 * d) * Vec3(Real(random()), Real(random()), Real(random()));
-        CurveSort curve;
-        world.fluid.gather(curve.order(std::as_const(world.fluid).column<field::position>(), world.step.support));
+        world.fluid.gather(curve_order(std::as_const(world.fluid).column<field::position>(), world.step.support));
         find_pairs();
     }
     template <class F>

@@ -23,9 +23,8 @@ struct Block {
             const Vec3d noise(random(), random(), random());
             x.push_back(d * (Vec3d(k % side, k / side % side, k / side / side) + 0.5 * noise).cast<Real>());
         }
-        CurveSort sort;
         std::vector<Vec3> sorted;
-        for (Index i : sort.order(x, 2 * d)) sorted.push_back(x[i]);
+        for (Index i : curve_order(x, 2 * d)) sorted.push_back(x[i]);
         x = sorted;
     }
 };
@@ -52,8 +51,7 @@ void search(benchmark::State& state) {
 void sort(benchmark::State& state) {
     Block block(static_cast<Index>(state.range(0)));
     set_threads(static_cast<int>(state.range(1)));
-    CurveSort curve;
-    for (auto _ : state) benchmark::DoNotOptimize(curve.order(block.x, 2 * Block::d).data());
+    for (auto _ : state) benchmark::DoNotOptimize(curve_order(block.x, 2 * Block::d).data());
     per_particle(state, block.x.size());
 }
 

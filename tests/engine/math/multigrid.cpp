@@ -103,7 +103,8 @@ TEST_CASE("a V-cycle is symmetric and positive definite, also where the matrix i
 // The sums that make a coarse matrix leave round-off of some 1e-6 on its diagonal: constants would be worth 1e5 times a neighbour's
 // difference, and what a correction made of them noise.
 TEST_CASE("a V-cycle is Algorithm 3 of the second source note, line by line with dense matrices, to 1e-5", "[math][multigrid]") {
-    // Two levels, interpolation by constants: sweeps of w/D from zero, the residual, its restriction, a solve, the correction, sweeps.
+    // Two levels, interpolation by smoothed constants: sweeps of w/D from zero, the residual, its restriction, a solve, the correction,
+    // sweeps.
     const int side = 8;
     const Cube cube(side, true);
     const Eigen::MatrixXd A = dense(cube.A);
@@ -116,12 +117,13 @@ TEST_CASE("a V-cycle is Algorithm 3 of the second source note, line by line with
         const GridCell c = cube.cells[i] / 2;
         P(i, c[0] + side / 2 * (c[1] + side / 2 * c[2])) = 1;
     }
+    P -= w * D.cwiseInverse().asDiagonal() * (A * P).eval();
     const Column<Real> r = noise(cube.A.size(), 5);
     Eigen::VectorXd b(r.size());
     for (std::size_t i = 0; i < r.size(); ++i) b[static_cast<Index>(i)] = static_cast<double>(r[i]);
     for (const auto& [before, after] : {std::pair{1, 1}, std::pair{3, 2}}) {
         Multigrid M;
-        M.set_up(cube.A, cube.cells, {.smoothed = false, .sweeps_before = before, .sweeps_after = after});
+        M.set_up(cube.A, cube.cells, {.sweeps_before = before, .sweeps_after = after});
         REQUIRE(M.levels() == 2);
         Column<Real> found(r.size());
         M(r, found);

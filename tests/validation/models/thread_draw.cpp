@@ -4,7 +4,6 @@
 
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
-#include "engine/theory/falling_thread.h"
 
 using namespace whorl;
 
@@ -12,7 +11,49 @@ namespace thread_draw_test {
 
 namespace {
 
-constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, fall = 0.25, d = 2e-3;
+constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, fall = 0.25, d = 2e-3, gravity = 9.81;
+
+/// A steady slender thread that its own weight draws out (Trouton 1906). With u(y) the speed y below the nozzle and a its radius
+///     u a^2 = U0 a0^2,   3 nu (a^2 u')' + g a^2 = u u' a^2,   u(0) = U0,  u'(fall) = 0
+class FallingThread {
+public:
+    FallingThread() {
+        double low = U0, high = std::sqrt(U0 * U0 + 2 * gravity * fall);  // viscosity only ever slows it
+        for (int k = 0; k < 80; ++k) {
+            const double middle = (low + high) / 2;
+            (integrate(middle) < U0 ? low : high) = middle;
+        }
+        integrate(high);
+    }
+    /// The speed with which a slice holds its volume: from `below` to `below` + `height` [m], the mean of 1/u, inverted.
+    double mean_speed(double below, double height) const {
+        constexpr int n = 100;
+        double sum = 0;
+        for (int k = 0; k < n; ++k)
+            sum += 1 / speed_[static_cast<std::size_t>(std::lround((1 - (below + height * (k + 0.5) / n) / fall) * steps))];
+        return n / sum;
+    }
+
+private:
+    static constexpr int steps = 2000;
+    /// Upward from the end, where it is stable, by Runge and Kutta's fourth order. @return the speed at the nozzle, 0 where the thread
+    /// cannot be so slow at its end
+    double integrate(double end) {
+        using Eigen::Vector2d;  // speed and stretch u'/u, whose rates per metre up are
+        const auto rate = [](const Vector2d& y) { return Vector2d(-y[0] * y[1], (gravity / y[0] - y[0] * y[1]) / (3 * nu)); };
+        speed_.assign(1, end);
+        const double h = fall / steps;
+        Vector2d y(end, 0);
+        for (int k = 0; k < steps; ++k) {
+            const Vector2d a = rate(y), b = rate(y + h / 2 * a), c = rate(y + h / 2 * b), d4 = rate(y + h * c);
+            y += h / 6 * (a + 2 * b + 2 * c + d4);
+            if (!(y[0] > 0)) return 0;
+            speed_.push_back(y[0]);
+        }
+        return y[0];
+    }
+    std::vector<double> speed_;  ///< at even distances, from the end up
+};
 
 /// The longest link of the shortest tree that joins all points: a gap shows as a long one.
 double longest_link(const std::vector<Vec3>& x) {
@@ -65,7 +106,7 @@ max = [0.03, -0.25, 0.03]
 )toml",
                                         "thread.toml");
     Simulation simulation(scene, make_plan(scene));
-    const FallingThread theory({U0, fall, 9.81, nu});
+    const FallingThread theory;
     // Slices of 2 cm, averaged over 0.3 s: particles a slice give the cross-section, their mean speed the draw.
     constexpr int slices = 12;
     double count[slices] = {}, speed[slices] = {}, samples = 0, link[slices] = {};

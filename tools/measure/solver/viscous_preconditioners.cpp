@@ -43,8 +43,7 @@ TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>&
         one += Real(2 * uneven * d) * (Vec3(Real(random()), Real(random()), Real(random())) - Vec3::Constant(Real(0.5)));
     }
     w.world.fluid.gather(kept);
-    CurveSort curve;
-    w.world.fluid.gather(curve.order(std::as_const(w.world.fluid).column<field::position>(), w.world.step.support));
+    w.world.fluid.gather(curve_order(std::as_const(w.world.fluid).column<field::position>(), w.world.step.support));
     w.world.step.gravity.setZero();
     return w;
 }
