@@ -7,11 +7,43 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "render/surface/ghosts.h"
+#include "render/surface/particle_rows.h"
 
 namespace whorl {
 namespace {
 
 constexpr int tile = 32;  ///< pixels; one thread fills a tile
+
+/// The particles near a plane, with their periodic images: in metres from the corner, along right, up and the normal.
+struct PlaneParticles {
+    /// Particles within twice the reach [m] of the rectangle and of the plane.
+    PlaneParticles(const Frame& frame, const PixelPlane& plane, float how_far)
+        : reach(how_far), ghosted(with_ghosts(frame, 2 * reach)),
+          rows(places(ghosted.original.empty() ? frame.position : ghosted.position, plane), reach) {}
+    std::uint32_t particle(Index i) const {
+        const Index n = near[rows.original[i]];
+        return static_cast<std::uint32_t>(ghosted.original.empty() ? n : ghosted.original[n]);
+    }
+
+    const float reach;
+    const Ghosted ghosted;
+    std::vector<Index> near;  ///< of the particles and their images
+    const ParticleRows rows;
+
+private:
+    std::vector<Vec3f> places(const std::vector<Vec3f>& position, const PixelPlane& plane) {
+        const float margin = 2 * reach, wide = plane.pixel * static_cast<float>(plane.width) + margin,
+                    tall = plane.pixel * static_cast<float>(plane.height) + margin;
+        std::vector<Vec3f> found;
+        for (std::size_t p = 0; p < position.size(); ++p) {
+            const Vec3f r = position[p] - plane.corner, x(r.dot(plane.right), r.dot(plane.up), r.dot(plane.normal()));
+            if (x.x() > -margin && x.x() < wide && x.y() > -margin && x.y() < tall && std::abs(x.z()) < margin)
+                found.push_back(x), near.push_back(static_cast<Index>(p));
+        }
+        return found;
+    }
+};
 
 /// Values and gradients of one particle; entry 0 and 1: velocity, then the field.
 struct Linear {
@@ -21,16 +53,14 @@ struct Linear {
 
 /// G minimises sum w (f_j - f_i - G r)^2.
 std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<std::array<float, 5>>& value, int count, bool flat) {
-    std::vector<Linear> fields(near.at.size());
+    std::vector<Linear> fields(value.size());
     const float h = near.reach;
-    parallel_for(static_cast<Index>(near.at.size()), [&](Index i) {
+    parallel_for(near.rows.size(), [&](Index i) {
         Mat3f moments = Mat3f::Zero();
         std::array<Vec3f, 5> change;
         change.fill(Vec3f::Zero());
-        near.around(near.at[i].head<2>(), h, [&](std::uint32_t j) {
-            const Vec3f r = near.at[j] - near.at[i];
+        near.rows.near(near.rows.at(i), h, [&](Index j, const Vec3f& r) {
             const float q = 1 - r.squaredNorm() / (h * h);
-            if (q <= 0) return;
             const Vec3f wr = q * q * r;
             moments += wr * r.transpose();
             for (int k = 0; k < count; ++k) change[k] += (value[j][k] - value[i][k]) * wr;
@@ -137,9 +167,9 @@ PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>
     const float h = std::max(2 * frame.spacing, 1.2f * plane.pixel);
     const PlaneParticles near(frame, plane, h);
     const int count = 2 + static_cast<int>(value.size());
-    std::vector<std::array<float, 5>> own(near.at.size());
+    std::vector<std::array<float, 5>> own(near.rows.x.size());
     for (std::size_t i = 0; i < own.size(); ++i) {
-        const std::uint32_t p = near.particle[i];
+        const std::uint32_t p = near.particle(static_cast<Index>(i));
         own[i] = {frame.velocity[p].dot(plane.right), frame.velocity[p].dot(plane.up)};
         for (std::size_t k = 0; k < value.size(); ++k) own[i][2 + k] = value[k][p];
     }
@@ -160,56 +190,22 @@ PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>
         for (Index n = begin; n < end; ++n) {
             Tile t{static_cast<int>(n) % across * tile, static_cast<int>(n) / across * tile, 0, 0};
             t.nx = std::min(tile, plane.width - t.x0), t.ny = std::min(tile, plane.height - t.y0);
-            near.within(metres * static_cast<float>(t.x0) - margin, metres * static_cast<float>(t.y0) - margin,
-                        metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin,
-                        [&](std::uint32_t i) {
-                            const Vec3f at = near.at[i] / metres;
-                            t.add(at, h / metres, fields[i], count, metres);
-                            const float fade = 1 - near.at[i].z() * near.at[i].z() / (h * h);
-                            if (!field.noise.empty() && fade > 0)
-                                grains.of(at, grain->second[near.particle[i]], fade, metres,
-                                          [&](float x, float y, float sign) { t.add_grain(x, y, grains.radius, sign); });
-                        });
+            const Vec3f low(metres * static_cast<float>(t.x0) - margin, metres * static_cast<float>(t.y0) - margin, -margin),
+                high(metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin, margin);
+            near.rows.runs(low, high, [&](Index first, Index last) {
+                for (Index i = first; i < last; ++i) {
+                    const Vec3f place = near.rows.at(i), at = place / metres;
+                    t.add(at, h / metres, fields[i], count, metres);
+                    const float fade = 1 - place.z() * place.z() / (h * h);
+                    if (!field.noise.empty() && fade > 0)
+                        grains.of(at, grain->second[near.particle(i)], fade, metres,
+                                  [&](float x, float y, float sign) { t.add_grain(x, y, grains.radius, sign); });
+                }
+            });
             finish(field, t, count, lattice);
         }
     });
     return field;
-}
-
-PlaneParticles::PlaneParticles(const Frame& frame, const PixelPlane& plane, float how_far) : reach(how_far) {
-    const Vec3f period = frame.domain_max - frame.domain_min, normal = plane.normal();
-    const float wide = plane.pixel * static_cast<float>(plane.width), tall = plane.pixel * static_cast<float>(plane.height);
-    margin_ = 2 * reach, cell_ = std::max(reach, plane.pixel);
-    across_ = static_cast<int>((wide + 2 * margin_) / cell_) + 1, rows_ = static_cast<int>((tall + 2 * margin_) / cell_) + 1;
-
-    std::array<int, 3> images{};
-    for (int a = 0; a < 3; ++a) images[a] = frame.periodic[a] && !(a == 2 && frame.dimensions == 2) ? 1 : 0;
-    std::vector<Vec3f> found;
-    std::vector<std::uint32_t> whose, cell;
-    for (std::size_t p = 0; p < frame.position.size(); ++p)
-        for (int i = -images[0]; i <= images[0]; ++i)
-            for (int j = -images[1]; j <= images[1]; ++j)
-                for (int k = -images[2]; k <= images[2]; ++k) {
-                    const Vec3f r = frame.position[p] +
-                                    period.cwiseProduct(Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k))) -
-                                    plane.corner;
-                    const Vec3f x(r.dot(plane.right), r.dot(plane.up), r.dot(normal));
-                    const bool near = x.x() > -margin_ && x.x() < wide + margin_ && x.y() > -margin_ && x.y() < tall + margin_ &&
-                                      std::abs(x.z()) < margin_;
-                    if (!near) continue;  // also skips points that are not finite
-                    found.push_back(x);
-                    whose.push_back(static_cast<std::uint32_t>(p));
-                    cell.push_back(static_cast<std::uint32_t>(row(x.y()) * across_ + column(x.x())));
-                }
-    first_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(rows_) + 1, 0);
-    for (const std::uint32_t c : cell) ++first_[c + 1];
-    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    at.resize(found.size()), particle.resize(found.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        const std::uint32_t to = next[cell[i]]++;
-        at[to] = found[i], particle[to] = whose[i];
-    }
 }
 
 }  // namespace whorl

@@ -52,10 +52,8 @@ constexpr float apart = 1.04f, alone = 1.9f, spray_factor = 0.85f;
 // The distance to the nearest other particle, or `most` where none is as near.
 float nearest_other(const ParticleRows& p, Index i, float most) {
     float nearest2 = most * most;
-    const Vec3f x(p.x[i], p.y[i], p.z[i]);
-    p.runs(x.array() - most, x.array() + most, [&](Index begin, Index end) {
-        for (Index k = begin; k < end; ++k)
-            if (k != i) nearest2 = std::min(nearest2, (Vec3f(p.x[k], p.y[k], p.z[k]) - x).squaredNorm());
+    p.near(p.at(i), most, [&](Index k, const Vec3f& r) {
+        if (k != i) nearest2 = std::min(nearest2, r.squaredNorm());
     });
     return std::sqrt(nearest2);
 }
@@ -71,7 +69,7 @@ ColourField::ColourField(Span<const Vec3f> position, double spacing, double radi
         const ParticleRows::Bunch& bunch = bunches[n];
         around.gather(rows_, bunch.low.array() - reach_, bunch.high.array() + reach_);
         for (Index i = bunch.begin; i < bunch.end; ++i) {
-            const Vec3f p(rows_.x[i], rows_.y[i], rows_.z[i]);
+            const Vec3f p = rows_.at(i);
             const float usual = reach_ / lone_factor;
             const auto [company, usual_sum] = around.sums(p, reach_, usual);
             const float s = std::clamp((many - company) / (many - few), 0.0f, 1.0f);

@@ -56,10 +56,7 @@ private:
 
     template <class F>
     void visit(const Vec3f& x, F&& f) const {
-        const Vec3f around = Vec3f::Constant(reach);
-        rows.runs(x - around, x + around, [&](Index begin, Index end) {
-            for (Index i = begin; i < end; ++i) f(rows.original[i], (Vec3f(rows.x[i], rows.y[i], rows.z[i]) - x).squaredNorm());
-        });
+        rows.near(x, reach, [&](Index i, const Vec3f& r) { f(rows.original[i], r.squaredNorm()); });
     }
 };
 

@@ -41,9 +41,9 @@ Ghosted with_ghosts(const Frame& frame, float margin) {
     all.original.resize(frame.position.size());
     for (std::size_t i = 0; i < all.original.size(); ++i) all.original[i] = static_cast<Index>(i);
     for (int a = 0; a < 3; ++a) {
-        if (!frame.periodic[a]) continue;
         const float period = frame.domain_max[a] - frame.domain_min[a];
-        const std::size_t count = all.position.size();  // with the copies along the axes before: corners come by themselves
+        if (!frame.periodic[a] || !(period > 0)) continue;  // a plane has no depth
+        const std::size_t count = all.position.size();      // with the copies along the axes before: corners come by themselves
         // A domain narrower than the margin is repeated as often as it takes.
         for (int times = 1; static_cast<float>(times - 1) * period < margin; ++times)
             for (const float shift : {-static_cast<float>(times) * period, static_cast<float>(times) * period})

@@ -28,6 +28,16 @@ public:
             }
     }
 
+    /// Calls f(i, r) for each particle nearer to `place` than `reach` [m]; r [m] from there to the particle.
+    template <class F>
+    void near(const Vec3f& place, float reach, F&& f) const {
+        runs(place.array() - reach, place.array() + reach, [&](Index begin, Index end) {
+            for (Index i = begin; i < end; ++i)
+                if (const Vec3f r = at(i) - place; r.squaredNorm() < reach * reach) f(i, r);
+        });
+    }
+    Vec3f at(Index i) const { return {x[i], y[i], z[i]}; }
+
     /// Consecutive particles that are close together.
     struct Bunch {
         Index begin, end;

@@ -14,17 +14,12 @@ template <class T>
 std::vector<T> means_at(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const T> value, float reach, const T& zero) {
     std::vector<T> out(vertex.size());
     const ParticleRows rows(particle, reach);
-    const Vec3f around = Vec3f::Constant(reach);
     parallel_for(static_cast<Index>(vertex.size()), [&](Index n) {
-        const Vec3f v = vertex[n];
         T sum = zero;
         float weights = 1e-20f;
-        rows.runs(v - around, v + around, [&](Index begin, Index end) {
-            for (Index i = begin; i < end; ++i) {
-                const float s = 1 - (Vec3f(rows.x[i], rows.y[i], rows.z[i]) - v).squaredNorm() / (reach * reach);
-                const float w = s > 0 ? s * s : 0;
-                sum += w * value[rows.original[i]], weights += w;
-            }
+        rows.near(vertex[n], reach, [&](Index i, const Vec3f& r) {
+            const float s = 1 - r.squaredNorm() / (reach * reach), w = s * s;
+            sum += w * value[rows.original[i]], weights += w;
         });
         out[n] = sum / weights;
     });
@@ -63,17 +58,12 @@ Mat3f spread_inverse(const Mat3f& C, float least) {
 
 void LinearFit::find(const ParticleRows& rows, const Vec3f& point, float reach) {
     particle.clear(), weight.clear(), from_point.clear();
-    const Vec3f around = Vec3f::Constant(reach);
     float sum = 0;
     Vec3f mean = Vec3f::Zero();
-    rows.runs(point - around, point + around, [&](Index begin, Index end) {
-        for (Index i = begin; i < end; ++i) {
-            const Vec3f r = Vec3f(rows.x[i], rows.y[i], rows.z[i]) - point;
-            const float s = 1 - r.squaredNorm() / (reach * reach);
-            if (s <= 0) continue;
-            particle.push_back(rows.original[i]), weight.push_back(s * s), from_point.push_back(r);
-            sum += s * s, mean += s * s * r;
-        }
+    rows.near(point, reach, [&](Index i, const Vec3f& r) {
+        const float s = 1 - r.squaredNorm() / (reach * reach);
+        particle.push_back(rows.original[i]), weight.push_back(s * s), from_point.push_back(r);
+        sum += s * s, mean += s * s * r;
     });
     if (particle.empty()) return;
     // f(0) = <f> - <r>.C^-1 <(r - <r>) f>, means by w, C = <(r - <r>) (r - <r>)^T>.

@@ -48,7 +48,7 @@ std::map<std::string, Folders> arrows() {
         {"render/video", core + Folders{"render/image"}},
         {"render/surface", frame},
         {"render/look", frame + Folders{"render/image"}},
-        {"render/flow", frame + Folders{"render/image", "render/look"}},
+        {"render/flow", frame + Folders{"render/image", "render/look", "render/surface"}},
         {"render/export", frame + Folders{"render/flow", "render/look", "render/surface"}},
         {"render/gl", frame + Folders{"render/flow", "render/image", "render/look", "render/surface"}},
         {"tools/process", core + Folders{"render/video/process.h"}},
