@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "engine/core/errors.h"
+#include "render/look/field_values.h"
 
 namespace whorl {
 namespace {
@@ -38,15 +39,6 @@ void Attributes::add(const std::string& name, const std::vector<float>& values) 
 void Attributes::add(const std::string& name, const std::vector<std::int32_t>& values) { add(name, 1, true, values.data(), values.size()); }
 
 void Attributes::add_constant(const std::string& name, float value) { add(name, owned_.emplace_back(rows_, value)); }
-
-std::string unit_of(const std::string& attribute) {
-    static const std::map<std::string, std::string> units{{"position", "m"},    {"velocity", "m/s"},      {"density", "kg/m^3"},
-                                                          {"pressure", "Pa"},   {"viscosity", "Pa s"},    {"spin", "1/s"},
-                                                          {"vorticity", "1/s"}, {"q_criterion", "1/s^2"}, {"spin_difference", "1/s"},
-                                                          {"age", "s"},         {"radius", "m"}};
-    const auto found = units.find(attribute);
-    return found == units.end() ? "" : found->second;
-}
 
 std::string name_with_unit(const std::string& attribute) {
     const std::string unit = unit_of(attribute);

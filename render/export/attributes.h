@@ -40,8 +40,6 @@ private:
     std::deque<std::vector<float>> owned_;
 };
 
-/// "m/s"; empty for pure numbers.
-std::string unit_of(const std::string& attribute);
 /// "velocity [m/s]"; "ink".
 std::string name_with_unit(const std::string& attribute);
 /// Column names in tables: x, y, z of the position, nx, ny, nz of the normal, ink_1, ink_2, ink_3; else velocity_x, ...

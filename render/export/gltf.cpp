@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -13,7 +14,6 @@
 #include "engine/core/whole_file.h"
 #include "render/look/environment.h"
 #include "render/look/material.h"
-#include "render/surface/smooth.h"
 
 namespace whorl {
 namespace {
@@ -27,22 +27,6 @@ constexpr float lumen_per_watt = 683;
 
 Json numbers(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 Json numbers(const Eigen::Quaternionf& q) { return {q.x(), q.y(), q.z(), q.w()}; }
-
-/// Equal corners become one vertex.
-TriangleMesh indexed(const TriangleMesh& mesh) {
-    TriangleMesh all;
-    std::map<std::array<float, 6>, std::uint32_t> known;
-    std::vector<std::uint32_t> number(mesh.position.size());
-    for (std::size_t v = 0; v < mesh.position.size(); ++v) {
-        const Vec3f &p = mesh.position[v], &n = mesh.normal[v];
-        const auto [found, fresh] =
-            known.try_emplace({p.x(), p.y(), p.z(), n.x(), n.y(), n.z()}, static_cast<std::uint32_t>(all.position.size()));
-        if (fresh) all.position.push_back(p), all.normal.push_back(n);
-        number[v] = found->second;
-    }
-    for (const auto& [a, b, c] : mesh.triangle) all.triangle.push_back({number[a], number[b], number[c]});
-    return all;
-}
 
 /// A soft box of the studio as studio.glsl has it: towards `axis`, half-widths as tangents of angles.
 Json soft_box(const Vec3f& axis, const Vec3f& right, float width, float height, const Vec3f& radiance) {
@@ -59,49 +43,8 @@ Json soft_boxes(const Studio& s) {
             soft_box({0.85f, 0.35f, 0.6f}, {0.6f, 0, -0.85f}, 0.5f, 0.5f, s.fill)};
 }
 
-/// Axes of a camera as the format has them: it looks along -z, y is up in the picture.
-Mat3f camera_axes(const View& view) {
-    const Vec3f back = (view.position - view.target).normalized();
-    Vec3f right = view.up.cross(back);
-    if (right.norm() < 1e-3f) right = (std::abs(view.up.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitZ()).cross(back);
-    right.normalize();
-    Mat3f axes;
-    axes << right, back.cross(right), back;
-    return axes;
-}
-
 [[noreturn]] void not_ours(const std::filesystem::path& file, const std::string& why) {
     throw InputError({file.string(), 0, 0}, "is not a scene exported by Whorl:  " + why, "delete it, or render the scene again");
-}
-
-}  // namespace
-
-/// The two parts of a .glb file.
-struct GlbParts {
-    Json json;
-    std::string binary;
-};
-
-namespace {
-
-GlbParts parts_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    const auto number = [&](std::size_t at) {
-        std::uint32_t value = 0;
-        if (at + 4 > bytes.size()) not_ours(file, "it ends too early");
-        std::memcpy(&value, bytes.data() + at, 4);
-        return std::size_t{value};
-    };
-    if (number(0) != glb_magic || number(4) != glb_version || number(8) != bytes.size())
-        not_ours(file, "it is not a complete glTF 2.0 file");
-    GlbParts parts;
-    const std::size_t text = number(12), second = 20 + text;
-    if (number(16) != chunk_json || number(second + 4) != chunk_binary || second + 8 + number(second) > bytes.size())
-        not_ours(file, "its parts are not in order");
-    parts.json = Json::parse(bytes.substr(20, text), nullptr, false);
-    parts.binary = bytes.substr(second + 8, number(second));
-    return parts;
 }
 
 }  // namespace
@@ -130,7 +73,7 @@ void SceneExport::add(const Frame& frame, const View& view, const LookOptions& l
     }
     solids_.resize(frame.solids.size());
     for (std::size_t k = 0; k < frame.solids.size(); ++k) solids_[k].add(frame.solids[k].translation, frame.solids[k].rotation);
-    camera_.add(view.position, camera_axes(view));
+    camera_.add(view.position, camera_axes(view).transpose());  // it looks along -z
     studio_.add(Vec3f::Zero(), studio_axes(view).transpose());
     fov_.push_back(view.fov);
 }
@@ -139,7 +82,8 @@ void SceneExport::add(const Frame& frame, const View& view, const LookOptions& l
 struct SceneExport::Document {
     const SceneExport& of;
     Json root;
-    std::string binary;
+    std::string binary;                                                 ///< begins with the tracks: solids, camera, studio
+    std::map<const Track*, std::size_t> offsets;                        ///< of the tracks
     int time_accessor = -1;                                             ///< of the key frames
     std::map<std::pair<const TriangleMesh*, std::string>, int> meshes;  ///< by their material
     std::map<std::string, int> materials;
@@ -150,16 +94,30 @@ struct SceneExport::Document {
         root["scene"] = 0;
         root["scenes"] = Json::array({{{"name", of.options_.name}, {"nodes", Json::array()}, {"extras", {{"whorl", extras()}}}}});
         for (const char* list : {"nodes", "meshes", "materials", "accessors", "bufferViews"}) root[list] = Json::array();
+        for (const Track& track : of.solids_) add(track);
+        add(of.camera_), add(of.studio_);
     }
 
+    void add(const Track& track) {
+        offsets[&track] = append(track.translation);
+        append(track.rotation);
+    }
+    /// @return where they begin in the binary
+    template <class T>
+    std::size_t append(const std::vector<T>& values) {
+        binary.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+        return binary.size() - values.size() * sizeof(T);
+    }
     template <class T>
     int accessor(const std::vector<T>& values, int component_type, const char* type, int target, const Json& bounds = Json::object()) {
-        Json view{{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", values.size() * sizeof(T)}};
+        return accessor(append(values), values.size(), sizeof(T), component_type, type, target, bounds);
+    }
+    int accessor(std::size_t offset, std::size_t count, std::size_t size, int component_type, const char* type, int target,
+                 const Json& bounds = Json::object()) {
+        Json view{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", count * size}};
         if (target != 0) view["target"] = target;
-        binary.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
         root["bufferViews"].push_back(view);
-        Json accessor{
-            {"bufferView", root["bufferViews"].size() - 1}, {"componentType", component_type}, {"count", values.size()}, {"type", type}};
+        Json accessor{{"bufferView", root["bufferViews"].size() - 1}, {"componentType", component_type}, {"count", count}, {"type", type}};
         accessor.update(bounds);
         root["accessors"].push_back(accessor);
         return static_cast<int>(root["accessors"].size()) - 1;
@@ -188,10 +146,9 @@ struct SceneExport::Document {
             channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", number}, {"path", path}}}});
             samplers.push_back({{"input", time_accessor}, {"interpolation", "LINEAR"}, {"output", output}});
         };
-        channel("translation", accessor(track.translation, type_float, "VEC3", 0));
-        std::vector<Eigen::Vector4f> rotation;
-        for (const Eigen::Quaternionf& q : track.rotation) rotation.push_back(q.coeffs());  // x, y, z, w
-        channel("rotation", accessor(rotation, type_float, "VEC4", 0));
+        const std::size_t keys = track.translation.size(), offset = offsets[&track];
+        channel("translation", accessor(offset, keys, sizeof(Vec3f), type_float, "VEC3", 0));
+        channel("rotation", accessor(offset + keys * sizeof(Vec3f), keys, sizeof(Eigen::Quaternionf), type_float, "VEC4", 0));
     }
 
     static std::string material_name(const FrameSolid& solid) { return solid.container ? "glass of a container" : solid.material; }
@@ -215,7 +172,7 @@ struct SceneExport::Document {
     int mesh(const FrameSolid& solid, const std::string& name) {
         const auto [known, fresh] = meshes.try_emplace({solid.mesh.get(), material_name(solid)}, static_cast<int>(root["meshes"].size()));
         if (!fresh) return known->second;
-        const TriangleMesh mesh = indexed(with_normals(*solid.mesh));
+        const TriangleMesh& mesh = *solid.mesh;
         Vec3f low = mesh.position[0], high = low;
         for (const Vec3f& x : mesh.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
         const int position = accessor(mesh.position, type_float, "VEC3", array_buffer, {{"min", numbers(low)}, {"max", numbers(high)}});
@@ -287,6 +244,7 @@ struct SceneExport::Document {
                  {"seconds_a_frame", of.options_.interval},
                  {"first_frame", of.first_frame_},
                  {"frames", of.fov_.size()},
+                 {"solids", of.solids_.size()},
                  {"size", {of.options_.width, of.options_.height}},
                  {"fov_degrees", of.fov_},
                  {"fluid",
@@ -340,60 +298,32 @@ void SceneExport::write(const std::filesystem::path& file) const {
     write_text(file, document.bytes());
 }
 
-/// Every node's place in the first `frames` frames: its own, and its key frames over it.
-std::vector<SceneExport::Track> SceneExport::tracks_of(const std::filesystem::path& file, const GlbParts& parts, std::size_t frames) {
-    const Json& root = parts.json;
-    std::vector<Track> tracks;
-    for (const Json& node : root.at("nodes")) {
-        Vec3f place = Vec3f::Zero();
-        Eigen::Quaternionf turn = Eigen::Quaternionf::Identity();
-        const auto take = [&](const char* name, float* to, std::size_t size) {
-            if (!node.contains(name)) return;
-            const auto numbers = node[name].get<std::vector<float>>();
-            if (numbers.size() != size) not_ours(file, fmt::format("a {} has {} numbers", name, numbers.size()));
-            std::copy(numbers.begin(), numbers.end(), to);
-        };
-        take("translation", place.data(), 3);
-        take("rotation", turn.coeffs().data(), 4);
-        tracks.push_back({std::vector(frames, place), std::vector(frames, turn)});
-    }
-    if (!root.contains("animations")) return tracks;
-    const Json& animation = root["animations"][0];
-    const auto entry = [&](const char* list, const Json& number) -> const Json& { return root.at(list).at(number.get<std::size_t>()); };
-    for (const Json& channel : animation.at("channels")) {
-        const Json& sampler = animation.at("samplers").at(channel.at("sampler").get<std::size_t>());
-        const Json& accessor = entry("accessors", sampler.at("output"));
-        const auto offset = entry("bufferViews", accessor.at("bufferView")).at("byteOffset").get<std::size_t>();
-        Track& track = tracks.at(channel.at("target").at("node").get<std::size_t>());
-        const bool turns = channel.at("target").at("path") == "rotation";
-        const std::size_t size = turns ? sizeof(Eigen::Vector4f) : sizeof(Vec3f);
-        const std::size_t bytes = parts.binary.size();
-        if (accessor.at("count").get<std::size_t>() < frames || offset > bytes || frames > (bytes - offset) / size)
-            not_ours(file, "key frames are missing");
-        for (std::size_t k = 0; k < frames; ++k)
-            std::memcpy(turns ? track.rotation[k].coeffs().data() : track.translation[k].data(), parts.binary.data() + offset + size * k,
-                        size);
-    }
-    return tracks;
-}
-
 void SceneExport::go_on_from(const std::filesystem::path& file, int last_frame) {
     if (!std::filesystem::exists(file)) return;
-    const GlbParts parts = parts_of(file);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    std::array<std::uint32_t, 5> head{};  // magic, version, size; size and kind of the text
+    std::memcpy(head.data(), bytes.data(), std::min(bytes.size(), sizeof head));
+    const std::size_t first = sizeof head, binary = first + head[3] + 8;
+    if (head[0] != glb_magic || head[1] != glb_version || head[2] != bytes.size() || head[4] != chunk_json || binary > bytes.size())
+        not_ours(file, "it is not a complete glTF 2.0 file");
     try {
-        const Json& about = parts.json.at("scenes").at(0).at("extras").at("whorl");
+        const Json root = Json::parse(bytes.substr(first, head[3]));
+        const Json& about = root.at("scenes").at(0).at("extras").at("whorl");
         first_frame_ = about.at("first_frame").get<int>();
         fov_ = about.at("fov_degrees").get<std::vector<float>>();
-        const auto wanted = static_cast<std::size_t>(std::max(0, last_frame - first_frame_ + 1));
-        if (fov_.size() > wanted) fov_.resize(wanted);
-        const std::vector<Track> tracks = tracks_of(file, parts, fov_.size());
-        for (std::size_t k = 0; k < tracks.size(); ++k) {
-            const std::string name = parts.json["nodes"][k].value("name", "");
-            if (name.starts_with("solid[") || name.starts_with("nozzle[")) solids_.push_back(tracks[k]);
-            if (name == "camera") camera_ = tracks[k];
-            if (name == "studio") studio_ = tracks[k];
-        }
-        if (camera_.translation.size() != fov_.size() || studio_.translation.size() != fov_.size()) not_ours(file, "it has no camera");
+        solids_.resize(about.at("solids").get<std::size_t>());
+        const std::size_t frames = fov_.size(), key = sizeof(Vec3f) + sizeof(Eigen::Quaternionf);
+        if ((solids_.size() + 2) * frames * key > bytes.size() - binary) not_ours(file, "key frames are missing");
+        fov_.resize(std::min<std::size_t>(frames, std::max(0, last_frame - first_frame_ + 1)));
+        const char* from = bytes.data() + binary;
+        const auto take = [&](auto& values) {
+            values.resize(fov_.size());
+            std::memcpy(static_cast<void*>(values.data()), from, values.size() * sizeof values[0]);
+            from += frames * sizeof values[0];
+        };
+        for (Track& track : solids_) take(track.translation), take(track.rotation);
+        for (Track* track : {&camera_, &studio_}) take(track->translation), take(track->rotation);
     } catch (const Json::exception& error) { not_ours(file, error.what()); }
 }
 

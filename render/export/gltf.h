@@ -25,7 +25,8 @@ struct SceneExportOptions {
 
 /// Collects a film's frames. Nodes: "solid[0]", "nozzle[0]", "emitter[0]" (its -z axis is the way of the flow), "camera", "studio" (which
 /// turns with the camera) with "lamp". Fixed nodes have no animation. The format has no changing field of view, no soft boxes and
-/// no fluid: these are in the scene's extras, under "whorl".
+/// no fluid: these are in the scene's extras, under "whorl". The binary part begins with the key frames of all solids, the camera and the
+/// studio, which go_on_from() reads.
 class SceneExport {
 public:
     explicit SceneExport(SceneExportOptions options) : options_(std::move(options)) {}
@@ -47,7 +48,6 @@ private:
         bool moves() const;
     };
     struct Document;
-    static std::vector<Track> tracks_of(const std::filesystem::path& file, const struct GlbParts& parts, std::size_t frames);
 
     SceneExportOptions options_;
     int first_frame_ = 0;

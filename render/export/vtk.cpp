@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <numeric>
-
 #include "engine/core/parallel.h"
 #include "engine/core/whole_file.h"
 #include "render/export/gltf.h"

@@ -1,22 +1,20 @@
 #pragma once
 /// An OpenGL context without a window, on the first EGL device that works.
 #include <string>
-#include <vector>
 
 #include "render/gl/renderer.h"
 
 namespace whorl {
 
-/// A current OpenGL core context of version 3.3 or newer, bound to the thread that made it.
+/// A current OpenGL core context of version 4.3 or newer, bound to the thread that made it.
 class GlContext {
 public:
     /// Tries the devices in order and takes the first that works.
     /// @throws EnvironmentError with every device and why it failed
     GlContext();
     ~GlContext();
-    GlContext(GlContext&& other) noexcept;
-    GlContext& operator=(GlContext&&) = delete;
     GlContext(const GlContext&) = delete;
+    GlContext& operator=(const GlContext&) = delete;
 
     void make_current() const;
     /// Renderer and version, as GL names them.
@@ -25,7 +23,6 @@ public:
 private:
     void* display_ = nullptr;
     void* context_ = nullptr;
-    void* surface_ = nullptr;  ///< one pixel, only where a context cannot be current without a surface
     std::string device_;
 };
 

@@ -40,49 +40,74 @@ VortexLines lines_of(const Frame& frame, const LookOptions& look, const View& vi
          look.style == "ribbons", thickness_of(grid, 1), lamp_of(view)});
 }
 
+Bounds bounds_of_particles(const Frame& frame) {
+    Bounds bounds;
+    const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
+    for (const Vec3f& x : frame.position) bounds.add(x - radius), bounds.add(x + radius);
+    return bounds;
+}
+
 }  // namespace
 
 void FlowShapes::fill(SceneGeometry& scene, const Frame& frame, const LookOptions& look, const View& view,
                       const std::array<float, 2>& range, int pixels) {
     if (look.style == "slice") {
         const Vec3f paper = Vec3f::Constant(look.background == "dark" ? 0.02f : 0.9f);
-        const FlowSlice flow = flow_slice(frame, look, range, slice_plane(frame, look, pixels), paper);
-        fill_slice(flow);
-        return scene.fill(frame, flow);
+        return scene.fill(frame, fill_slice(flow_slice(frame, look, range, slice_plane(frame, look, pixels), paper)));
     }
     const FieldColours colours = field_colours(frame, look, range);
     if (look.style == "particles") {
         Trails behind;
         if (look.trail > 0)
             behind = trails(frame, colours.colour, flow_grid(frame, frame.velocity, {}), look.trail, 0.5f * frame.spacing, view.position);
-        return scene.fill(frame, colours.colour, behind);
+        trails_.fill({gl::numbers(behind.position), gl::numbers(behind.colour)}, behind.index.data(), behind.index.size());
+        Bounds bounds = bounds_of_particles(frame);
+        bounds.add(bounds_of(behind.position));
+        return scene.fill(frame, colours.colour, bounds);
     }
     const std::vector<Eigen::Vector4f> glow = glow_of(colours);
-    if (draws_lines(look)) return scene.fill(frame, lines_of(frame, look, view, glow));
-    const FlowGrid grid = flow_grid(frame, {}, glow, 3'000'000, 0.5f);
-    scene.fill(frame, grid);
-    cloud_box_ = scene.fluid_bounds();
-    fill_cloud(grid, look, view);
+    if (draws_lines(look)) {
+        const VortexLines lines = lines_of(frame, look, view, glow);
+        tubes_.fill(
+            {gl::numbers(lines.position), gl::numbers(lines.colour), gl::numbers(lines.normal), {lines.light.data(), lines.light.size()}},
+            lines.index.data(), lines.index.size());
+        Bounds bounds = bounds_of_particles(frame);
+        bounds.add(bounds_of(lines.position));
+        return scene.fill(frame, bounds);
+    }
+    scene.fill(frame, fill_cloud(flow_grid(frame, {}, glow, 3'000'000, 0.5f), look, view));
 }
 
-void FlowShapes::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {
-    if (grid.empty()) return;
+Bounds FlowShapes::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {
+    cloud_box_ = {};
+    if (grid.empty()) return cloud_box_;
+    const Vec3f low = grid.origin - 0.5f * grid.cell;  // the nodes are at the centres of a texture's texels
+    cloud_box_.add(low), cloud_box_.add(low + grid.extent());
     cloud_thickness_ = thickness_of(grid, look.opacity);
     const Studio studio = studio_of(look.background);
     const Cloud cloud = lit_cloud(grid, cloud_thickness_, {lamp_of(view), 2.2f * studio.sun, 0.9f * studio.sky, 0.12f});
     gl::fill_3d(cloud_light_, grid.n[0], grid.n[1], grid.n[2], cloud.lit[0].data(), 4);
     gl::fill_3d(cloud_blocks_, cloud.blocks[0], cloud.blocks[1], cloud.blocks[2], cloud.most.data());
     cloud_cell_ = grid.cell;
+    return cloud_box_;
 }
 
-void FlowShapes::fill_slice(const FlowSlice& flow) {
-    if (flow.empty()) return;
-    if (flow.plane.width != slice_width_ || flow.plane.height != slice_height_) {
-        slice_ = gl::texture_2d(GL_RGBA16F, flow.plane.width, flow.plane.height, true);
-        slice_width_ = flow.plane.width, slice_height_ = flow.plane.height;
+Bounds FlowShapes::fill_slice(const FlowSlice& flow) {
+    const PixelPlane& plane = flow.plane;
+    const Vec3f across = plane.pixel * static_cast<float>(plane.width) * plane.right,
+                up = plane.pixel * static_cast<float>(plane.height) * plane.up;
+    const std::vector<Vec3f> corner{plane.corner, plane.corner + across, plane.corner + up, plane.corner + across + up};
+    const float place[] = {0, 0, 1, 0, 0, 1, 1, 1};
+    const std::uint32_t index[] = {0, 1, 2, 2, 1, 3};
+    corners_.fill({gl::numbers(corner), {place, 8}}, index, flow.empty() ? 0 : 6);
+    if (flow.empty()) return {};
+    if (plane.width != slice_width_ || plane.height != slice_height_) {
+        slice_ = gl::texture_2d(GL_RGBA16F, plane.width, plane.height, true);
+        slice_width_ = plane.width, slice_height_ = plane.height;
     }
     glBindTexture(GL_TEXTURE_2D, slice_.id());
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, flow.plane.width, flow.plane.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, plane.width, plane.height, GL_RGBA, GL_FLOAT, flow.rgba.data());
+    return bounds_of(corner);
 }
 
 void FlowShapes::draw(const SceneGeometry& scene, const FlowView& flow, const Eigen::Matrix4f& matrix) {
@@ -98,22 +123,22 @@ void FlowShapes::draw(const SceneGeometry& scene, const FlowView& flow, const Ei
         trail_.use();
         trail_.set("view_projection", matrix);
         trail_.set("eye", flow.view.position);
-        scene.draw_trails();
+        trails_.draw(GL_TRIANGLES);
     } else if (draws_lines(flow.look)) {
         flow.set_studio(lines_);
         lines_.set("view_projection", matrix);
-        scene.draw_lines();
+        tubes_.draw(GL_TRIANGLES);
     } else if (flow.look.style == "slice") {
         slice_colour_.use();
         slice_colour_.texture("slice", 0, GL_TEXTURE_2D, slice_.id());
         slice_colour_.set("view_projection", matrix);
         slice_colour_.set("eye", flow.view.position);
-        scene.draw_slice();
+        corners_.draw(GL_TRIANGLES);
     }
 }
 
 void FlowShapes::shade_cloud(const LookOptions& look, const View& view, const gl::Texture& solids, const Eigen::Matrix4f& matrix,
-                             int sample, GLuint no_vertices) {
+                             int sample) {
     const auto samples = static_cast<float>(std::max(look.samples, 1));
     volume_.use();
     volume_.texture("solid_buffer", 0, GL_TEXTURE_2D, solids.id());
@@ -129,8 +154,7 @@ void FlowShapes::shade_cloud(const LookOptions& look, const View& view, const gl
     volume_.set("march", std::min(2.0f, std::sqrt(samples)) * cloud_cell_.minCoeff());
     volume_.set("turn", static_cast<float>(sample) / samples);
     volume_.set("weight", 1 / samples);
-    glBindVertexArray(no_vertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl::draw_screen();
 }
 
 }  // namespace whorl

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "render/flow/flow_grid.h"
+#include "render/flow/slice.h"
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/look/camera.h"
@@ -24,25 +25,25 @@ struct FlowView {
 
 class FlowShapes {
 public:
-    /// Gives the scene its geometry. @param range of the colour map @param pixels along a slice's longer side
+    /// Gives the scene the solids, and the fluid's bounds or particles. @param range of the colour map @param pixels along a slice's longer
+    /// side
     void fill(SceneGeometry& scene, const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range,
               int pixels);
     /// Draws the opaque shapes into the buffer of the solids.
     void draw(const SceneGeometry& scene, const FlowView& flow, const Eigen::Matrix4f& matrix);
     /// The cloud, added to the image over the content of `solids`.
-    /// @param no_vertices an array to draw the screen's triangle with
-    void shade_cloud(const LookOptions& look, const View& view, const gl::Texture& solids, const Eigen::Matrix4f& matrix, int sample,
-                     GLuint no_vertices);
+    void shade_cloud(const LookOptions& look, const View& view, const gl::Texture& solids, const Eigen::Matrix4f& matrix, int sample);
 
 private:
-    void fill_slice(const FlowSlice& slice);
-    void fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view);
+    Bounds fill_slice(const FlowSlice& slice);
+    Bounds fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view);
 
     gl::Program particles_{{"particles.vert"}, {"painted.glsl", "particles.frag"}};
-    gl::Program trail_{{"trail.vert"}, {"trail.frag"}};
+    gl::Program trail_{{"lines.vert"}, {"trail.frag"}};
     gl::Program lines_{{"lines.vert"}, {"painted.glsl", "lines.frag"}};
     gl::Program slice_colour_{{"slice.vert"}, {"slice.frag"}};
     gl::Program volume_{{"screen.vert"}, {"volume.frag"}};
+    gl::Vertices trails_{{3, 3}}, tubes_{{3, 3, 3, 1}}, corners_{{3, 2}};
     gl::Texture slice_, cloud_light_, cloud_blocks_;
     int slice_width_ = 0, slice_height_ = 0;
     Bounds cloud_box_;

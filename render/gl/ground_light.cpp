@@ -15,7 +15,7 @@ constexpr float key_share = 0.55f;     // of the light on open ground
 
 void cover(int size) {
     glViewport(0, 0, size, size);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl::draw_screen();
 }
 
 /// Averages of the texture over squares of 2, 4, 8, ... texels.
@@ -158,7 +158,7 @@ SolidLight::SolidLight(int width, int height)
       depth_(gl::texture_2d(GL_DEPTH24_STENCIL8, width_, height_, false)),
       target_(gl::framebuffer({light_.id(), place_.id()}, depth_.id())) {}
 
-void SolidLight::begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces, GLuint no_vertices) {
+void SolidLight::begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces) {
     camera_ = camera;
     glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     glViewport(0, 0, width_, height_);
@@ -168,8 +168,7 @@ void SolidLight::begin(const Eigen::Matrix4f& camera, const std::function<void(g
     mask_.use();
     faces(mask_);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    glBindVertexArray(no_vertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl::draw_screen();
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthFunc(GL_EQUAL);
 }

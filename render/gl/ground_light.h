@@ -17,7 +17,7 @@ public:
     SolidLight(int width, int height);
     /// From here on the screen's triangle reaches only the texels that show a solid. @param camera world -> clip @param faces sets the
     /// uniforms of faces.glsl
-    void begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces, GLuint no_vertices);
+    void begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces);
     void end() const;
     /// Sets the uniforms of solid_light.glsl; takes two texture units from `unit` on.
     void bind(gl::Program& program, int unit) const;

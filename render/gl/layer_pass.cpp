@@ -42,7 +42,7 @@ PictureLayers LayerPass::read_light(bool has_shadow) const {
     return layers;
 }
 
-void LayerPass::add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view, GLuint no_vertices) {
+void LayerPass::add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view) {
     glBindFramebuffer(GL_FRAMEBUFFER, place_target_.id());
     glViewport(0, 0, width_, height_);
     glClear(GL_DEPTH_BUFFER_BIT);
@@ -56,8 +56,7 @@ void LayerPass::add_places(PictureLayers& layers, const SceneGeometry& scene, co
     behind_.set("nothing_there", nothing_there);
     behind_.set("turns", view.turns ? 1 : 0);
     behind_.set("half_size", half_size);
-    glBindVertexArray(no_vertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl::draw_screen();
 
     glEnable(GL_DEPTH_TEST);
     things_.use();

@@ -26,8 +26,8 @@ public:
     const gl::Framebuffer& light_target() const { return light_target_; }
     /// The light, and where there is one the shadow.
     PictureLayers read_light(bool has_shadow) const;
-    /// Adds depth, normals, motion and ids. @param no_vertices an array to draw the screen's triangle with
-    void add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view, GLuint no_vertices);
+    /// Adds depth, normals, motion and ids.
+    void add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view);
 
 private:
     /// An attachment of the framebuffer that is bound, rows from the top, four numbers a pixel.

@@ -50,10 +50,8 @@ Texture texture_2d(GLenum format, int width, int height, bool linear) {
 
 void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value, int channels) {
     if (texture.id() == 0) {
-        GLuint id = 0;
-        glGenTextures(1, &id);
-        texture = Texture(id);
-        glBindTexture(GL_TEXTURE_3D, id);
+        texture = Texture(made(glGenTextures));
+        glBindTexture(GL_TEXTURE_3D, texture.id());
         for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(GL_TEXTURE_3D, filter, GL_LINEAR);
         for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
             glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
@@ -77,6 +75,17 @@ Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {
     WHORL_ASSERT(status == GL_FRAMEBUFFER_COMPLETE, "status " + std::to_string(status));
     return target;
 }
+
+void draw_screen() {
+    const VertexArray no_vertices(made(glGenVertexArrays));
+    glBindVertexArray(no_vertices.id());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+std::string constant(const char* name, bool value) {
+    return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n";
+}
+std::string constant(const char* name, int value) { return std::string("const int ") + name + " = " + std::to_string(value) + ";\n"; }
 
 Program::Program(const std::vector<const char*>& vertex_files, const std::vector<const char*>& fragment_files, const std::string& constants)
     : name_(glCreateProgram()) {

@@ -55,6 +55,12 @@ void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value, int c
 /// A framebuffer with these colour textures and, where not 0, this texture of depth and stencil.
 Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth);
 
+/// Draws the triangle of screen.vert, which covers the screen, with the program in use.
+void draw_screen();
+/// Declaration of a shader's constant.
+std::string constant(const char* name, bool value);
+std::string constant(const char* name, int value);
+
 /// A linked program; uniforms are set by name, and a name that the compiler threw away is ignored.
 class Program {
 public:
@@ -114,5 +120,10 @@ private:
     std::size_t count_ = 0;
     bool indexed_ = false;
 };
+
+/// An attribute of three floats a vertex.
+inline std::pair<const float*, std::size_t> numbers(const std::vector<Vec3f>& v) {
+    return {v.empty() ? nullptr : v[0].data(), 3 * v.size()};
+}
 
 }  // namespace whorl::gl

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <set>
 
@@ -58,10 +57,6 @@ struct Shot {
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
 
-}  // namespace
-
-namespace {
-
 /// Maps the whole image to this box of it, in coordinates of -1 .. 1: the backdrop continues around it.
 Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
@@ -80,17 +75,8 @@ Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
     return clip;
 }
 
-}  // namespace
-
-namespace {
-
 /// The stencil's bits of pixels that show a solid, and the fluid.
 constexpr GLint solid_seen = 1, fluid_seen = 2;
-
-/// Declaration of a shader's constant.
-std::string constant(const char* name, bool value) {
-    return std::string("const bool ") + name + " = " + (value ? "true" : "false") + ";\n";
-}
 
 /// Starts drawing solids or fluid (`seen`), down to the ground.
 void begin_geometry(gl::Program& program, GLint seen, float lowest) {
@@ -117,14 +103,8 @@ void shade_where(GLenum comparison, GLint seen) {
 }  // namespace
 
 struct Renderer::Device {
-    Device(int w, int h) : width(w), height(h) {
-        glGenVertexArrays(1, &no_vertices);
-        glEnable(GL_PROGRAM_POINT_SIZE);
-    }
-    ~Device() {
-        context.make_current();  // otherwise another renderer's objects would be deleted
-        glDeleteVertexArrays(1, &no_vertices);
-    }
+    Device(int w, int h) : width(w), height(h) { glEnable(GL_PROGRAM_POINT_SIZE); }
+    ~Device() { context.make_current(); }  // otherwise another renderer's objects would be deleted
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
@@ -146,7 +126,6 @@ struct Renderer::Device {
     void set_studio(gl::Program& program, const Shot& shot) const;
     void set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const;
     void bind_faces(gl::Program& program) const;
-    void cover_screen() const;
 
     GlContext context;  // first: everything below is freed while it is still current
     int width, height;
@@ -197,18 +176,12 @@ struct Renderer::Device {
     InkField inks;
     GroundLight ground_light{height};
     Surround surround;
-    GLuint no_vertices = 0;
 };
 
 void Renderer::Device::set_studio(gl::Program& program, const Shot& shot) const {
     program.use();
     surround.bind(program, shot.look, shot.view, shot.ground, height, surround_unit);
     ground_light.bind_ground(program, ground_unit);
-}
-
-void Renderer::Device::cover_screen() const {
-    glBindVertexArray(no_vertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 /// @return the range of the colours
@@ -247,7 +220,7 @@ PictureLayers Renderer::Device::draw_layers(const Frame& frame, const Surface& s
                            0.5f * frame.spacing,
                            !look.environment.empty()};
     scene.go_to(0);
-    layer_pass->add_places(layers, scene, places, no_vertices);
+    layer_pass->add_places(layers, scene, places);
     return layers;
 }
 
@@ -277,11 +250,10 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               !surface.crust.empty() && !shows_field(look),
               {},
               {},
-              surround.constants(look) + constant("draws_behind", view.blurs()) + constant("transparent", is_transparent(look))};
+              surround.constants(look) + gl::constant("draws_behind", view.blurs()) + gl::constant("transparent", is_transparent(look))};
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
-    glBindVertexArray(no_vertices);
     ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
     glViewport(0, 0, width, height);
@@ -339,34 +311,33 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
         draw_front();
     } else {
         samples.leave_settled(depth);
-        if (sample == 1 && scene.any_containers()) samples.complete_glass(glass_target, no_vertices);
+        if (sample == 1 && scene.any_containers()) samples.complete_glass(glass_target);
         draw_faces(shot, matrix);
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
         draw_front();
         shade_solids(shot, matrix, things.id());  // those that the fluid hides keep the first sample's light, which only refraction shows
-        samples.wipe_open(no_vertices);
+        samples.wipe_open();
     }
     glDisable(GL_DEPTH_TEST);
 
     glBindFramebuffer(GL_FRAMEBUFFER, samples.target(sample));
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample, no_vertices);
+    if (shot.look.style == "volume") flow.shade_cloud(shot.look, shot.view, solid, matrix, sample);
     else shade_sample(shot, matrix, samples.weight(sample));
     if (scene.any_containers()) draw_glass(shot, matrix, samples.weight());
     glDisable(GL_BLEND);
-    if (samples.settles(sample)) samples.settle(scene.any_containers() ? glass.id() : 0, no_vertices);
+    if (samples.settles(sample)) samples.settle(scene.any_containers() ? glass.id() : 0);
     glDisable(GL_SCISSOR_TEST);
 }
 
 void Renderer::Device::find_solid_light(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
     glDisable(GL_SCISSOR_TEST);
-    solid_light.begin(
-        shot.camera, [&](gl::Program& program) { bind_faces(program); }, no_vertices);
-    gl::Program& program = solid_light_program.with(shot.constants + constant("finds_light", true));
+    solid_light.begin(shot.camera, [&](gl::Program& program) { bind_faces(program); });
+    gl::Program& program = solid_light_program.with(shot.constants + gl::constant("finds_light", true));
     set_solid_light(program, shot, matrix);
-    cover_screen();
+    gl::draw_screen();
     solid_light.end();
     glViewport(0, 0, width, height);
     glEnable(GL_SCISSOR_TEST);
@@ -409,8 +380,7 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
     }
     glDepthFunc(GL_LEQUAL);
     for (const Pattern pattern : shot.patterns) {
-        gl::Program& program =
-            solid_faces.with(shot.constants + "const int pattern = " + std::to_string(static_cast<int>(pattern)) + ";\n");
+        gl::Program& program = solid_faces.with(shot.constants + gl::constant("pattern", static_cast<int>(pattern)));
         set_studio(program, shot);
         program.set("view_projection", matrix);
         begin_geometry(program, solid_seen, lowest);
@@ -431,11 +401,11 @@ void Renderer::Device::shade_solids(const Shot& shot, const Eigen::Matrix4f& mat
     if (!scene.any_solids()) return;
     glDisable(GL_DEPTH_TEST);
     shade_where(GL_EQUAL, solid_seen);
-    gl::Program& program = solid_colour.with(shot.constants + constant("finds_light", !shot.keeps_solid_light()));
+    gl::Program& program = solid_colour.with(shot.constants + gl::constant("finds_light", !shot.keeps_solid_light()));
     set_solid_light(program, shot, matrix);
     solid_light.bind(program, solid_light_unit);
     bind_patches(program, shot.patches);
-    cover_screen();
+    gl::draw_screen();
     glDisable(GL_STENCIL_TEST);
     glEnable(GL_DEPTH_TEST);
 }
@@ -463,7 +433,7 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("weight", weight);
-    cover_screen();
+    gl::draw_screen();
     shade_where(GL_EQUAL, fluid_seen);
     shade_fluid(shot, matrix, weight);
     glDisable(GL_STENCIL_TEST);
@@ -494,7 +464,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("emission", material.emission);
     program.set("cooling", shot.has_age ? material.cooling : 0.0f);
     program.set("softness", material.refracts ? 0.5f : material.softness);
-    cover_screen();
+    gl::draw_screen();
 }
 
 void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
@@ -529,8 +499,7 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
                                 shot.look.environment.string(),
                                 shot.look.ground ? shot.ground : -1e6f,
                                 shot.look.table == "none" ? Vec3f::UnitZ() : ground_light.area()};
-        backdrop.draw(
-            key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); }, no_vertices);
+        backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
     }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
     // Above the ground that has a light map there is nothing to look up.
@@ -542,8 +511,8 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
     glEnable(GL_SCISSOR_TEST);
     for (const bool has_light : {true, false}) {
         glScissor(0, has_light ? 0 : lit, width, has_light ? lit : height - lit);
-        gl::Program& program = compose.with(shot.constants + constant("linear", linear) + constant("has_glass", scene.any_containers()) +
-                                            constant("has_light", has_light));
+        gl::Program& program = compose.with(shot.constants + gl::constant("linear", linear) +
+                                            gl::constant("has_glass", scene.any_containers()) + gl::constant("has_light", has_light));
         set_studio(program, shot);
         if (!is_transparent(shot.look)) backdrop.bind(program, 2);
         program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
@@ -551,7 +520,7 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
         program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
         program.set("exposure", shot.look.exposure);
         program.set("aspect", shot.aspect);
-        cover_screen();
+        gl::draw_screen();
     }
     glDisable(GL_SCISSOR_TEST);
 }

@@ -14,7 +14,7 @@ namespace whorl {
 
 /// An EGL device that was tried, and the outcome.
 struct DeviceAttempt {
-    std::string name;  ///< "device 0 (EGL_EXT_device_drm)", "surfaceless", "default display"
+    std::string name;  ///< "device 0 (EGL_EXT_device_drm)", "surfaceless"
     bool hardware = false;
     bool works = false;
     std::string outcome;  ///< renderer and GL version, or why it failed

@@ -9,11 +9,6 @@ Samples::Samples(int width, int height, const gl::Texture& depth)
       sum_(gl::texture_2d(GL_RGBA16F, width, height, false)), sum_target_(gl::framebuffer({sum_.id()}, settled_.id())),
       shaded_sum_(gl::framebuffer({sum_.id()}, depth_)) {}
 
-void Samples::cover(GLuint no_vertices) const {
-    glBindVertexArray(no_vertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
 void Samples::begin(int count, bool all) {
     count_ = std::max(count, 1), all_ = all;
     if (!all && first_.id() == 0) {
@@ -28,19 +23,18 @@ void Samples::begin(int count, bool all) {
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
-void Samples::settle(GLuint glass, GLuint no_vertices) {
+void Samples::settle(GLuint glass) {
     glBindFramebuffer(GL_FRAMEBUFFER, sum_target_.id());
     glEnable(GL_DEPTH_TEST);
     for (const bool settles : {true, false}) {
-        gl::Program& program = settling_.with(std::string("const bool settles = ") + (settles ? "true" : "false") +
-                                              ";\nconst bool has_glass = " + (glass != 0 ? "true" : "false") + ";\n");
+        gl::Program& program = settling_.with(gl::constant("settles", settles) + gl::constant("has_glass", glass != 0));
         program.use();
         program.texture("first", 0, GL_TEXTURE_2D, first_.id());
         program.texture("glass", 1, GL_TEXTURE_2D, glass);
         program.set("weight", weight());
         glDepthMask(settles ? GL_TRUE : GL_FALSE);
         if (settles) glDepthRangef(0, 0);
-        cover(no_vertices);
+        gl::draw_screen();
         glDepthRangef(0, 1);
     }
     glDepthMask(GL_TRUE);
@@ -51,7 +45,7 @@ void Samples::leave_settled(const gl::Texture& depth) const {
     glCopyImageSubData(settled_.id(), GL_TEXTURE_2D, 0, 0, 0, 0, depth.id(), GL_TEXTURE_2D, 0, 0, 0, 0, width_, height_, 1);
 }
 
-void Samples::complete_glass(const gl::Framebuffer& target, GLuint no_vertices) const {
+void Samples::complete_glass(const gl::Framebuffer& target) const {
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
     glEnable(GL_BLEND);
     const auto all = static_cast<float>(count_);
@@ -60,18 +54,18 @@ void Samples::complete_glass(const gl::Framebuffer& target, GLuint no_vertices) 
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_GREATER);
     wipe_.use();
-    cover(no_vertices);
+    gl::draw_screen();
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
 }
 
-void Samples::wipe_open(GLuint no_vertices) const {
+void Samples::wipe_open() const {
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_LEQUAL);
     glDepthRangef(1, 1);
     wipe_.use();
-    cover(no_vertices);
+    gl::draw_screen();
     glDepthRangef(0, 1);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_TRUE);

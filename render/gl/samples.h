@@ -21,19 +21,17 @@ public:
 
     /// Adds the first sample to the sum, and marks the pixels that need no other.
     /// @param glass the glass in front, with the weight of one sample; 0: none
-    void settle(GLuint glass, GLuint no_vertices);
+    void settle(GLuint glass);
     /// Fills the depth buffer of a later sample: final pixels get the nearest depth, so that they are not drawn again.
     void leave_settled(const gl::Texture& depth) const;
     /// Completes the glass of final pixels, of which the first sample has drawn a part. @param target glass, with the depth that
     /// leave_settled() has filled
-    void complete_glass(const gl::Framebuffer& target, GLuint no_vertices) const;
+    void complete_glass(const gl::Framebuffer& target) const;
     /// Clears all colours of the bound framebuffer in pixels without depth.
-    void wipe_open(GLuint no_vertices) const;
+    void wipe_open() const;
     GLuint sum() const { return sum_.id(); }
 
 private:
-    void cover(GLuint no_vertices) const;
-
     int width_, height_, count_ = 1;
     GLuint depth_;
     bool all_ = true;

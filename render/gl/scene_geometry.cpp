@@ -2,9 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
 #include "render/surface/smooth.h"
 
@@ -13,33 +11,22 @@ namespace {
 
 constexpr float solid_tolerance = 1e-4f;  // m, as depth.frag cuts solids at the ground
 
-void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh) {
-    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}}, nullptr, 0);
-    vertices.fill({{mesh.position[0].data(), 3 * mesh.position.size()}, {mesh.normal[0].data(), 3 * mesh.normal.size()}},
-                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
-}
-
-std::pair<const float*, std::size_t> numbers(const std::vector<Vec3f>& v) { return {v.empty() ? nullptr : v[0].data(), 3 * v.size()}; }
-
 /// With the values of its vertices; 0 without values.
-void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, std::vector<float> age, std::vector<CrustPlace> crust,
-                   std::vector<Vec3f> velocity) {
-    if (mesh.triangle.empty()) return vertices.fill({{nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}, {nullptr, 0}}, nullptr, 0);
+void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, const Surface& surface) {
+    std::vector<float> age = surface.age;
+    std::vector<CrustPlace> crust = surface.crust;
+    std::vector<Vec3f> velocity = surface.velocity;
     const std::size_t n = mesh.position.size();
     age.resize(n);
     crust.resize(n);
     velocity.resize(n, Vec3f::Zero());
-    vertices.fill({{mesh.position[0].data(), 3 * n},
-                   {mesh.normal[0].data(), 3 * n},
+    vertices.fill({gl::numbers(mesh.position),
+                   gl::numbers(mesh.normal),
                    {age.data(), n},
-                   {crust[0].data(), 4 * n},
-                   {velocity[0].data(), 3 * n}},
-                  mesh.triangle[0].data(), 3 * mesh.triangle.size());
+                   {n > 0 ? crust[0].data() : nullptr, 4 * n},
+                   gl::numbers(velocity)},
+                  n > 0 ? mesh.triangle[0].data() : nullptr, 3 * mesh.triangle.size());
 }
-
-}  // namespace
-
-namespace {
 
 /// With velocity and spin kept: R' = exp([phi]x) R, T' = T + J(phi) u t, phi = w t, J the left Jacobian of SO(3): exact for a turning about
 /// any fixed axis.
@@ -53,17 +40,6 @@ std::pair<Mat3f, Vec3f> pose_after(const FrameSolid& solid, float t) {
                 (angle - std::sin(angle)) / (angle * angle * angle) * along};
 }
 
-Bounds bounds_of_particles(const Frame& frame) {
-    Bounds bounds;
-    const Vec3f radius = Vec3f::Constant(0.5f * frame.spacing);
-    for (const Vec3f& x : frame.position) bounds.add(x - radius), bounds.add(x + radius);
-    return bounds;
-}
-
-}  // namespace
-
-namespace {
-
 /// A strip an edge: both ends twice, to the left and to the right.
 void fill_edges(gl::Vertices& vertices, const std::vector<std::pair<Vec3f, Vec3f>>& edges) {
     std::vector<Vec3f> position, along;
@@ -75,7 +51,7 @@ void fill_edges(gl::Vertices& vertices, const std::vector<std::pair<Vec3f, Vec3f
             for (const float s : {-1.0f, 1.0f}) position.push_back(end), along.push_back(to - from), side.push_back(s);
         for (const std::uint32_t corner : {0, 1, 2, 2, 1, 3}) index.push_back(first + corner);
     }
-    vertices.fill({numbers(position), numbers(along), {side.data(), side.size()}}, index.data(), index.size());
+    vertices.fill({gl::numbers(position), gl::numbers(along), {side.data(), side.size()}}, index.data(), index.size());
 }
 
 }  // namespace
@@ -84,7 +60,9 @@ const SceneGeometry::Model& SceneGeometry::model(const std::shared_ptr<const Tri
     const auto [place, is_new] = models_.try_emplace(mesh.get());
     if (is_new) {
         place->second.mesh = mesh;
-        fill_vertices(place->second.vertices, with_normals(*mesh));
+        if (!mesh->triangle.empty())
+            place->second.vertices.fill({gl::numbers(mesh->position), gl::numbers(mesh->normal)}, mesh->triangle[0].data(),
+                                        3 * mesh->triangle.size());
         const Bounds bounds = bounds_of(mesh->position);
         place->second.size = bounds.empty() ? 0 : 2 * bounds.radius();
     }
@@ -92,63 +70,24 @@ const SceneGeometry::Model& SceneGeometry::model(const std::shared_ptr<const Tri
 }
 
 void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
-    const TriangleMesh& fluid = surface.mesh;
-    if (!surface.edge.empty()) {
+    if (surface.edge.empty()) fill_vertices(fluid_, surface.mesh, surface);
+    else {
         // Short normals hardly count between the vertices of a triangle: each side of an edge keeps its own.
-        TriangleMesh sided = fluid;
+        TriangleMesh sided = surface.mesh;
         for (const Index v : surface.edge) sided.normal[v] *= 0.02f;
-        fill_vertices(fluid_, sided, surface.age, surface.crust, surface.velocity);
-    } else if (fluid.normal.size() == fluid.position.size()) fill_vertices(fluid_, fluid, surface.age, surface.crust, surface.velocity);
-    else fill_vertices(fluid_, with_normals(fluid), {}, {}, {});
-    shape_ = Shape::surface;
-    bounds_ = fluid_bounds_ = bounds_of(fluid.position);
-    fill_solids(frame);
+        fill_vertices(fluid_, sided, surface);
+    }
+    fill(frame, Shape::surface, bounds_of(surface.mesh.position));
 }
 
-void SceneGeometry::fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails) {
-    particles_.fill({numbers(frame.position), numbers(colour)}, nullptr, 0);
-    trails_.fill({numbers(trails.position), numbers(trails.colour)}, trails.index.data(), trails.index.size());
-    shape_ = Shape::particles;
-    bounds_ = bounds_of(trails.position);
-    bounds_.add(bounds_of_particles(frame));
-    fluid_bounds_ = bounds_;
-    fill_solids(frame);
+void SceneGeometry::fill(const Frame& frame, const std::vector<Vec3f>& colour, const Bounds& fluid) {
+    particles_.fill({gl::numbers(frame.position), gl::numbers(colour)}, nullptr, 0);
+    fill(frame, Shape::particles, fluid);
 }
 
-void SceneGeometry::fill(const Frame& frame, const VortexLines& lines) {
-    lines_.fill({numbers(lines.position), numbers(lines.normal), numbers(lines.colour), {lines.light.data(), lines.light.size()}},
-                lines.index.data(), lines.index.size());
-    shape_ = Shape::lines;
-    bounds_ = bounds_of(lines.position);
-    bounds_.add(bounds_of_particles(frame));
-    fluid_bounds_ = bounds_;
-    fill_solids(frame);
-}
-
-void SceneGeometry::fill(const Frame& frame, const FlowSlice& slice) {
-    shape_ = Shape::slice;
-    const PixelPlane& plane = slice.plane;
-    const Vec3f across = plane.pixel * static_cast<float>(plane.width) * plane.right,
-                up = plane.pixel * static_cast<float>(plane.height) * plane.up;
-    const std::vector<Vec3f> corner{plane.corner, plane.corner + across, plane.corner + up, plane.corner + across + up};
-    const float place[] = {0, 0, 1, 0, 0, 1, 1, 1};
-    const std::uint32_t index[] = {0, 1, 2, 2, 1, 3};
-    slice_.fill({{corner[0].data(), 12}, {place, 8}}, index, slice.empty() ? 0 : 6);
-    bounds_ = slice.empty() ? Bounds{} : bounds_of(corner);
-    fluid_bounds_ = bounds_;
-    fill_solids(frame);
-}
-
-void SceneGeometry::fill(const Frame& frame, const FlowGrid& grid) {
-    shape_ = Shape::grid;
-    bounds_ = Bounds{};
-    // The nodes are at the centres of a texture's texels.
-    if (!grid.empty()) bounds_.add(grid.origin - 0.5f * grid.cell), bounds_.add(grid.origin - 0.5f * grid.cell + grid.extent());
-    fluid_bounds_ = bounds_;
-    fill_solids(frame);
-}
-
-void SceneGeometry::fill_solids(const Frame& frame) {
+void SceneGeometry::fill(const Frame& frame, Shape shape, const Bounds& fluid) {
+    shape_ = shape;
+    bounds_ = fluid_bounds_ = fluid;
     solids_.clear();
     containers_.clear();
     int number = -1;
@@ -169,7 +108,7 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
     program.set("rotation", Mat3f(Mat3f::Identity()));
     program.set("translation", Vec3f(Vec3f::Zero()));
     if (shape_ == Shape::particles) particles_.draw(GL_POINTS);
-    if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);  // slices, lines and clouds throw no shadow
+    if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);
 }
 
 void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,

@@ -4,8 +4,6 @@
 #include <map>
 #include <memory>
 
-#include "render/flow/slice.h"
-#include "render/flow/vortex_lines.h"
 #include "render/gl/objects.h"
 #include "render/gl/setup.h"
 
@@ -14,22 +12,15 @@ namespace whorl {
 class SceneGeometry {
 public:
     void fill(const Frame& frame, const Surface& surface);
-    /// The fluid as its particles, each with a colour, and their trails where there are any.
-    void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Trails& trails);
-    /// The fluid as a slice.
-    void fill(const Frame& frame, const FlowSlice& slice);
-    /// The fluid as lines along its vorticity. The bounds are the fluid's: they do not change as lines come and go.
-    void fill(const Frame& frame, const VortexLines& lines);
-    /// The fluid as a cloud in the grid: it has bounds, but no geometry.
-    void fill(const Frame& frame, const FlowGrid& grid);
+    /// The fluid as its particles, each with a colour. @param fluid bounds
+    void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Bounds& fluid);
+    /// The fluid only as its bounds: others draw it, and it throws no shadow.
+    void fill(const Frame& frame, const Bounds& fluid) { fill(frame, Shape::none, fluid); }
     /// Draws everything `moment` [s] after the frame's time, at constant velocities.
     void go_to(float moment) { moment_ = moment; }
     /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
     void draw_fluid(gl::Program& program) const;
     bool are_particles() const { return shape_ == Shape::particles; }
-    void draw_trails() const { trails_.draw(GL_TRIANGLES); }
-    void draw_lines() const { lines_.draw(GL_TRIANGLES); }
-    void draw_slice() const { slice_.draw(GL_TRIANGLES); }
     /// `prepare` sets the program's uniforms for each solid that is `wanted`.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
@@ -55,11 +46,12 @@ private:
         const Model* model;
         int number;  ///< its place in the frame, from 0
     };
-    void fill_solids(const Frame& frame);
+    enum class Shape { none, surface, particles };
+    /// The solids, and the bounds.
+    void fill(const Frame& frame, Shape shape, const Bounds& fluid);
     const Model& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
-    enum class Shape { surface, particles, lines, slice, grid };
-    gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}}, trails_{{3, 3}}, lines_{{3, 3, 3, 1}}, slice_{{3, 2}};
+    gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}};
     Shape shape_ = Shape::surface;
     float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;

@@ -47,28 +47,17 @@ float ground_height(const Frame& frame) {
 
 namespace {
 
-/// Rows: to the right, up, and back to the eye.
-Mat3f axes_of(const View& view) {
-    const Vec3f forward = (view.target - view.position).normalized();
-    Vec3f right = forward.cross(view.up);
-    if (right.norm() < 1e-3f) right = forward.cross(std::abs(view.up.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitZ());
-    right.normalize();
-    Mat3f axes;
-    axes << right.transpose(), right.cross(forward).transpose(), -forward.transpose();
-    return axes;
-}
-
 /// Half of the image's height over the distance.
 float half_height(const View& view) { return std::tan(view.fov * std::numbers::pi_v<float> / 360); }
 
 }  // namespace
 
 Mat3f rays(const View& view, float aspect) {
-    return axes_of(view).transpose() * Vec3f(half_height(view) * aspect, half_height(view), -1).asDiagonal();
+    return camera_axes(view).transpose() * Vec3f(half_height(view) * aspect, half_height(view), -1).asDiagonal();
 }
 
 Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds) {
-    const Mat3f axes = axes_of(view);
+    const Mat3f axes = camera_axes(view);
     const Vec3f forward = -axes.row(2).transpose();
     Eigen::Matrix4f look = Eigen::Matrix4f::Identity();
     look.topLeftCorner<3, 3>() = axes;

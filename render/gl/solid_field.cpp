@@ -20,33 +20,9 @@ float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {
     return std::min(longest / static_cast<float>(usual), std::max(fine, std::cbrt(size.prod() / in_all)));
 }
 
-/// lower_row() along the volume's own rows: one row between four of the volume's is made first.
-void lower_row_along(const Volume& v, const Vec3f& place, float step, std::vector<float>& least) {
-    const float last_x = static_cast<float>(v.nx - 1), y = std::clamp(place.y(), 0.0f, static_cast<float>(v.ny - 1)),
-                z = std::clamp(place.z(), 0.0f, static_cast<float>(v.nz - 1));
-    const int j = std::min(static_cast<int>(y), v.ny - 2), k = std::min(static_cast<int>(z), v.nz - 2);
-    const float sy = y - static_cast<float>(j), sz = z - static_cast<float>(k), oy = place.y() - y, oz = place.z() - z;
-    const float* from = v.value.data() + v.index(0, j, k);
-    const float *above = from + v.nx, *behind = from + v.nx * v.ny, *beyond = behind + v.nx;
-    std::vector<float> row(v.nx);
-    for (int i = 0; i < v.nx; ++i) {
-        const float low = from[i] + sy * (above[i] - from[i]), high = behind[i] + sy * (beyond[i] - behind[i]);
-        row[i] = low + sz * (high - low);
-    }
-    const float aside = oy * oy + oz * oz, *value = row.data();
-    const auto count = static_cast<int>(least.size());
-    for (int n = 0; n < count; ++n) {
-        const float px = place.x() + static_cast<float>(n) * step, x = std::min(std::max(px, 0.0f), last_x), ox = px - x;
-        const int i = static_cast<int>(std::min(x, last_x - 1));
-        const float there = value[i] + (x - static_cast<float>(i)) * (value[i + 1] - value[i]);
-        least[n] = std::min(least[n], there + v.voxel * std::sqrt(ox * ox + aside));
-    }
-}
-
 /// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the
 /// distance to its edge is added.
 void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vector<float>& least) {
-    if (step.y() == 0 && step.z() == 0 && step.x() > 0) return lower_row_along(v, place, step.x(), least);
     const float* value = v.value.data();
     const int along_y = v.nx, along_z = v.nx * v.ny;
     const float last_x = static_cast<float>(v.nx - 1), last_y = static_cast<float>(v.ny - 1), last_z = static_cast<float>(v.nz - 1);

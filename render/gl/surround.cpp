@@ -16,26 +16,7 @@ constexpr float brightest = 1000;       // radiance: the sun itself would make s
 constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
 constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
 
-/// Means of blocks of `across` by `down` pixels.
-Environment smaller(const Environment& environment, int across, int down) {
-    Environment small{environment.width / across, environment.height / down, {}};
-    for (int y = 0; y < small.height; ++y)
-        for (int x = 0; x < small.width; ++x) {
-            Vec3f sum = Vec3f::Zero();
-            for (int k = 0; k < across * down; ++k) sum += environment.at(across * x + k % across, down * y + k / across);
-            sum /= static_cast<float>(across * down);
-            small.rgb.insert(small.rgb.end(), sum.data(), sum.data() + 3);
-        }
-    return small;
-}
-
-/// Made smaller where it has more pixels in a row than the driver takes.
 gl::Texture texture_of(const Environment& environment) {
-    GLint most = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    const auto parts = [&](int length) { return (length + most - 1) / most; };
-    const int across = parts(environment.width), down = parts(environment.height);
-    if (across * down > 1) return texture_of(smaller(environment, across, down));
     std::vector<float> rgba;
     rgba.reserve(environment.rgb.size() / 3 * 4);
     for (std::size_t i = 0; i < environment.rgb.size(); ++i) {
@@ -79,8 +60,7 @@ Vec3f Surround::shadow_lamp(const View& view) const {
 }
 
 std::string Surround::constants(const LookOptions& look) const {
-    return "const int table = " + std::to_string(static_cast<int>(table_material(look.table).pattern)) +
-           ";\nconst bool has_environment = " + (file_.empty() ? "false" : "true") + ";\n";
+    return gl::constant("table", static_cast<int>(table_material(look.table).pattern)) + gl::constant("has_environment", !file_.empty());
 }
 
 void Surround::bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const {
@@ -125,7 +105,7 @@ Backdrop::Backdrop(int width, int height)
     : width_(width), height_(height), paper_(gl::texture_2d(GL_RGBA16F, width, height, false)), target_(gl::framebuffer({paper_.id()}, 0)) {
 }
 
-void Backdrop::draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare, GLuint no_vertices) {
+void Backdrop::draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare) {
     if (key_ == key) return;
     key_ = key;
     gl::Program& program = program_.with(constants);
@@ -133,8 +113,7 @@ void Backdrop::draw(const Key& key, const std::string& constants, const std::fun
     program.set("to_ray", key.to_ray);
     glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
     glViewport(0, 0, width_, height_);
-    glBindVertexArray(no_vertices);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    gl::draw_screen();
 }
 
 void Backdrop::bind(gl::Program& program, int unit) const {

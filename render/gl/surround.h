@@ -55,7 +55,7 @@ public:
 
     Backdrop(int width, int height);
     /// Draws it where the key is another. @param prepare sets the uniforms of studio.glsl, textures.glsl and table.glsl
-    void draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare, GLuint no_vertices);
+    void draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare);
     /// Sets the uniforms of paper.glsl; takes one texture unit.
     void bind(gl::Program& program, int unit) const;
 

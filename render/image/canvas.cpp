@@ -2,7 +2,6 @@
 
 #include <cairo-svg.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "engine/core/errors.h"

@@ -9,6 +9,7 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +25,8 @@
 
 namespace whorl {
 namespace {
+
+constexpr int widest = 16384;  // pixels: what every driver takes as a texture
 
 /// A file in memory: the library's own does not report a full disk.
 class Memory : public Imf::OStream {
@@ -116,8 +119,10 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
     layers.width = window.max.x - window.min.x + 1, layers.height = window.max.y - window.min.y + 1;
     const Imf::ChannelList& there = in.header().channels();
     const std::size_t pixels = grid_count(layers.width, layers.height);
-    if (there.findChannel("A") == nullptr || there.findChannel("R") == nullptr)
-        throw InputError({file.string()}, "has no channels R, G, B and A", "", "a picture of a run");
+    if (there.findChannel("R") == nullptr) throw InputError({file.string()}, "has no channels R, G and B");
+    if (std::max(layers.width, layers.height) > widest)
+        throw InputError({file.string()}, fmt::format("has {} x {} pixels", layers.width, layers.height), "make the picture smaller",
+                         fmt::format("at most {} x {}", widest, widest));
     Imf::FrameBuffer buffer;
     // The library reads into the place of the file's first pixel, wherever its window lies.
     const auto placed = [&](Imf::Slice s) {
@@ -130,8 +135,11 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
         const std::size_t channels = group.names.size();
         std::vector<float>& values = layers.*group.values;
         values.resize(channels * pixels);
-        for (std::size_t c = 0; c < channels; ++c)
-            buffer.insert(group.names[c], placed(slice(Imf::FLOAT, values, c, channels, layers.width)));
+        for (std::size_t c = 0; c < channels; ++c) {
+            Imf::Slice s = placed(slice(Imf::FLOAT, values, c, channels, layers.width));
+            s.fillValue = c == 3 ? 1 : 0;  // without a channel A all is opaque
+            buffer.insert(group.names[c], s);
+        }
     }
     if (there.findChannel("id.X") != nullptr) {
         layers.id.resize(pixels);
@@ -141,7 +149,7 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
     in.readPixels(window.min.y, window.max.y);
     return layers;
 } catch (const InputError&) { throw; } catch (const std::exception& error) {
-    throw InputError({file.string()}, std::string("cannot read the picture: ") + error.what(), "", "an EXR file of a run");
+    throw InputError({file.string()}, std::string("cannot read the picture: ") + error.what(), "", "allowed: OpenEXR files");
 }
 
 namespace {
@@ -159,10 +167,7 @@ Vec3f tone(Vec3f colour) {
     return (1 - g) * colour * (compressed / peak) + Vec3f::Constant(g * compressed);
 }
 
-float srgb(float light) {
-    light = std::clamp(light, 0.0f, 1.0f);
-    return light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
-}
+float srgb(float light) { return srgb_of(std::clamp(light, 0.0f, 1.0f)); }
 
 float fraction(float x) { return x - std::floor(x); }
 /// @param x, y middle of the pixel, from the lower left

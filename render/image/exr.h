@@ -32,7 +32,8 @@ struct ExrNotes {
 /// id.X (unsigned), shadow.R shadow.G shadow.B (half). Compressed without loss. Whole or not at all.
 /// @throws EnvironmentError (disk full, no such folder)
 void write_exr(const std::filesystem::path& file, const PictureLayers& layers, const ExrNotes& notes);
-/// The layers of a file that write_exr() wrote. @throws InputError if it is missing, broken, or has no R G B A
+/// The layers of a file, by the names of write_exr(). @throws InputError if it is missing, broken, has no R G B, or more than 16384 pixels
+/// in a row or column
 PictureLayers read_exr(const std::filesystem::path& file);
 
 }  // namespace whorl

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "engine/core/grid_index.h"
-#include "engine/core/types.h"
 
 namespace whorl {
 
@@ -28,28 +27,17 @@ Image plain_image(int width, int height, std::uint8_t grey);
 void write_png(const std::filesystem::path& file, const Image& image);
 /// @throws InputError if the file is missing or no picture
 Image read_png(const std::filesystem::path& file);
-/// Linear light, rows from the top, three numbers a pixel.
-struct FloatImage {
-    int width = 0, height = 0;
-    std::vector<float> rgb;
-};
-/// A Radiance picture (.hdr). @throws InputError if the file is missing, broken or of another kind
-FloatImage read_hdr(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
 /// JPEG has no alpha: a transparent picture is laid over grey.
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
 
+/// The light of an sRGB value (IEC 61966-2-1), and the other way round; both 0 to 1.
+float linear_of(float srgb);
+float srgb_of(float light);
 /// The light of an sRGB byte, 0 to 1.
 float linear_light(std::uint8_t srgb);
 /// The nearest sRGB byte of a light, clamped.
 std::uint8_t srgb_byte(float light);
-
-/// Mean and largest perceptual difference (CIE76 delta E in L*a*b*, after a 3x3 blur so that one-pixel shifts of an edge count little);
-/// infinite if the sizes differ.
-struct PictureDifference {
-    double mean = 0, p99 = 0, max = 0;
-};
-PictureDifference difference(const Image& a, const Image& b);
 
 /// The picture made smaller by averaging in linear light.
 Image downscaled(const Image& image, int width, int height);

@@ -65,10 +65,6 @@ View between_keys(const CameraOptions& camera, double time) {
     return found;
 }
 
-}  // namespace
-
-namespace {
-
 View standing_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
     if (camera.kind == "fixed") return {camera.position, camera.target, camera.up, camera.fov};
     if (camera.kind == "keys" && !camera.keys.empty()) return between_keys(camera, time);
@@ -86,6 +82,16 @@ View standing_at(const CameraOptions& camera, double time, const Vec3f& domain_m
 }
 
 }  // namespace
+
+Mat3f camera_axes(const View& view) {
+    const Vec3f forward = (view.target - view.position).normalized();
+    Vec3f right = forward.cross(view.up);
+    if (right.norm() < 1e-3f) right = forward.cross(std::abs(view.up.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitZ());
+    right.normalize();
+    Mat3f axes;
+    axes << right.transpose(), right.cross(forward).transpose(), -forward.transpose();
+    return axes;
+}
 
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
     View view = standing_at(camera, time, domain_min, domain_max);

@@ -41,6 +41,8 @@ struct View {
     Vec3f position_velocity = Vec3f::Zero(), target_velocity = Vec3f::Zero();  ///< m/s of simulated time; where the shutter opens at all
     bool blurs() const { return aperture > 0 || open > 0; }
 };
+/// World -> camera: rows to the right, up, and back to the eye.
+Mat3f camera_axes(const View& view);
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max);
 
 }  // namespace whorl

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/image/image.h"
+
 namespace whorl {
 namespace {
 
@@ -21,7 +23,7 @@ Vec3f srgb(const Vec3f& lab) {
     const Vec3f xyz = f.unaryExpr([](float c) { return c > 0.206893f ? c * c * c : (c - 16.0f / 116) / 7.787f; }).cwiseProduct(white_point);
     static const Mat3f to_rgb = (Mat3f() << 3.2406f, -1.5372f, -0.4986f, -0.9689f, 1.8758f, 0.0415f, 0.0557f, -0.2040f, 1.0570f).finished();
     const Vec3f linear = (to_rgb * xyz).cwiseMax(0.0f);
-    return linear.unaryExpr([](float c) { return c > 0.0031308f ? 1.055f * std::pow(c, 1 / 2.4f) - 0.055f : 12.92f * c; });
+    return linear.unaryExpr(&srgb_of);
 }
 
 Vec3f entry(const Table& table, int n) {
@@ -71,7 +73,7 @@ Vec3f coolwarm(float t) {
 }  // namespace
 
 Vec3f linear_of(const Vec3f& colour) {
-    return colour.unaryExpr([](float c) { return c > 0.04045f ? std::pow((c + 0.055f) / 1.055f, 2.4f) : c / 12.92f; });
+    return colour.unaryExpr([](float c) { return linear_of(c); });
 }
 
 Vec3f lab_of(const Vec3f& colour) {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/core/grid_index.h"
-#include "render/image/image.h"
+#include "render/image/exr.h"
 
 namespace whorl {
 namespace {
@@ -32,8 +32,11 @@ Vec3f Environment::direction(int x, int y) const {
 }
 
 Environment read_environment(const std::filesystem::path& file) {
-    FloatImage picture = read_hdr(file);
-    return {picture.width, picture.height, std::move(picture.rgb)};
+    const PictureLayers picture = read_exr(file);
+    Environment environment{picture.width, picture.height, {}};
+    for (std::size_t i = 0; i < picture.light.size(); ++i)
+        if (i % 4 < 3) environment.rgb.push_back(std::isfinite(picture.light[i]) ? std::max(picture.light[i], 0.0f) : 0);
+    return environment;
 }
 
 std::array<Vec3f, 9> light_of(const Environment& environment) {
@@ -98,17 +101,12 @@ Studio studio_of(const std::string& background) {
 std::vector<std::string> background_names() { return {"studio", "dark", "white", "transparent"}; }
 
 Mat3f studio_axes(const View& view) {
-    const Vec3f forward = (view.target - view.position).normalized();
-    Vec3f up = view.up.normalized(), right = forward.cross(up);
-    if (right.norm() < 1e-3f) {  // straight down: the picture's own right still holds
-        right = forward.cross(std::abs(up.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitZ());
-        up = right.cross(forward).normalized();
-    }
-    right.normalize();
+    const Mat3f camera = camera_axes(view);
+    const Vec3f right = camera.row(0), above = camera.row(1), back = camera.row(2), up = view.up.normalized();
     Mat3f axes;
     axes.row(0) = right.transpose();
-    axes.row(1) = up.transpose();
-    axes.row(2) = right.cross(up).transpose();
+    axes.row(1) = (back.cross(up).norm() < 1e-3f ? above : up).transpose();  // straight down the picture's own still holds
+    axes.row(2) = right.cross(Vec3f(axes.row(1))).transpose();
     return axes;
 }
 

@@ -42,7 +42,8 @@ struct Environment {
     Vec3f direction(int x, int y) const;  ///< unit, of the pixel's middle
 };
 
-/// A Radiance picture (.hdr), as cameras and Poly Haven make them. @throws InputError if it is missing or no such picture
+/// An OpenEXR picture, as cameras and Poly Haven make them. Values that are no light (negative, not finite) are 0.
+/// @throws InputError as read_exr()
 Environment read_environment(const std::filesystem::path& file);
 
 /// Light of the picture on a white matt surface, over pi, in spherical harmonics up to the second order: within 3 % of the integral

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "render/look/colour_map.h"
 #include "render/look/material.h"
@@ -34,6 +35,15 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
     if (is_diverging(look.colour_map)) high = std::max(std::abs(low), std::abs(high)), low = -high;
     if (high <= low) high = low + 1;
     return {low, high};
+}
+
+std::string unit_of(const std::string& quantity) {
+    static const std::map<std::string, std::string> units{{"position", "m"},    {"velocity", "m/s"},      {"density", "kg/m^3"},
+                                                          {"pressure", "Pa"},   {"viscosity", "Pa s"},    {"spin", "1/s"},
+                                                          {"vorticity", "1/s"}, {"q_criterion", "1/s^2"}, {"spin_difference", "1/s"},
+                                                          {"age", "s"},         {"radius", "m"},          {"speed", "m/s"}};
+    const auto found = units.find(quantity);
+    return found == units.end() ? "" : found->second;
 }
 
 namespace {

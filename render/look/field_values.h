@@ -13,6 +13,9 @@ std::vector<float> field_values(const Frame& frame, const LookOptions& look);
 /// The look's range; where it is empty the values' own, symmetric about zero on a diverging map.
 std::array<float, 2> field_range(const std::vector<float>& values, const LookOptions& look);
 
+/// Unit of a particle's quantity, "m/s"; empty for pure numbers.
+std::string unit_of(const std::string& quantity);
+
 /// Colours of the particles.
 struct FieldColours {
     std::vector<Vec3f> colour;    ///< linear RGB

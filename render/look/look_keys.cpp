@@ -154,7 +154,7 @@ KeyTable make_look_keys() {
     t.key("time_stamp", &L::time_stamp, "", "write the time on every picture");
     t.all_live();
     t.key("environment", &L::environment, "",
-          "a picture of the scene's surroundings (.hdr, found from the scene file's folder): it lights the scene and is mirrored in "
+          "a picture of the scene's surroundings (.exr, found from the scene file's folder): it lights the scene and is mirrored in "
           "it; "
           "empty: the background's lamps");
     return t;

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "render/image/text.h"
 #include "render/look/colour_map.h"
+#include "render/look/field_values.h"
 
 namespace whorl {
 namespace {
@@ -21,14 +21,6 @@ TextStyle style_for(const Image& image, const LookOptions& look) {
     style.colour = Vec3f::Constant(0.1f);
     if (look.background == "dark") std::swap(style.colour, style.halo);
     return style;
-}
-
-std::string unit_of(const std::string& field) {
-    static const std::map<std::string, std::string> units{{"speed", "m/s"},        {"pressure", "Pa"},   {"density", "kg/m^3"},
-                                                          {"spin", "1/s"},         {"vorticity", "1/s"}, {"spin_difference", "1/s"},
-                                                          {"q_criterion", "1/s^2"}};
-    const auto found = units.find(field);
-    return found == units.end() ? "" : found->second;
 }
 
 }  // namespace

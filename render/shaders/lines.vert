@@ -1,7 +1,7 @@
-// A tube or ribbon along a vortex line.
+// A tube or ribbon along a vortex line; or a corner of a particle's trail, without normal and light.
 layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec3 colour;
+layout(location = 1) in vec3 colour;
+layout(location = 2) in vec3 normal;
 layout(location = 3) in float light;
 uniform mat4 view_projection;
 out vec3 world;

@@ -1,7 +1,5 @@
 #include "render/surface/march.h"
 
-#include <cmath>
-
 #include "engine/core/parallel.h"
 
 namespace whorl {

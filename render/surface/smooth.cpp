@@ -67,9 +67,6 @@ PaddedPlaces padded(const std::vector<Vec3f>& position) {
     for (std::size_t v = 0; v < position.size(); ++v) places[v].head<3>() = position[v];
     return places;
 }
-void take(const PaddedPlaces& places, std::vector<Vec3f>& position) {
-    for (std::size_t v = 0; v < position.size(); ++v) position[v] = places[v].head<3>();
-}
 
 // (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator.
 void blur(const EvenRing& ring, PaddedPlaces& position, PaddedPlaces& scratch, int steps) {
@@ -112,19 +109,21 @@ void smooth(TriangleMesh& mesh, int rounds, int steps) {
             });
         }
     }
-    take(position, mesh.position);
+    for (std::size_t v = 0; v < mesh.position.size(); ++v) mesh.position[v] = position[v].head<3>();
 }
 
-namespace {
-
-void set_normals(TriangleMesh& mesh, const Ring& ring, const std::vector<Vec3f>& position) {
-    mesh.normal.resize(position.size());
+void set_smooth_normals(TriangleMesh& mesh, int steps) {
+    const Ring ring(mesh);
+    PaddedPlaces blurred = padded(mesh.position), scratch(blurred.size());
+    blur(EvenRing(ring), blurred, scratch, steps);
     std::vector<Vec3f> area(mesh.triangle.size());
     parallel_for(static_cast<Index>(mesh.triangle.size()), [&](Index t) {
         const auto& [a, b, c] = mesh.triangle[t];
-        area[t] = (position[b] - position[a]).cross(position[c] - position[a]);
+        const Vec3f corner = blurred[a].head<3>();
+        area[t] = (blurred[b].head<3>() - corner).cross(blurred[c].head<3>() - corner);
     });
-    parallel_for(static_cast<Index>(position.size()), [&](Index v) {
+    mesh.normal.resize(mesh.position.size());
+    parallel_for(static_cast<Index>(mesh.position.size()), [&](Index v) {
         Vec3f sum = Vec3f::Zero();
         for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) sum += area[ring.triangle[n]];
         const float length = sum.norm();
@@ -132,51 +131,9 @@ void set_normals(TriangleMesh& mesh, const Ring& ring, const std::vector<Vec3f>&
     });
 }
 
-}  // namespace
-
-void set_normals(TriangleMesh& mesh) { set_normals(mesh, Ring(mesh), mesh.position); }
-
-void set_smooth_normals(TriangleMesh& mesh, int steps) {
-    const Ring ring(mesh);
-    PaddedPlaces blurred = padded(mesh.position), scratch(blurred.size());
-    blur(EvenRing(ring), blurred, scratch, steps);
-    std::vector<Vec3f> position(mesh.position.size());
-    take(blurred, position);
-    set_normals(mesh, ring, position);
-}
-
-namespace {
-
-/// Cosine of the angle from which on an edge is sharp.
-float crease() { return std::cos(40 * std::numbers::pi_v<float> / 180); }
-
-}  // namespace
-
-TriangleMesh with_normals(const TriangleMesh& mesh) {
-    if (mesh.normal.size() == mesh.position.size()) return mesh;
-    std::vector<Vec3f> face;  // length: twice the area
-    std::vector<std::vector<std::uint32_t>> around(mesh.position.size());
-    for (const auto& t : mesh.triangle) {
-        for (const std::uint32_t corner : t) around[corner].push_back(static_cast<std::uint32_t>(face.size()));
-        face.push_back((mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]));
-    }
-    TriangleMesh split;
-    for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
-        const auto first = static_cast<std::uint32_t>(split.position.size());
-        for (const std::uint32_t corner : mesh.triangle[f]) {
-            Vec3f normal = Vec3f::Zero();
-            for (const std::uint32_t other : around[corner])
-                if (face[other].dot(face[f]) >= crease() * face[other].norm() * face[f].norm()) normal += face[other];
-            split.position.push_back(mesh.position[corner]);
-            split.normal.push_back(normal.normalized());
-        }
-        split.triangle.push_back({first, first + 1, first + 2});
-    }
-    return split;
-}
-
 std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {
     using Corner = std::array<float, 3>;
+    const float crease = std::cos(40 * std::numbers::pi_v<float> / 180);
     const auto place = [&](std::uint32_t v) { return Corner{mesh.position[v].x(), mesh.position[v].y(), mesh.position[v].z()}; };
     std::map<std::pair<Corner, Corner>, std::vector<Vec3f>> normals;  // of the faces at each edge; corners at one position are one
     for (const auto& t : mesh.triangle) {
@@ -186,7 +143,7 @@ std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {
     }
     std::vector<std::pair<Vec3f, Vec3f>> edges;
     for (const auto& [ends, faces] : normals)
-        if (faces.size() == 1 || (faces.size() == 2 && faces[0].dot(faces[1]) < crease()))
+        if (faces.size() == 1 || (faces.size() == 2 && faces[0].dot(faces[1]) < crease))
             edges.emplace_back(Vec3f(ends.first[0], ends.first[1], ends.first[2]), Vec3f(ends.second[0], ends.second[1], ends.second[2]));
     return edges;
 }

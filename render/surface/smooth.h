@@ -11,15 +11,9 @@ namespace whorl {
 /// @param steps of each blur: 10 where edges are half a spacing long, more in proportion to the inverse square of their length
 void smooth(TriangleMesh& mesh, int rounds, int steps);
 
-/// Normals from the mesh itself, weighted by area.
-void set_normals(TriangleMesh& mesh);
-/// Normals of the mesh after a blur of `steps` steps: reflections get clean edges, and the outline is unchanged. The shrinking by the
-/// blur does not affect the normals.
+/// Normals, weighted by area, of the mesh after a blur of `steps` steps (0: of the mesh itself): reflections get clean edges, and the
+/// outline is unchanged. The shrinking by the blur does not affect the normals.
 void set_smooth_normals(TriangleMesh& mesh, int steps);
-
-/// The mesh with a normal for every corner: faces that meet at less than 40 degrees share one. Meshes that have normals come back as they
-/// are.
-TriangleMesh with_normals(const TriangleMesh& mesh);
 
 /// Edges of a mesh where its faces meet at more than 40 degrees, or that only one face has: pairs of ends.
 std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh);

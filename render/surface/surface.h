@@ -1,7 +1,6 @@
 #pragma once
 /// Particles -> density-normalised colour field in an OpenVDB grid -> closed triangle mesh and a distance volume. OpenVDB stays behind
 /// this header: including it costs nothing.
-#include <memory>
 #include <vector>
 
 #include "engine/core/grid_index.h"

@@ -12,6 +12,7 @@
 #include "engine/theory/coil_theory.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
+#include "tests/support/pictures.h"
 #include "tests/support/scenes.h"
 #include "tools/live/access.h"
 
@@ -350,7 +351,7 @@ TEST_CASE("unbounded requests are refused: ranges, compressed bodies and bodies 
     CHECK(std::string(answer) == "HTTP/1.1 400");
     close(s);
     CHECK(wanted(live) == before);
-    CHECK(live.post("/control", R"json({"do": "restart", "set": {"look.environment": "x.hdr"}})json").status == 400);
+    CHECK(live.post("/control", R"json({"do": "restart", "set": {"look.environment": "x.exr"}})json").status == 400);
     CHECK(wanted(live) == before);
 }
 

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "engine/io/csv.h"
+#include "render/image/exr.h"
 #include "tests/support/program.h"
 #include "tests/support/scenes.h"
 #include "tests/support/scratch.h"
@@ -18,7 +19,6 @@ namespace scene_files_test {
 namespace {
 
 const char* const tetrahedron = "v 0 0 0\nv .01 0 0\nv 0 .01 0\nv 0 0 .01\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-const std::string picture = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd";
 
 /// scenes/scene.toml with a mesh and a picture in its folder; tests run in another folder.
 struct Scratch : test::ScratchFolder {
@@ -26,7 +26,7 @@ struct Scratch : test::ScratchFolder {
         fs::create_directories(scenes());
         std::ofstream(scenes() / "one.obj") << tetrahedron;
         std::ofstream(scenes() / "other.obj") << tetrahedron;
-        std::ofstream(scenes() / "room.hdr") << picture;
+        write_exr(scenes() / "room.exr", {1, 1, {1, 1, 1, 1}}, {});
         std::ofstream(scene()) << before + test::little_honey("end = 1", 4e-3, std::string(test::lump_and_thread) + more);
     }
     fs::path scenes() const { return *this / "scenes"; }
@@ -49,10 +49,10 @@ std::string recorded(const Scratch& scratch) {
 }  // namespace
 
 TEST_CASE("the recording of a live run finds the scene's files, which lie in another folder", "[tools][live]") {
-    const Scratch scratch(std::string(mesh) + "[look]\nenvironment = \"room.hdr\"\n");
+    const Scratch scratch(std::string(mesh) + "[look]\nenvironment = \"room.exr\"\n");
     const SceneFile again = read_scene_file(recorded(scratch));
     CHECK(again.scene.solids.at(0).shape.file == scratch.scenes() / "one.obj");
-    CHECK(again.look.environment == scratch.scenes() / "room.hdr");
+    CHECK(again.look.environment == scratch.scenes() / "room.exr");
     REQUIRE(again.scene.changes.size() == 1);
     CHECK(again.scene.changes[0].time == 0.2);
 }
@@ -66,14 +66,14 @@ TEST_CASE("the recording of a scene without files keeps its text, but for a byte
 
 TEST_CASE("files that a panel, a change or a restart names are found from the scene's folder", "[tools][scene]") {
     const Scratch scratch(std::string(mesh) +
-                          "[[panel]]\nset = [\"solid[0].file=other.obj\"]\n[[panel]]\nset = [\"look.environment=room.hdr\"]\n");
+                          "[[panel]]\nset = [\"solid[0].file=other.obj\"]\n[[panel]]\nset = [\"look.environment=room.exr\"]\n");
     const std::vector<SceneFile> panels = panel_scenes(read_scene_file(scratch.scene()));
     REQUIRE(panels.size() == 2);
     CHECK(panels[0].scene.solids.at(0).shape.file == scratch.scenes() / "other.obj");
-    CHECK(panels[1].look.environment == scratch.scenes() / "room.hdr");
+    CHECK(panels[1].look.environment == scratch.scenes() / "room.exr");
 
-    const Scratch changes("[[change]]\ntime = 0\nkey = \"look.environment\"\nvalue = \"room.hdr\"\n");
-    CHECK(read_scene_file(changes.scene()).look.environment == changes.scenes() / "room.hdr");
+    const Scratch changes("[[change]]\ntime = 0\nkey = \"look.environment\"\nvalue = \"room.exr\"\n");
+    CHECK(read_scene_file(changes.scene()).look.environment == changes.scenes() / "room.exr");
 }
 
 TEST_CASE("a change to a missing or wrong file is refused at its location", "[tools][scene]") {
@@ -82,8 +82,8 @@ TEST_CASE("a change to a missing or wrong file is refused at its location", "[to
     const auto refused = [&](const std::string& key, const std::string& value, const std::string& why) {
         CHECK_THROWS_WITH(changed(file, {{key, placed(Value(value), {"here", 0, 0})}}), Catch::Contains("here: ") && Catch::Contains(why));
     };
-    refused("look.environment", "gone.hdr", "no such file");
-    refused("look.environment", "one.obj", "is not a Radiance image");
+    refused("look.environment", "gone.exr", "No such file");
+    refused("look.environment", "one.obj", "not an image file");
     refused("solid[0].file", "gone.obj", "no file \"gone.obj\"");
     refused("solid[0].file", std::string(300, 'a'), "no file \"aaa");
 }
@@ -100,7 +100,7 @@ TEST_CASE("mistakes found after a change name the scene's file, and the change i
 }
 
 TEST_CASE("a mesh or picture whose path is not UTF-8 is refused, as the run's settings could not be read back", "[tools][scene]") {
-    for (const char* what : {mesh, "[look]\nenvironment = \"room.hdr\"\n"}) {
+    for (const char* what : {mesh, "[look]\nenvironment = \"room.exr\"\n"}) {
         const Scratch scratch(what);
         fs::rename(scratch.scenes(), scratch / "gr\xfcn");
         CHECK_THROWS_WITH(read_scene_file(scratch / "gr\xfcn/scene.toml"), Catch::Contains("is not UTF-8"));

@@ -248,7 +248,7 @@ void find_environment(SceneFile& file) {
     } catch (const InputError& e) {
         throw InputError(file.scene.place("look.environment"),
                          "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
-                         "allowed: a Radiance picture (.hdr)");
+                         "allowed: an OpenEXR picture (.exr)");
     }
 }
 

@@ -2,10 +2,9 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <fstream>
 
 #include "engine/core/errors.h"
-#include "render/image/image.h"
+#include "render/image/exr.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -47,19 +46,15 @@ TEST_CASE("under half a sky a surface receives all, half or nothing of it by its
     CHECK(brightest_side(light).y() > 0.5f);  // at least 35 degrees above the horizon
 }
 
-TEST_CASE("a Radiance image is read as linear light, a missing or different file is refused by name", "[look]") {
+TEST_CASE("an EXR panorama is read as linear light, what is no light as none, and another file is refused", "[look]") {
     const test::ScratchFolder folder;
-    {
-        std::ofstream out(folder / "two.hdr", std::ios::binary);
-        out << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
-        const unsigned char rgbe[] = {128, 64, 32, 129, 128, 128, 128, 131};  // mantissa/256 times 2^(exponent - 128)
-        out.write(reinterpret_cast<const char*>(rgbe), sizeof rgbe);
-    }
-    const Environment two = read_environment(folder / "two.hdr");
+    write_exr(folder / "two.exr", {2, 1, {1, 0.5f, 0.25f, 1, -4, INFINITY, NAN, 1}}, {});
+    const Environment two = read_environment(folder / "two.exr");
     REQUIRE(two.width == 2);
-    CHECK((two.at(0, 0) - Vec3f(1, 0.5f, 0.25f)).norm() < 1e-6f);
-    CHECK((two.at(1, 0) - Vec3f::Constant(4)).norm() < 1e-6f);
-    CHECK_THROWS_AS(read_environment(folder / "none.hdr"), InputError);
+    CHECK(two.rgb == std::vector<float>{1, 0.5f, 0.25f, 0, 0, 0});
+    CHECK_THROWS_AS(read_environment(folder / "none.exr"), InputError);
     write_png(folder / "a.png", plain_image(4, 4, 9));
     CHECK_THROWS_AS(read_environment(folder / "a.png"), InputError);
+    write_exr(folder / "wide.exr", {20000, 1, std::vector<float>(80000, 1)}, {});
+    CHECK_THROWS_WITH(read_environment(folder / "wide.exr"), Catch::Contains("at most 16384 x 16384"));
 }
