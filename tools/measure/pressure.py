@@ -49,17 +49,6 @@ def pressure_hierarchies(m):
                     [[*case, *row] for case, row in rows.items()])
 
 
-@table("pressure_threads", "wall time of a solve with one and with two threads", "1 minute, an idle machine")
-def pressure_threads(m):
-    rows = []
-    for form in forms:
-        found = m.solver("pressure_threads", "--form", form)
-        seconds = [number(r["set_up_seconds"]) + number(r["solve_seconds"]) for r in found]
-        rows += [[form, r["threads"], milliseconds(r["set_up_seconds"]), milliseconds(r["solve_seconds"]), f"{seconds[0] / total:.2f}"]
-                 for r, total in zip(found, seconds)]
-    return markdown("form | threads | set-up ms | solve ms | faster", rows)
-
-
 def dam_break(m, spacing, until, threads, *settings, words=""):
     name = "-".join([f"{spacing:g}", f"{until:g}", f"{threads}", *settings]) + words
     return m.render("scenes/dam_break.toml", f"dam_break/{name}", f"fluid.spacing={spacing:g}", *settings, options=["--until", until],

@@ -211,29 +211,6 @@ void print_hierarchies(State& s, Real dt) {
             }
 }
 
-/// Wall time, the best of five: other programs may run.
-template <class System>
-void print_threads(State& s, Real dt) {
-    s.predict(1, dt);
-    const System system(s);
-    for (const int count : {1, 2}) {
-        set_threads(count);
-        double best_set_up = 1e30, best_solve = 1e30;
-        for (int k = 0; k < 5; ++k) {
-            double start = wall_seconds();
-            const PressurePreconditioner M = system.multigrid(system.levels());
-            best_set_up = std::min(best_set_up, wall_seconds() - start);
-            Column<Real> x(system.b.size(), 0);
-            start = wall_seconds();
-            conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M,
-                                      Span<const Real>(system.b), Span<Real>(x), SolveLimits{1, 500}, ResidualNorm::euclidean,
-                                      system.step_residual);
-            best_solve = std::min(best_solve, wall_seconds() - start);
-        }
-        print_csv(System::form, count, best_set_up, best_solve);
-    }
-}
-
 struct Keys {
     std::string form = "constraint";
     int layers = 29, steps = 20;
@@ -273,10 +250,6 @@ void add_pressure_solves(CLI::App& program) {
         program, "pressure_hierarchies", "multigrid with other first levels, interpolations and cycles",
         [] { print_csv("form", "cell", "interpolation", "cycle", "iterations", "set_up_seconds", "seconds"); },
         print_hierarchies<ConstraintSystem>, print_hierarchies<PoissonSystem>);
-    add(
-        program, "pressure_threads", "wall seconds of a solve with one and with two threads",
-        [] { print_csv("form", "threads", "set_up_seconds", "solve_seconds"); }, print_threads<ConstraintSystem>,
-        print_threads<PoissonSystem>);
 }
 
 }  // namespace whorl
