@@ -326,7 +326,7 @@ struct KeyCodec<T, std::enable_if_t<std::is_enum_v<T>>> {
 };
 /// A value, or "auto".
 template <class T>
-struct KeyCodec<std::optional<T>> {
+struct OptionalCodec {
     static void describe(Key& k) { KeyCodec<T>::describe(k), k.may_be_auto = true; }
     static Value write(const std::optional<T>& v) { return v ? KeyCodec<T>::write(*v) : Value(std::string("auto")); }
     static std::optional<T> read(const Value& v) {
@@ -334,6 +334,9 @@ struct KeyCodec<std::optional<T>> {
         return KeyCodec<T>::read(v);
     }
 };
+
+template <class T>
+struct KeyCodec<std::optional<T>> : OptionalCodec<T> {};
 
 /// Lists: of a fixed count of flags or numbers, or of any count of texts.
 template <class L, class T, int Count>

@@ -134,23 +134,7 @@ void check_ink(const Scene& scene, const KeyProblems& report) {
         report("fluid.ink_diffusion", "the scene has no ink", "give a [[block]], [[emitter]] or [[stream]] ink");
 }
 
-}  // namespace
-
-void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems) {
-    const KeyProblems report(scene, problems);
-    check_pressure(scene, plan, numbers, report);
-    check_boundary(plan, report);
-    check_assembled(plan, numbers.viscous_number, report);
-    check_viscous_solver(scene, plan, report);
-    check_slip(scene, plan, report);
-    check_micropolar(scene, plan, problems);
-    check_bodies(scene, plan, problems);
-    check_streams(scene, plan, report);
-    check_ink(scene, report);
-}
-
-void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
-    const KeyProblems report(scene, problems);
+void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         const SolidKeys& solid = scene.solids[k];
         const std::string name = entry_name("solid", k);
@@ -187,9 +171,8 @@ void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& pr
     if (plan.facts.micropolar.spins) report("models.micropolar", "micropolar fluids do not move free bodies", "use \"none\"");
 }
 
-void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
+void check_plane(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (scene.domain.dimensions == 3) return;
-    const KeyProblems report(scene, problems);
     const std::string here = " in two dimensions (domain.dimensions = 2)";
     if (scene.fluid.surface_tension > 0 && plan.facts.pressure.source != PressureSource::velocity)
         report("fluid.surface_tension", "cohesion between particles is not supported" + here, "use 0, or pressure.form = \"projection\"",
@@ -202,6 +185,66 @@ void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& pro
     for (const std::string what : {"mesh", "obj", "vdb"})
         if (scene.exported(what))
             report("output.export", "no surface exists to export as \"" + what + "\"" + here, "", "allowed: points, vtk, scene or raw");
+}
+
+/// Whether fluid is behind the pipe of a nozzle: the projection lets it flow into the pipe.
+bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& plan) {
+    const Vec3 behind = (e.position - (plan.support + 2 * plan.spacing) * e.direction.normalized()).cast<Real>();
+    return !in_solids(shapes, behind, 0) &&
+           std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& b) { return b->distance(behind) < 0; });
+}
+
+void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
+    if (plan.facts.viscosity.smooths)
+        problem("models.viscosity",
+                "pressure.form = \"projection\" does not run with XSPH: a full box diverges, open tanks were not measured",
+                "use models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
+    if (!plan.free_surface) return;
+    for (std::size_t k = 0; k < scene.solids.size(); ++k)
+        if (scene.fluid.surface_tension > 0 && scene.solids[k].wetting != 0.5)
+            problem(entry_name("solid", k) + ".wetting",
+                    "with pressure.form = \"projection\" a surface meets solids at 90 degrees, wetting = 0.5",
+                    "use 0.5, or pressure.form = \"constraint\"", "allowed: 0.5");
+    for (std::size_t k = 0; k < scene.emitters.size(); ++k)
+        if (pipe_in_fluid(shapes, scene.emitters[k], plan))
+            problem("pressure.form",
+                    "pressure.form = \"projection\" lets fluid flow from behind into the pipe of " + entry_name("emitter", k) +
+                        ", which is in the fluid",
+                    "use pressure.form = \"constraint\", or \"auto\", which does so");
+    for (std::size_t k = 0; k < scene.solids.size(); ++k)
+        if (scene.domain.dimensions == 3 && !scene.solids[k].container && scene.solids[k].shape.kind != "plane")
+            problem("pressure.form",
+                    "in 3D with a free surface, pressure.form = \"projection\" diverges next to a solid in the fluid, such as " +
+                        entry_name("solid", k),
+                    "use pressure.form = \"constraint\", or \"auto\", which does so");
+}
+
+void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
+    if (plan.facts.pressure.source == PressureSource::velocity) check_velocity_source(scene, plan, shapes, problem);
+    const bool weightless = scene.domain.box().all_periodic() || scene.domain.gravity(0).norm() == 0;
+    if (plan.facts.pressure.source == PressureSource::density && !plan.free_surface && weightless)
+        problem("pressure.source",
+                "pressure.source = \"density\" gains energy in fluid that fills its space and rests on nothing: only weight damps what its "
+                "density errors shake",
+                "use pressure.source = \"velocity\"");
+}
+
+}  // namespace
+
+void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+                  std::vector<Problem>& problems) {
+    const KeyProblems report(scene, problems);
+    check_pressure(scene, plan, numbers, report);
+    check_boundary(plan, report);
+    check_assembled(plan, numbers.viscous_number, report);
+    check_viscous_solver(scene, plan, report);
+    check_slip(scene, plan, report);
+    check_micropolar(scene, plan, problems);
+    check_bodies(scene, plan, report);
+    check_streams(scene, plan, report);
+    check_ink(scene, report);
+    check_projection(scene, plan, shapes, report);
+    check_plane(scene, plan, report);
 }
 
 }  // namespace whorl

@@ -59,7 +59,7 @@ void check_forms(const Scene& scene, const Plan& plan, const KeyProblems& report
             report("pressure.correction",
                    "pressure.correction is a share of the density error, which pressure.source = \"velocity\" does not see",
                    "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
-        if (scene.pressure.damping != PressureKeys{}.damping)
+        if (scene.pressure.damping != PressureOptions{}.damping)
             report("pressure.damping",
                    "pressure.damping is of motion between neighbours, which pressure.source = \"velocity\" does not leave",
                    "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");

@@ -38,17 +38,12 @@ inline bool loses_angle(const PressureFacts& pressure, const SolidKeys& solid) {
     return !pressure.form && (!pressure.solves_viscosity || solid.slip != Slip::no);
 }
 
-void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, std::vector<Problem>& problems);
-
-void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, std::vector<Problem>& problems);
+void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+                  std::vector<Problem>& problems);
 
 /// Reports keys of other models than those that "auto" chose, and keys that a chosen form does not use. (Contradictions within the scene
 /// are found when it is read.)
 void check_unread(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
-
-void check_bodies(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
-
-void check_plane(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
 
 struct ScaleWarning {
     std::string key, text;  ///< the text names the key, too

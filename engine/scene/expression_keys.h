@@ -8,8 +8,24 @@
 
 namespace whorl {
 
+/// What a key asks of expressions, for codecs with a member expressions(v): pointers to those of v.
+template <class Codec, class T>
+struct ExpressionQueries {
+    static std::vector<double> constants(const T& v) {
+        std::vector<double> all;
+        for (const Expression* e : Codec::expressions(v))
+            if (e->is_constant()) all.push_back((*e)(0));
+        return all;
+    }
+    static std::string variables(const T& v) {
+        std::string all;
+        for (const Expression* e : Codec::expressions(v)) all += e->variables();
+        return all;
+    }
+};
+
 template <>
-struct KeyCodec<Expression> {
+struct KeyCodec<Expression> : ExpressionQueries<KeyCodec<Expression>, Expression> {
     static void describe(Key& k) { k.type = KeyType::expression; }
     static Value write(const Expression& e) {
         char* end = nullptr;
@@ -27,27 +43,19 @@ struct KeyCodec<Expression> {
             throw KeyFault(place, e.what());
         }
     }
-    static std::vector<double> constants(const Expression& e) {
-        return e.is_constant() ? std::vector<double>{e(0)} : std::vector<double>{};
-    }
-    static std::string variables(const Expression& e) { return e.variables(); }
+    static std::vector<const Expression*> expressions(const Expression& e) { return {&e}; }
 };
 
 template <>
-struct KeyCodec<std::optional<Expression>> {
-    using One = KeyCodec<Expression>;
-    static void describe(Key& k) { One::describe(k), k.may_be_auto = true; }
-    static Value write(const std::optional<Expression>& e) { return e ? One::write(*e) : Value(std::string("auto")); }
-    static std::optional<Expression> read(const Value& v) {
-        if (v.as<std::string>() && *v.as<std::string>() == "auto") return {};
-        return One::read(v);
+struct KeyCodec<std::optional<Expression>> : OptionalCodec<Expression>,
+                                             ExpressionQueries<KeyCodec<std::optional<Expression>>, std::optional<Expression>> {
+    static std::vector<const Expression*> expressions(const std::optional<Expression>& e) {
+        return e ? std::vector<const Expression*>{&*e} : std::vector<const Expression*>{};
     }
-    static std::vector<double> constants(const std::optional<Expression>& e) { return e ? One::constants(*e) : std::vector<double>{}; }
-    static std::string variables(const std::optional<Expression>& e) { return e ? e->variables() : ""; }
 };
 
 template <>
-struct KeyCodec<VectorExpression> {
+struct KeyCodec<VectorExpression> : ExpressionQueries<KeyCodec<VectorExpression>, VectorExpression> {
     using One = KeyCodec<Expression>;
     static void describe(Key& k) { k.type = KeyType::expressions, k.count = 3, k.in_plane = InPlane::vector; }
     static Value write(const VectorExpression& e) {
@@ -57,16 +65,8 @@ struct KeyCodec<VectorExpression> {
         const Value::List& list = *v.as<Value::List>();
         return {{One::read(list[0]), One::read(list[1]), One::read(list[2])}};
     }
-    static std::vector<double> constants(const VectorExpression& e) {
-        std::vector<double> all;
-        for (const Expression& c : e.component)
-            if (c.is_constant()) all.push_back(c(0));
-        return all;
-    }
-    static std::string variables(const VectorExpression& e) {
-        std::string all;
-        for (const Expression& c : e.component) all += c.variables();
-        return all;
+    static std::vector<const Expression*> expressions(const VectorExpression& e) {
+        return {&e.component[0], &e.component[1], &e.component[2]};
     }
 };
 

@@ -129,8 +129,8 @@ const PressureFacts& facts_of(PressureModel model, PressureForm form, PressureSo
     return *found;
 }
 
-const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys) {
-    return row_of(viscosity_models(), model, &ViscosityFacts::correction, keys.correction);
+const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityOptions& options) {
+    return row_of(viscosity_models(), model, &ViscosityFacts::correction, options.correction);
 }
 
 const MicropolarFacts& facts_of(MicropolarModel model) {

@@ -64,7 +64,7 @@ const std::vector<MicropolarFacts>& micropolar_models();
 
 const PressureFacts& facts_of(PressureModel model, PressureForm form = PressureForm::constraint,
                               PressureSource source = PressureSource::velocity);
-const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityKeys& keys);
+const ViscosityFacts& facts_of(ViscosityModel model, const ViscosityOptions& options);
 const MicropolarFacts& facts_of(MicropolarModel model);
 
 /// The traits of the models that a plan has chosen, and their joint consequences.

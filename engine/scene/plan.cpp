@@ -260,11 +260,9 @@ private:
 
     void check() {
         std::vector<Problem> problems;
-        check_models(given_, plan_, n_, problems);
+        check_models(given_, plan_, n_, shapes_, problems);
         check_printed(given_, plan_, problems);
         check_placement(scene_, plan_, n_, shapes_, problems);
-        check_projection(scene_, plan_, shapes_, problems);
-        check_plane(scene_, plan_, problems);
         check_unread(given_, plan_, problems);
         if (problems.empty()) return;
         add_likely_causes(problems);

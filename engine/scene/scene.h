@@ -12,6 +12,8 @@
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
+#include "engine/models/pressure/pressure_options.h"
+#include "engine/models/viscosity/viscosity_options.h"
 #include "engine/particles/sample.h"
 #include "engine/scene/expression_keys.h"
 #include "engine/sph/curl.h"
@@ -30,7 +32,7 @@ struct Inks {
 };
 
 template <>
-struct KeyCodec<Inks> {
+struct KeyCodec<Inks> : ExpressionQueries<KeyCodec<Inks>, Inks> {
     using One = KeyCodec<Expression>;
     static void describe(Key& k) { k.type = KeyType::expressions; }
     static Value write(const Inks& inks) {
@@ -45,15 +47,9 @@ struct KeyCodec<Inks> {
         for (const Value& e : list) inks.of.push_back(One::read(e));
         return inks;
     }
-    static std::vector<double> constants(const Inks& inks) {
-        std::vector<double> all;
-        for (const Expression& e : inks.of)
-            if (e.is_constant()) all.push_back(e(0));
-        return all;
-    }
-    static std::string variables(const Inks& inks) {
-        std::string all;
-        for (const Expression& e : inks.of) all += e.variables();
+    static std::vector<const Expression*> expressions(const Inks& inks) {
+        std::vector<const Expression*> all;
+        for (const Expression& e : inks.of) all.push_back(&e);
         return all;
     }
 };
@@ -67,16 +63,6 @@ enum class ShiftingModel { automatic, none, fickian };
 enum class WallImages { automatic, none, flat };
 /// How the forms of the three source notes are taken: as docs/physics.md amends them, or as printed (physics.md 14).
 enum class Notes { amended, as_printed };
-enum class Preconditioner { automatic, none, jacobi, multigrid };
-/// automatic: two_level where the diagonal alone would take many iterations.
-enum class ViscousPreconditioner { automatic, none, block_jacobi, two_level };
-enum class PressureForm { constraint, projection };
-/// Error that the equation of the projection removes: the divergence of the velocity or the error of the density.
-enum class PressureSource { velocity, density };
-/// How the particles and the coarse levels of a multigrid join: both corrections in sum, or one after the other as printed.
-enum class MultigridCycle { additive, v_cycle };
-enum class GradientForm { symmetric, difference };
-enum class LaplacianForm { brookshaw, monaghan, split };
 enum class ExchangeScheme { automatic, explicit_steps, implicit };
 enum class WallSpin { solid, free };
 enum class Slip { no, free, navier };
@@ -122,38 +108,6 @@ struct ModelKeys {
     ShiftingModel shifting = ShiftingModel::automatic;
     Notes notes = Notes::amended;
     bool printed() const { return notes == Notes::as_printed; }
-};
-
-struct PressureKeys {
-    double tolerance = 1e-3;  ///< relative density error (ppe); preconditioned residual (coupled)
-    int max_iterations = 200;
-    Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
-    std::optional<PressureForm> form;                           ///< ppe; none: "auto"
-    PressureSource source = PressureSource::velocity;           ///< projection
-    bool clamp = true;                                          ///< source density: p = max(0, p) after the solve
-    MultigridCycle cycle = MultigridCycle::additive;            ///< source density
-    int sweeps = 1;                                             ///< source density: of a multigrid cycle, before and after each correction
-    bool asks_for_multigrid() const { return cycle != MultigridCycle::additive || sweeps != 1; }
-    std::optional<double> correction;  ///< share of the density error that a step corrects; none: "auto", 0.5, of source density 0.1
-    double damping = 2;              ///< constraint and source density: of motion between neighbours that is not resolved, times sqrt(g/d)
-    double sound_speed = 0;          ///< m/s, wcsph; 0: ten times the speed that the plan expects
-    double gamma = 7;                ///< exponent of Tait's equation, wcsph
-    double background_pressure = 0;  ///< Pa, wcsph
-    GradientForm gradient = GradientForm::symmetric;  ///< wcsph
-    double sound_damping = 1;                         ///< bulk viscosity over rho c R/2, wcsph
-    std::optional<double>
-        artificial_viscosity;  ///< alpha, shear viscosity over rho c R/20, wcsph; none: "auto" (Plan::artificial_viscosity)
-};
-
-struct ViscosityKeys {
-    double tolerance = 1e-4;
-    int max_iterations = 500;
-    ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
-    std::optional<LaplacianForm> laplacian;  ///< explicit; none: "auto", split for spinning fluid that turns freely, else brookshaw
-    LaplacianForm without_spin() const { return laplacian.value_or(LaplacianForm::brookshaw); }
-    double alpha = 0.002;    ///< xsph
-    bool correction = true;  ///< full: corrected gradients; false: those of the note
-    double penalty = 0.3;    ///< full, full_assembled: over mu, on modes that alternate from particle to particle
 };
 
 struct MicropolarKeys {
@@ -287,8 +241,8 @@ struct Scene {
     DomainKeys domain;
     FluidKeys fluid;
     ModelKeys models;
-    PressureKeys pressure;
-    ViscosityKeys viscosity;
+    PressureOptions pressure;
+    ViscosityOptions viscosity;
     MicropolarKeys micropolar;
     BoundaryKeys boundary;
     std::vector<BlockKeys> blocks;

@@ -105,107 +105,110 @@ KeyTable model_keys() {
 }
 
 KeyTable pressure_keys() {
-    KeyTableOf<PressureKeys> t("of the pressure model");
+    KeyTableOf<PressureOptions> t("of the pressure model");
     const std::string model = "models.pressure";
     const std::vector<std::string> solving = names_of(pressure_models(), &PressureFacts::solves);
-    t.key("tolerance", &PressureKeys::tolerance, "",
+    t.key("tolerance", inside(&PressureOptions::limits, &SolveLimits::tolerance), "",
           "ppe: relative density error; coupled: preconditioned residual of a step in which the fastest fluid moves by 0.4 spacings, less "
           "of shorter ones")
         .above(0)
         .at_most(0.5)
         .only_with(model, solving)
         .live();
-    t.key("max_iterations", &PressureKeys::max_iterations, "", "of the linear solver, a step").at_least(1).only_with(model, solving).live();
-    t.key("preconditioner", &PressureKeys::preconditioner, "",
+    t.key("max_iterations", inside(&PressureOptions::limits, &SolveLimits::max_iterations), "", "of the linear solver, a step")
+        .at_least(1)
+        .only_with(model, solving)
+        .live();
+    t.key("preconditioner", &PressureOptions::preconditioner, "",
           "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
         .only_with(model, {"ppe"});
     const std::string form = "pressure.form";
     t.key(
-         "form", &PressureKeys::form, "",
+         "form", &PressureOptions::form, "",
          "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
          "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
-    t.key("source", &PressureKeys::source, "",
+    t.key("source", &PressureOptions::source, "",
           "projection: the error that the pressure removes, the divergence of the velocity or the error of the density")
         .only_with(form, {"projection"});
     const std::string source = "pressure.source";
-    t.key("clamp", &PressureKeys::clamp, "", "pressures below 0 are cut off after the solve, as printed; false: they pull")
+    t.key("clamp", &PressureOptions::clamp, "", "pressures below 0 are cut off after the solve, as printed; false: they pull")
         .only_with(source, {"density"});
-    t.key("cycle", &PressureKeys::cycle, "",
+    t.key("cycle", &PressureOptions::cycle, "",
           "of the multigrid; additive: corrections by the diagonal and by coarse levels in sum; v_cycle: one after the other, as printed")
         .only_with(source, {"density"});
-    t.key("sweeps", &PressureKeys::sweeps, "",
+    t.key("sweeps", &PressureOptions::sweeps, "",
           "of damped Jacobi before and after the correction from each coarse level; as many after as before, for conjugate gradients")
         .at_least(1)
         .at_most(10)
         .only_with(source, {"density"});
-    t.key("correction", &PressureKeys::correction, "",
+    t.key("correction", &PressureOptions::correction, "",
           "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, 1 as printed")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
-    t.key("damping", &PressureKeys::damping, "",
+    t.key("damping", &PressureOptions::damping, "",
           "constraint and source density: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
         .at_least(0)
         .only_with(model, {"ppe"});
-    t.key("sound_speed", &PressureKeys::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
+    t.key("sound_speed", &PressureOptions::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"})
         .live();
-    t.key("gamma", &PressureKeys::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"}).live();
-    t.key("background_pressure", &PressureKeys::background_pressure, "Pa", "0 wherever there is a free surface")
+    t.key("gamma", &PressureOptions::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"}).live();
+    t.key("background_pressure", &PressureOptions::background_pressure, "Pa", "0 wherever there is a free surface")
         .at_least(0)
         .only_with(model, {"wcsph"})
         .live();
-    t.key("sound_damping", &PressureKeys::sound_damping, "",
+    t.key("sound_damping", &PressureOptions::sound_damping, "",
           "bulk viscosity over density, sound speed and half the kernel radius; 0: sound does not decay")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})
         .live();
-    t.key("artificial_viscosity", &PressureKeys::artificial_viscosity, "",
+    t.key("artificial_viscosity", &PressureOptions::artificial_viscosity, "",
           "kinematic viscosity over sound speed and a twentieth of the kernel radius; auto: 0.1 less what the fluid's own or xsph "
           "makes, 0 with micropolar models")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})
         .live();
-    t.key("gradient", &PressureKeys::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"}).live();
+    t.key("gradient", &PressureOptions::gradient, "", "form of the pressure gradient").only_with(model, {"wcsph"}).live();
     return t;
 }
 
 KeyTable viscosity_keys() {
-    KeyTableOf<ViscosityKeys> t("of the viscosity model");
+    KeyTableOf<ViscosityOptions> t("of the viscosity model");
     const std::string model = "models.viscosity";
     const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityFacts::implicit);
-    t.key("tolerance", &ViscosityKeys::tolerance, "",
+    t.key("tolerance", inside(&ViscosityOptions::limits, &SolveLimits::tolerance), "",
           "preconditioned residual over the velocities, of a step in which viscosity takes a hundredth of them; less of those where it "
           "takes less")
         .above(0)
         .at_most(0.5)
         .only_with(model, implicit)
         .live();
-    t.key("max_iterations", &ViscosityKeys::max_iterations, "", "of the linear solver, a step")
+    t.key("max_iterations", inside(&ViscosityOptions::limits, &SolveLimits::max_iterations), "", "of the linear solver, a step")
         .at_least(1)
         .only_with(model, implicit)
         .live();
-    t.key("preconditioner", &ViscosityKeys::preconditioner, "",
+    t.key("preconditioner", &ViscosityOptions::preconditioner, "",
           "of the linear solver; block_jacobi: 3x3 diagonal blocks; two_level: these and rigid motions of groups of particles; auto: "
           "two_level where nu dt/d^2 passes 4")
         .only_with(model, {"full"});
-    t.key("laplacian", &ViscosityKeys::laplacian, "",
+    t.key("laplacian", &ViscosityOptions::laplacian, "",
           "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
           "second, so that no energy is fed in; auto: split for spinning fluid with a free surface, else brookshaw")
         .only_with(model, {"explicit"})
         .live();
-    t.key("alpha", &ViscosityKeys::alpha, "", "share of the difference to the neighbours' mean velocity that a step removes")
+    t.key("alpha", &ViscosityOptions::alpha, "", "share of the difference to the neighbours' mean velocity that a step removes")
         .above(0)
         .at_most(1)
         .only_with(model, {"xsph"})
         .live();
-    t.key("correction", &ViscosityKeys::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
+    t.key("correction", &ViscosityOptions::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
         .only_with(model, {"full"});
-    t.key("penalty", &ViscosityKeys::penalty, "",
+    t.key("penalty", &ViscosityOptions::penalty, "",
           "over the viscosity, on velocities that alternate from particle to particle, which gradients do not see; 0, with full_assembled "
           "or without correction: solids have no stress, as printed, and every second layer slides")
         .at_least(0)

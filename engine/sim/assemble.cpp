@@ -36,7 +36,7 @@ namespace {
 
 /// Relative density error that is left of a single particle. @param tolerance of all in the mean: looser than the default it saves
 /// iterations, but splashes stay as they are.
-double largest_error(double tolerance) { return 10 * std::min(tolerance, ConstraintOptions{}.limits.tolerance); }
+double largest_error(double tolerance) { return 10 * std::min(tolerance, PressureOptions{}.limits.tolerance); }
 
 /// cfl of the limit from pressure at most: with longer steps a column at rest shakes itself apart (physics.md 3).
 constexpr double calm_cfl = 0.8;
@@ -162,7 +162,7 @@ private:
     /// Viscosity and pressure in one solve.
     void coupled() {
         CoupledOptions options;
-        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.limits = scene_.pressure.limits;
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
         auto system = std::make_shared<CoupledSystem>(options);
@@ -183,7 +183,7 @@ private:
 
     ProjectionOptions projection_options() const {
         ProjectionOptions options;
-        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
+        options.limits = scene_.pressure.limits;
         options.free_surface = plan_.free_surface;
         options.sharp = !facts_.micropolar.spins;
         options.solves = bounded() ? 3 : 2;
@@ -276,36 +276,41 @@ private:
         moves();
         if (!scene_.solids.empty()) at_solids();
         if (constraint_)
-            stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.tolerance), gate_), &EnergyBudget::moves);
+            stage("crowding", "pressure", RelieveCrowding(largest_error(scene_.pressure.limits.tolerance), gate_), &EnergyBudget::moves);
     }
 
     void smoothing(double alpha) {
         stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(alpha), scene_.models.printed()}, &EnergyBudget::smoothing);
     }
 
-    WeaklyCompressible sound() const {
-        WeaklyCompressible options;
-        options.sound_speed = plan_.sound_speed;
-        options.gamma = scene_.pressure.gamma;
-        options.background_pressure = scene_.pressure.background_pressure;
-        options.difference_gradient = scene_.pressure.gradient == GradientForm::difference;
-        options.solid_factor = solid_factor_;
-        options.sound_damping = scene_.pressure.sound_damping;
-        options.artificial_viscosity = plan_.artificial_viscosity;
-        options.gate = gate_;
+    /// What the plan adds to the keys.
+    template <class Options>
+    Options with_choices(Options options) const {
+        options.solid_factor = solid_factor_, options.gate = gate_, options.printed = scene_.models.printed();
+        return options;
+    }
+    PressureOptions pressure() const {
+        PressureOptions options = with_choices(scene_.pressure);
+        options.sound_speed = plan_.sound_speed, options.artificial_viscosity = plan_.artificial_viscosity;
+        options.slow_correction = scene_.fluid.surface_tension > 0;
+        return options;
+    }
+    ViscosityOptions viscosity() const {
+        ViscosityOptions options = with_choices(scene_.viscosity);
+        options.share = static_cast<Real>(plan_.spin.implicit_share);
         return options;
     }
 
     void sound_pressure() {
-        stage("Tait's equation", "pressure", TaitPressure{sound()});
-        if (scene_.pressure.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{sound()});
+        stage("Tait's equation", "pressure", TaitPressure{pressure()});
+        if (scene_.pressure.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{pressure()});
         if (!scene_.emitters.empty()) stage("pressure in nozzles", "pressure", NozzlePressure{});
     }
 
     void sound_forces() {
-        push("pressure acceleration", "pressure", PressureAcceleration{sound()}, &EnergyBudget::pressure);
+        push("pressure acceleration", "pressure", PressureAcceleration{pressure()}, &EnergyBudget::pressure);
         if (plan_.artificial_viscosity > 0)
-            push("artificial viscosity", "pressure", ArtificialViscosity{sound()}, &EnergyBudget::smoothing);
+            push("artificial viscosity", "pressure", ArtificialViscosity{pressure()}, &EnergyBudget::smoothing);
         const double cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed, damping = scene_.pressure.sound_damping;
         limit("sound", number(cfl) + " R/2 / (c + max |u|)", [=](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
         if (bodies_)
@@ -345,14 +350,9 @@ private:
     }
 
     void density_constraint() {
-        ConstraintOptions options;
-        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        options.correction = scene_.pressure.correction.value_or(options.correction);
-        options.slow_correction = scene_.fluid.surface_tension > 0;
-        options.gate = gate_;
-        options.preconditioner = preconditioner<ConstraintPreconditionerSetup>(
-            scene_.pressure.preconditioner, constraint_automatic, constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
-        stage("density constraint", "pressure", ConstraintPressure{options}, &EnergyBudget::pressure);
+        auto solver = preconditioner<ConstraintPreconditionerSetup>(scene_.pressure.preconditioner, constraint_automatic,
+                                                                    constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
+        stage("density constraint", "pressure", ConstraintPressure(pressure(), std::move(solver)), &EnergyBudget::pressure);
         pressure_limit<field::constraint_pressure>(std::min(cfl(), calm_cfl));
     }
 
@@ -365,20 +365,13 @@ private:
     }
 
     void pressure_equation() {
-        PoissonPressureOptions options;
-        options.density_correction = scene_.pressure.correction.value_or(options.density_correction);
-        options.limits = {scene_.pressure.tolerance, scene_.pressure.max_iterations};
-        options.solid_factor = solid_factor_;
-        options.gate = gate_;
-        options.clamp = scene_.pressure.clamp;
-        options.printed = scene_.models.printed();
         ParticleMultigrid levels = poisson_levels_in(scene_.domain.dimensions);
         levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
         levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
-        options.preconditioner = preconditioner<PressurePreconditionerSetup>(
+        auto solver = preconditioner<PressurePreconditionerSetup>(
             scene_.pressure.preconditioner, scene_.pressure.asks_for_multigrid() ? poisson_multigrid(levels) : poisson_automatic(levels),
             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
-        stage("pressure equation", "pressure", PoissonPressure{options}, &EnergyBudget::pressure);
+        stage("pressure equation", "pressure", PoissonPressure(pressure(), std::move(solver)), &EnergyBudget::pressure);
         pressure_limit(cfl());
     }
 
@@ -419,12 +412,7 @@ private:
     }
 
     void explicit_viscosity() {
-        ExplicitOptions options;
-        options.monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
-        options.printed = scene_.models.printed();
-        options.solid_factor = solid_factor_;
-        options.gate = gate_;
-        stage("explicit viscosity", "viscosity", ExplicitViscosity{options}, &EnergyBudget::viscosity);
+        stage("explicit viscosity", "viscosity", ExplicitViscosity{viscosity()}, &EnergyBudget::viscosity);
         viscous_limits();
     }
 
@@ -442,31 +430,10 @@ private:
     }
 
     void implicit_viscosity() {
-        const SolveLimits limits{scene_.viscosity.tolerance, scene_.viscosity.max_iterations};
-        if (plan_.viscosity == ViscosityModel::full) {
-            FullViscosityOptions options;
-            options.limits = limits;
-            options.share = static_cast<Real>(plan_.spin.implicit_share);
-            options.solid_factor = solid_factor_;
-            options.gate = gate_;
-            const ViscousPreconditioner wanted = scene_.viscosity.preconditioner;
-            options.diagonal = wanted != ViscousPreconditioner::none;
-            options.penalty = static_cast<Real>(scene_.viscosity.penalty);
-            if (wanted == ViscousPreconditioner::none || wanted == ViscousPreconditioner::block_jacobi) options.aggregate = 0;
-            if (wanted == ViscousPreconditioner::two_level) options.coarse_above = 0;
-            if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(options), &EnergyBudget::viscosity);
-            else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(options), &EnergyBudget::viscosity);
-        }
-        if (plan_.viscosity == ViscosityModel::full_assembled) {
-            AssembledViscosityOptions options;
-            options.limits = limits;
-            options.penalty = static_cast<Real>(scene_.viscosity.penalty);
-            options.printed = scene_.models.printed();
-            options.share = static_cast<Real>(plan_.spin.implicit_share);
-            options.solid_factor = solid_factor_;
-            options.gate = gate_;
-            stage("assembled viscosity", "viscosity", AssembledViscosity(options), &EnergyBudget::viscosity);
-        }
+        if (plan_.viscosity == ViscosityModel::full_assembled)
+            stage("assembled viscosity", "viscosity", AssembledViscosity(viscosity()), &EnergyBudget::viscosity);
+        else if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(viscosity()), &EnergyBudget::viscosity);
+        else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(viscosity()), &EnergyBudget::viscosity);
     }
 
     MicropolarOptions micropolar_options() const {

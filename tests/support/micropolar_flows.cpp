@@ -129,7 +129,7 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
 
 Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps, int dimensions) {
     const double d = 0.05, radius = 0.3, speed = 1;
-    WeaklyCompressible tait;
+    PressureOptions tait;
     tait.sound_speed = 10 * speed;
     const Vec3 corner(2, 2, dimensions == 3 ? 2 : 0);
     TestWorld w(d, 2, Domain{-corner, corner, {}});

@@ -18,7 +18,7 @@ namespace {
 
 SceneFile with_budget(double seconds_per_frame) {
     SceneFile file;
-    file.scene.pressure.tolerance = 1e-3, file.scene.viscosity.tolerance = 1e-4, file.scene.time.cfl = 0.4;
+    file.scene.pressure.limits.tolerance = 1e-3, file.scene.viscosity.limits.tolerance = 1e-4, file.scene.time.cfl = 0.4;
     file.surface.voxel = 0.5, file.look.samples = 8;
     file.scene.budget.seconds_per_frame = seconds_per_frame;
     return file;
@@ -52,8 +52,8 @@ TEST_CASE("slow frames reduce tolerance, then step length, surface and samples, 
     }
     CHECK(last == 4);
     const SceneFile least = governor.governed();
-    CHECK(least.scene.pressure.tolerance == Approx(1e-2));
-    CHECK(least.scene.viscosity.tolerance == Approx(1e-3));
+    CHECK(least.scene.pressure.limits.tolerance == Approx(1e-2));
+    CHECK(least.scene.viscosity.limits.tolerance == Approx(1e-3));
     CHECK(least.look.samples == 1);
     CHECK(least.scene.fluid.spacing == with_budget(0.1).scene.fluid.spacing);
 }

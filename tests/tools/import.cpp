@@ -85,7 +85,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(scene.fluid.density == 900);
     CHECK(scene.fluid.viscosity(0) == 450);  // kinematic, times the density
     CHECK(scene.models.pressure == PressureModel::ppe);
-    CHECK(scene.pressure.tolerance == Approx(5e-4));  // per cent
+    CHECK(scene.pressure.limits.tolerance == Approx(5e-4));  // per cent
     CHECK(scene.domain.gravity(0) == Vec3d(0, -10, 0));
     REQUIRE(scene.blocks.size() == 1);
     CHECK(scene.blocks[0].shape.min == Vec3d(-0.5, 0.25, -0.5));
@@ -161,7 +161,7 @@ TEST_CASE("numbers that no setting takes, and a file's name of any bytes, make a
     CHECK(made.toml.rfind("# From a?b = 1 ?.json by whorl import.\n", 0) == 0);
     CHECK(noted(made, 2, "is a coefficient without unit of their model"));
     std::ofstream(scratch / "made.toml") << made.toml;
-    CHECK(read_scene_file(scratch / "made.toml").scene.pressure.max_iterations == 1'000'000'000);
+    CHECK(read_scene_file(scratch / "made.toml").scene.pressure.limits.max_iterations == 1'000'000'000);
 }
 
 TEST_CASE("import reads parameters in a method's section, with that format's numbers of methods", "[tools][import]") {

@@ -63,7 +63,7 @@ void report(benchmark::State& state, const Block& block) {
 void viscous_product(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Block block(static_cast<Index>(state.range(0)));
-    FullViscosityOptions options;
+    ViscosityOptions options;
     options.solid_factor = block.factor;
     ViscousOperator A;
     A.set_up(options, block.world.surroundings(), block.read<field::role>(), block.read<field::viscosity>());
@@ -81,7 +81,7 @@ void pressure_product(benchmark::State& state) {
     Block block(static_cast<Index>(state.range(0)));
     World& w = block.world;
     Density{block.factor}(w.surroundings(), {block.column<field::density>()});
-    PoissonPressureOptions options;
+    PressureOptions options;
     options.solid_factor = block.factor;
     PoissonPressure pressure(options);
     pressure(w.surroundings(), w.report, block.read<field::role>(), block.read<field::density>(), {{block.column<field::velocity>()}},

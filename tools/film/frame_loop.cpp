@@ -115,7 +115,7 @@ SceneFile Governor::governed() const {
     const Sacrifice s = now();
     SceneFile file = given_;
     constexpr double loosest = 0.5;
-    for (double* tolerance : {&file.scene.pressure.tolerance, &file.scene.viscosity.tolerance})
+    for (double* tolerance : {&file.scene.pressure.limits.tolerance, &file.scene.viscosity.limits.tolerance})
         *tolerance = std::max(*tolerance, std::min(*tolerance * s.tolerance, loosest));
     file.scene.time.cfl = s.cfl;
     file.surface.voxel = s.voxel;

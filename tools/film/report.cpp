@@ -113,7 +113,7 @@ std::string Incidents::add(const StepReport& report, const Scene& scene, double 
         if (const SolveReport& r = solve.report; solve.name == RelieveCrowding::name) add(Incident{"crowded", time, step, r.why_not});
         else if (!r.converged) {
             const bool viscous = solve.name == "viscosity";
-            const bool limited = r.iterations >= (viscous ? scene.viscosity.max_iterations : scene.pressure.max_iterations);
+            const bool limited = r.iterations >= (viscous ? scene.viscosity.limits.max_iterations : scene.pressure.limits.max_iterations);
             const std::string what =
                 fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}{}", solve.name, r.last_residual, r.first_residual,
                             r.iterations, r.why_not.empty() ? "" : ", " + r.why_not,

@@ -25,23 +25,6 @@ double part_of_picture(const View& view, double aspect, const Vec3d& low, const 
     return aside > std::atan(tall * std::hypot(1, aspect)) + std::asin(radius / away) ? 0 : radius / (away * tall);
 }
 
-/// Names of the keys for the camera's position, target and up direction.
-struct CameraNames {
-    std::string position = "camera.position", target = "camera.target", up = "camera.up";
-};
-CameraNames names_of(const CameraOptions& camera, double time) {
-    CameraNames names;
-    if (camera.kind == "auto") names.position = names.target = "camera.min";
-    if (camera.kind == "orbit") names.position = "camera.distance";
-    if (camera.kind != "keys" || camera.keys.empty()) return names;
-    const auto far = [&](const CameraKey& key) { return std::abs(key.time - time); };
-    const auto nearest =
-        std::min_element(camera.keys.begin(), camera.keys.end(), [&](const auto& a, const auto& b) { return far(a) < far(b); });
-    const std::string key = fmt::format("camera.key[{}]", nearest - camera.keys.begin());
-    names.position = key + ".position", names.target = key + ".target";
-    return names;
-}
-
 }  // namespace
 
 std::vector<std::string> camera_warnings(const SceneFile& file) {
@@ -57,22 +40,20 @@ std::vector<std::string> camera_warnings(const SceneFile& file) {
     const double aspect = static_cast<double>(scene.output.size[0]) / scene.output.size[1];
     for (const double time : times) {
         const View view = view_at(camera, time, low, high);
-        const CameraNames name = names_of(camera, time);
         const std::string when = still ? "" : fmt::format(" at {:g} s", time);
         const Vec3f ahead = view.target - view.position;
         if (ahead.norm() <= 1e-6f * (high - low).norm())
-            return {fmt::format("{}: the camera sits in its target, {}{}, and looks nowhere", name.position, point(view.target), when)};
+            return {fmt::format("camera: it sits in its target, {}{}, and looks nowhere", point(view.target), when)};
         if (ahead.normalized().cross(view.up.normalized()).norm() < 1e-4f)
-            return {fmt::format("{}: the camera looks along what is up in the picture, {}{}: take another direction", name.up,
-                                point(view.up), when)};
+            return {fmt::format("camera.up: the camera looks along what is up in the picture, {}{}: take another direction", point(view.up),
+                                when)};
         const double part = part_of_picture(view, aspect, scene.domain.min, scene.domain.max);
-        const float away = (middle - view.position).norm();
         if (part == 0)
-            return {fmt::format("{}: the camera at {} looks past the whole domain{}; {} is its middle", name.target, point(view.position),
-                                when, point(middle))};
+            return {
+                fmt::format("camera: at {} it looks past the whole domain{}; {} is its middle", point(view.position), when, point(middle))};
         if (part < least_part)
-            return {fmt::format("{}: the domain is {:.2g} % of the picture's height, the camera is {:.3g} m away{}; lengths are in metres",
-                                name.position, 100 * part, away, when)};
+            return {fmt::format("camera: the domain is {:.2g} % of the picture's height, from {:.3g} m away{}; lengths are in metres",
+                                100 * part, (middle - view.position).norm(), when)};
     }
     return {};
 }

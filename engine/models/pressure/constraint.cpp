@@ -24,7 +24,7 @@ constexpr double strict_share = 0.1;
 /// A step leaves no more than this part of the right-hand side either: gravity presses less together in a short step than the shares above
 /// allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4 and by 22 %
 /// at 0.2; so by 2.4 and 1.8 %). A tolerance looser than the default loosens this as much.
-double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / ConstraintOptions{}.limits.tolerance); }
+double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / PressureOptions{}.limits.tolerance); }
 /// For steps with hardly any load: the least fraction of the tolerated density error to solve to, and the limit of rounding.
 constexpr double least_share = 0.005, least_with_bodies = 0.02, least_tolerance = 1e-6;
 
@@ -68,7 +68,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     parallel_for(n, [&](Index i) { matrix.presses[i] = D_.diagonal[i] > std::numeric_limits<Real>::min(); });
     without_mean(b_);
     without_mean(q);
-    const PressurePreconditioner M = options_.preconditioner(matrix);
+    const PressurePreconditioner M = preconditioner_(matrix);
     const double set_up = wall_seconds() - start;
     // Among pressures without a mean: only then is it a projection, which cannot give energy.
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
@@ -169,7 +169,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
         }
         if (set_up_for.empty() || changed(set_up_for, matrix.presses) > changes_to_set_up_for * n) {
             const double before = wall_seconds();
-            M = options_.preconditioner(matrix);
+            M = preconditioner_(matrix);
             set_up_for = matrix.presses;
             report.levels = M.levels;
             report.set_up_seconds += wall_seconds() - before;
@@ -331,7 +331,7 @@ Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, co
     });
     const double size = std::pow(n * static_cast<double>(step.volume), 1.0 / step.dimensions());
     const double most = slow * (std::sqrt(g * size) + std::sqrt(sums.squares / n)) / size;
-    const double rate = options_.correction * sums.excess / (n * rho_0 * static_cast<double>(step.dt));
+    const double rate = correction() * sums.excess / (n * rho_0 * static_cast<double>(step.dt));
     return most > 0 && rate > most ? static_cast<Real>(most / rate) : Real(1);
 }
 

@@ -3,9 +3,9 @@
 ///
 /// Stages of a step, in order: Density (if the viscosity needs one), Gravity, (forces), Kick, (viscosity; an implicit one between
 /// ExpectForce and ForgetForce), DampUnresolved, ConstraintPressure, (TakeForce), Move, KeepOutside.
-#include "engine/math/solve.h"
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/preconditioner.h"
+#include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/surroundings.h"
 
 namespace whorl {
@@ -47,18 +47,6 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 /// z = r
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
-struct ConstraintOptions {
-    /// tolerance: relative density error (root mean square), of which a step may add half, if that is at most 5 % of the error that it is
-    /// to correct.
-    SolveLimits limits{1e-3, 200};
-    double correction = 0.5;  ///< share of the density error that a step corrects; its motion stays in the velocity
-    /// Corrects 0.4 of that share, as near free bodies and in full periodic domains: a drop that surface tension holds together loses
-    /// some of its pressure to a faster correction (a twentieth, with a radius of 11 spacings).
-    bool slow_correction = false;
-    SolidGate gate;  ///< before solids
-    ConstraintPreconditionerSetup preconditioner = diagonal_scaling;
-};
-
 /// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i + e_i <= rho_0,   and q_i = 0 where the density stays below, then u
 /// -= D^T q. e is the curvature of the move: rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q of the last step's pressure. Where rho_i
 /// exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search, and
@@ -66,7 +54,8 @@ struct ConstraintOptions {
 /// that fills a periodic domain, densities are held equal instead.
 class ConstraintPressure {
 public:
-    explicit ConstraintPressure(ConstraintOptions options) : options_(std::move(options)) {}
+    explicit ConstraintPressure(const PressureOptions& options, ConstraintPreconditionerSetup preconditioner = diagonal_scaling)
+        : options_(options), preconditioner_(std::move(preconditioner)) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
                     Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p);
 
@@ -86,9 +75,10 @@ private:
     /// particle may be and still join, where more join than press; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Real about_full, Span<Real> rest) const;
     double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
+    double correction() const { return options_.correction.value_or(0.5); }
     /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
     Real correction_share(bool slowly) const {
-        return static_cast<Real>(slowly || options_.slow_correction ? 0.4 * options_.correction : options_.correction);
+        return static_cast<Real>(slowly || options_.slow_correction ? 0.4 * correction() : correction());
     }
     /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
     Real correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const;
@@ -129,7 +119,8 @@ private:
     void find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q, Span<Real> p) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
-    ConstraintOptions options_;
+    PressureOptions options_;
+    ConstraintPreconditionerSetup preconditioner_;
     DensityRate D_;
     BodyRows bodies_;
     Column<Real> b_, residual_;

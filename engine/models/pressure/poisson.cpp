@@ -117,7 +117,7 @@ void PoissonPressure::lay_out_rows(const FluidPairs& pairs) {
 
 /// Right-hand side of a row. @param factor of the row @param error of the density over rho_0 @param rate of the relative density [1/s]
 Real PoissonPressure::source(const StepContext& step, Real factor, Real error, Real rate) const {
-    const Real share = static_cast<Real>(options_.density_correction);
+    const Real share = static_cast<Real>(options_.correction.value_or(0.1));
     return step.rest_density * step.volume * factor * (share * error + step.dt * rate) / (step.dt * step.dt);
 }
 
@@ -192,7 +192,7 @@ SolveReport PoissonPressure::solve_rows(const StepContext& step, double unknowns
     solved.converged = true;
     if (!(unknowns > 0)) return solved;
     const double start = wall_seconds();
-    const PressurePreconditioner M = options_.preconditioner(matrix_);
+    const PressurePreconditioner M = preconditioner_(matrix_);
     const double set_up = wall_seconds() - start;
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix_.multiply(in, out); };
     const double density =

@@ -6,25 +6,11 @@
 #include <vector>
 
 #include "engine/models/pressure/pressure_matrix.h"
+#include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
-#include "engine/sph/gate.h"
 
 namespace whorl {
-
-struct PoissonPressureOptions {
-    /// tolerance: root mean square over the unknown particles of |r_i| dt^2/rho_0, the relative density error that the linear solve leaves;
-    /// at most ten times that share of the right-hand side.
-    SolveLimits limits{1e-3, 200};
-    /// Share of the density error that one step corrects: the source is (dt drho/dt + share (rho - rho_0))/dt^2. 1: as printed; then
-    /// an error e throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
-    double density_correction = 0.1;
-    bool clamp = true;      ///< p = max(0, p) after the solve, as printed
-    bool printed = false;   ///< the printed rows (docs/physics.md 3)
-    Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
-    SolidGate gate;         ///< before solids
-    PressurePreconditionerSetup preconditioner = jacobi;
-};
 
 /// Class of a particle in the pressure solve.
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
@@ -34,7 +20,8 @@ enum class PressureClass : char { isolated, surface, separated, poisson, prescri
 /// of i.
 class PoissonPressure {
 public:
-    explicit PoissonPressure(PoissonPressureOptions options) : options_(std::move(options)) {}
+    explicit PoissonPressure(const PressureOptions& options, PressurePreconditionerSetup preconditioner = jacobi)
+        : options_(options), preconditioner_(std::move(preconditioner)) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
                     Update<field::velocity> u, Update<field::pressure> p);
 
@@ -67,7 +54,8 @@ private:
     void push(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
               Update<field::pressure> p) const;
 
-    PoissonPressureOptions options_;
+    PressureOptions options_;
+    PressurePreconditionerSetup preconditioner_;
     PressureMatrix matrix_;
     std::vector<PressureClass> class_;
     std::vector<char> touches_surface_;

@@ -66,7 +66,7 @@ void ArtificialViscosity::operator()(const Surroundings& around, Read<field::rol
                                      Update<field::acceleration> a) const {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
-    const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity * options.sound_speed) * h;
+    const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity.value_or(0) * options.sound_speed) * h;
     const Real softening = Real(0.01) * h * h;
     const std::vector<char> slip = slips(around.solids);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
@@ -139,13 +139,14 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
 void PressureAcceleration::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
                                       Update<field::acceleration> a) const {
     const StepContext& step = around.step;
+    const bool difference = options.gradient == GradientForm::difference;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        if (options.difference_gradient) add_pressure<true>(kernel, around.pairs, step, rho, p, a);
+        if (difference) add_pressure<true>(kernel, around.pairs, step, rho, p, a);
         else add_pressure<false>(kernel, around.pairs, step, rho, p, a);
         if (around.layer.size() == 0) return;
         const auto push = [&](Index i, Index s, const Vec3& r, Real distance) {
             // p_s + p_i, or p_s - p_i, with p_s = p_i - rho_0 g.r.
-            const Real even = options.difference_gradient ? 0 : 2 * p[i], least = options.difference_gradient ? -p[i] : 0;
+            const Real even = difference ? 0 : 2 * p[i], least = difference ? -p[i] : 0;
             const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
             return Vec3(both * around.layer.volume[s] * kernel.slope(distance) * r);
         };

@@ -4,26 +4,15 @@
 /// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity,
 /// Kick, Move, KeepOutside. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice
 /// that melts stays warm.
+#include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
-#include "engine/sph/gate.h"
 
 namespace whorl {
 
-struct WeaklyCompressible {
-    double sound_speed = 0;  ///< c0 [m/s], ten times the largest speed keeps the density within 1 %
-    double gamma = 7;
-    double background_pressure = 0;    ///< p0 [Pa]; must be 0 where there is a free surface
-    bool difference_gradient = false;  ///< (m_j/rho_j)(p_j - p_i) rather than rho_i m_j (p_i/rho_i^2 + p_j/rho_j^2)
-    double sound_damping = 0;          ///< bulk viscosity over rho c0 R/2
-    double artificial_viscosity = 0;   ///< alpha, shear viscosity over rho c0 R/(4 (D + 2)), R/20 in 3D
-    Real solid_factor = 1;             ///< on the solids' volumes, see models/boundary/wall.h
-    SolidGate gate = {};
-};
-
 /// p = max(c0^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, 0)
 struct TaitPressure {
-    WeaklyCompressible options;
+    PressureOptions options;
     void operator()(const StepContext& step, Read<field::density> rho, Write<field::pressure> p) const;
 };
 
@@ -38,7 +27,7 @@ struct NozzlePressure {
 /// A bulk viscosity: its force is the transpose of the divergence that it is made of, so it only ever takes energy away; it conserves
 /// momentum and angular momentum, and does nothing to a flow that keeps its density (free fall, rotation, shear).
 struct SoundDamping {
-    WeaklyCompressible options;
+    PressureOptions options;
     void operator()(const Surroundings& around, Read<field::velocity> u, Update<field::pressure> p) const;
 };
 
@@ -46,7 +35,7 @@ struct SoundDamping {
 /// pairs too) A viscosity of nu = alpha c0 h/(2 (D + 2)). Conserves momentum and angular momentum. Solids that the fluid sticks to act with
 /// their volumes.
 struct ArtificialViscosity {
-    WeaklyCompressible options;
+    PressureOptions options;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                     Update<field::acceleration> a) const;
 };
@@ -61,7 +50,7 @@ struct ArtificialViscosity {
 /// Also along the wall: without that, fluid at a vertical wall feels half the gradient that carries it, sinks, and stirs the whole
 /// basin. In the difference form it is p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only that weight pushes.
 struct PressureAcceleration {
-    WeaklyCompressible options;
+    PressureOptions options;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
                     Update<field::acceleration> a) const;
 };

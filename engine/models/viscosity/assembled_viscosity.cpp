@@ -72,7 +72,7 @@ struct AssembledOperator::Gradients {
     }
 };
 
-void AssembledOperator::set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role,
+void AssembledOperator::set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role,
                                Read<field::density> rho, Read<field::viscosity> mu, Span<const Mat3> before) {
     const StepContext& step = around.step;
     const std::size_t n = static_cast<std::size_t>(mu.size());

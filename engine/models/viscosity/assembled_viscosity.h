@@ -11,17 +11,6 @@
 
 namespace whorl {
 
-struct AssembledViscosityOptions {
-    SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
-    Real share = 1;                 ///< of mu
-    Real solid_factor = 1;          ///< on the solids' volumes, see models/boundary/wall.h
-    SolidGate gate = {};
-    /// If as printed: gradients weight the neighbours with V_j, so that the matrix is not symmetric if densities differ, and T = 0.
-    /// Otherwise the gradient of particle i has V_i, which is symmetric.
-    bool printed = false;
-    Real penalty = viscous_penalty;  ///< see FullViscosityOptions; 0: as printed
-};
-
 /// The nine coefficients that a product of grad W and a gives: row a: equation of u, v, w; column b: coefficient of u, v, w.
 ///   coefficient_ab = (grad W . a) delta_ab + grad W_b a_a
 /// With (omega_i, alpha_i) times m^ mu^_i they are c_{u_i u_i}, c_{v_i u_i} ... c_{w_i w_i} (but for the 1 of the mass); with -(omega_i,
@@ -39,7 +28,7 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 class AssembledOperator final : public ImplicitOperator {
 public:
     /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
-    void set_up(const AssembledViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
+    void set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
                 Read<field::viscosity> mu, Span<const Mat3> before = {});
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -90,13 +79,13 @@ inline constexpr double most_assembled_bytes = 4e9;
 /// The stage.
 class AssembledViscosity {
 public:
-    explicit AssembledViscosity(AssembledViscosityOptions options) : options_(options) {}
+    explicit AssembledViscosity(ViscosityOptions options) : options_(options) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last);
 
 private:
-    AssembledViscosityOptions options_;
+    ViscosityOptions options_;
     AssembledOperator operator_;
 };
 

@@ -73,14 +73,15 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ExplicitOptions& options, const Surroundings& around,
+void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOptions& options, const Surroundings& around,
                    Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
                    Update<field::acceleration> a) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     const std::vector<char> slip = slips(around.solids);
     WallFriction friction;
-    friction.set(options.monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate, options.solid_factor);
+    friction.set(options.without_spin() == LaplacianForm::monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate,
+                 options.solid_factor);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
@@ -135,8 +136,9 @@ void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role>
     const StepContext& step = around.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, rho, mu, u, a); };
-        if (options.monaghan && options.printed) add(Monaghan(step.kernel, step.support));
-        else if (options.monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
+        const bool monaghan = options.without_spin() == LaplacianForm::monaghan;
+        if (monaghan && options.printed) add(Monaghan(step.kernel, step.support));
+        else if (monaghan) add(Monaghan(step.kernel, step.support, step.spacing));
         else add(Brookshaw{options.printed ? Real(1) : 1 / lattice_gradient(step.kernel, step.support, step.spacing)});
     });
 }

@@ -3,9 +3,9 @@
 ///
 /// Stages of a step: XsphViscosity after Kick; ExplicitViscosity between Gravity and Kick. Both need Density before them.
 #include "engine/models/boundary/wall.h"
+#include "engine/models/viscosity/viscosity_options.h"
 #include "engine/particles/field.h"
 #include "engine/particles/surroundings.h"
-#include "engine/sph/gate.h"
 
 namespace whorl {
 
@@ -36,20 +36,13 @@ struct XsphSpin {
                     Write<field::smoothing> change, Update<field::spin> w) const;
 };
 
-struct ExplicitOptions {
-    bool monaghan = false;  ///< the second Laplacian of the notes rather than the first
-    Real solid_factor = 1;  ///< on the solids' volumes see models/boundary/wall.h
-    SolidGate gate = {};
-    bool printed = false;  ///< f = 1
-};
-
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:
 ///   brookshaw:  Lap u_i = f sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
 ///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
 /// The factor f, near 1, makes up for the lattice's sums (models/boundary/wall.h). Solids that the fluid sticks to enter with their
 /// velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
-    ExplicitOptions options;
+    ViscosityOptions options;
     void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                     Read<field::velocity> u, Update<field::acceleration> a) const;
 };

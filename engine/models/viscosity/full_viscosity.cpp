@@ -14,7 +14,8 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
                                   Span<std::int32_t> aggregate) {
     operator_.use_coarse(nullptr);
     const double d2 = static_cast<double>(step.spacing) * step.spacing;
-    if (options_.aggregate == 0 || operator_.largest_spread() < options_.coarse_above * d2) {
+    const bool automatic = options_.preconditioner == ViscousPreconditioner::automatic;
+    if (automatic ? operator_.largest_spread() < options_.coarse_above * d2 : options_.preconditioner != ViscousPreconditioner::two_level) {
         coarse_.clear();
         std::fill(aggregate.begin(), aggregate.end(), 0);
         return;

@@ -18,7 +18,7 @@ struct viscous_aggregate {
 /// The stage of the corrected form: u = argmin E.
 class FullViscosity {
 public:
-    explicit FullViscosity(FullViscosityOptions options) : options_(options) {}
+    explicit FullViscosity(ViscosityOptions options) : options_(options) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
@@ -26,7 +26,7 @@ public:
 private:
     void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
                        Span<std::int32_t> aggregate);
-    FullViscosityOptions options_;
+    ViscosityOptions options_;
     ViscousOperator operator_;
     CoarseLevel coarse_;
     int steps_since_refresh_ = 0;  ///< of the coarse level
@@ -35,13 +35,13 @@ private:
 /// The stage of the uncorrected form, which weights by the density.
 class UncorrectedViscosity {
 public:
-    explicit UncorrectedViscosity(FullViscosityOptions options) : options_(options) { options_.correction = false; }
+    explicit UncorrectedViscosity(ViscosityOptions options) : options_(options) { options_.correction = false; }
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last);
 
 private:
-    FullViscosityOptions options_;
+    ViscosityOptions options_;
     ViscousOperator operator_;
 };
 

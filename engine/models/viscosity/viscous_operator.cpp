@@ -9,8 +9,8 @@
 
 namespace whorl {
 
-void ViscousOperator::set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role,
-                             Read<field::viscosity> mu, Span<const Real> density, Span<const Mat3> before) {
+void ViscousOperator::set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
+                             Span<const Real> density, Span<const Mat3> before) {
     const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &around.pairs;
     options_ = options;
@@ -30,7 +30,7 @@ void ViscousOperator::set_up(const FullViscosityOptions& options, const Surround
     if (bodies()) set_up_body_blocks();
 }
 
-void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role,
+void ViscousOperator::set_up_moments(const ViscosityOptions& options, const StepContext& step, Read<field::role> role,
                                      Read<field::viscosity> mu, Span<const Real> density) {
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(mu.size(), [&](Index i) {
@@ -83,7 +83,7 @@ void ViscousOperator::set_up_moments(const FullViscosityOptions& options, const 
     });
 }
 
-void ViscousOperator::set_up_wall(const FullViscosityOptions& options, const Surroundings& around) {
+void ViscousOperator::set_up_wall(const ViscosityOptions& options, const Surroundings& around) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     const std::vector<char> slip = slips(around.solids);
@@ -135,7 +135,7 @@ void ViscousOperator::set_up_curvature(Span<const Mat3> before, Real dt) {
 /// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            own energy: g = sum_j w r_ij, h = M_i^+ g
 ///         + sum_j K_j P_j (|h_j|^2 + h_j h_j^T) P_j + 2 c_j (w - w r.M_j^+ w r)   that of the neighbours: h_j = M_j^+ w r_ij
 /// Also turns the pairs' w into the penalty's coupling.
-void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
+void ViscousOperator::set_up_blocks(const ViscosityOptions& options) {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
         const Vec3 h = M_[j].matrix() * g;
         Mat3 S = h * h.transpose();
@@ -160,7 +160,7 @@ void ViscousOperator::set_up_blocks(const FullViscosityOptions& options) {
         if (friction_.acts()) B += friction_coefficient(i);
         blocks[i] = B;
     });
-    if (!options.diagonal) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());
+    if (options.preconditioner == ViscousPreconditioner::none) std::fill(blocks.begin(), blocks.end(), Mat3::Identity());
     diagonal_.set(std::move(blocks), free_);
 }
 

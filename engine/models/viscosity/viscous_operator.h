@@ -5,28 +5,10 @@
 #include "engine/models/boundary/friction.h"
 #include "engine/models/strain/coarse_level.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
+#include "engine/models/viscosity/viscosity_options.h"
 #include "engine/particles/surroundings.h"
-#include "engine/sph/gate.h"
 
 namespace whorl {
-
-inline constexpr Real viscous_penalty = Real(0.3);
-
-struct FullViscosityOptions {
-    SolveLimits limits{1e-4, 500};  ///< see solve_implicit()
-    Real share = 1;                 ///< of mu
-    bool correction = true;         ///< gradients exact for linear fields; false: those of the note, which slows free rotation down
-    /// Penalty over mu, against zig-zag modes that the central gradient does not see; vanishes for affine fields. It also compensates part
-    /// of the damping of short waves that the central gradient lacks: a wave of 32 particles decays 2.2 % too slowly with 0.05. Without
-    /// correction 0 is the plain system as printed, in which solids have no stress.
-    Real penalty = viscous_penalty;
-    Real solid_factor = 1;  ///< on the solids' volumes, see models/boundary/wall.h
-    SolidGate gate = {};
-    bool diagonal = true;     ///< the diagonal blocks precondition, and measure the residual; false: nothing does
-    int aggregate = 48;       ///< particles in a group of the coarse level; 0: no coarse level
-    int refresh_every = 5;    ///< steps between two set-ups of the coarse level
-    double coarse_above = 4;  ///< largest nu dt/d^2 that the diagonal alone settles in few iterations
-};
 
 /// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j, u_ij = u_i -
 /// u_j:
@@ -47,7 +29,7 @@ public:
     /// Coefficients for these positions.
     /// @param density [kg/m^3], of the uncorrected form; empty: at rest
     /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
-    void set_up(const FullViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
+    void set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
@@ -93,15 +75,15 @@ private:
     /// dt nu times that of walls with a slip length.
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
     bool stretches() const { return options_.correction || options_.penalty > 0; }
-    void set_up_moments(const FullViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
+    void set_up_moments(const ViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
-    void set_up_wall(const FullViscosityOptions& options, const Surroundings& around);
+    void set_up_wall(const ViscosityOptions& options, const Surroundings& around);
     void set_up_curvature(Span<const Mat3> before, Real dt);
-    void set_up_blocks(const FullViscosityOptions& options);
+    void set_up_blocks(const ViscosityOptions& options);
     void spread(Span<const Vec3> u, bool free_only) const;
     void stress(Span<const Vec3> u, bool with_known) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
-    void set_up_bodies(const FullViscosityOptions& options, const Surroundings& around);
+    void set_up_bodies(const ViscosityOptions& options, const Surroundings& around);
     void set_up_body_blocks();
     struct CoarseRows;
     /// Subtracts the bodies' velocities from the sums at i; and the forces of i on them, once its stress is known.
@@ -109,7 +91,7 @@ private:
     void set_body_forces(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
     void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;
 
-    FullViscosityOptions options_;
+    ViscosityOptions options_;
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids

@@ -19,7 +19,7 @@ Vec3 turning_part(const Mat3& M) { return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0),
 
 }  // namespace
 
-void ViscousOperator::set_up_bodies(const FullViscosityOptions& options, const Surroundings& around) {
+void ViscousOperator::set_up_bodies(const ViscosityOptions& options, const Surroundings& around) {
     const SolidParticles& layer = around.layer;
     const StepContext& step = around.step;
     bodies_ = {};

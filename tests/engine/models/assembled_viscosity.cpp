@@ -28,7 +28,7 @@ Read<F> read(const TestWorld& w) {
 }
 
 AssembledOperator assembled(TestWorld& w, bool printed = false, Span<const Mat3> before = {}, Real penalty = viscous_penalty) {
-    AssembledViscosityOptions options;
+    ViscosityOptions options;
     options.penalty = penalty;
     options.printed = printed;
     AssembledOperator A;
@@ -38,7 +38,7 @@ AssembledOperator assembled(TestWorld& w, bool printed = false, Span<const Mat3>
 }
 
 ViscousOperator matrix_free(TestWorld& w, Span<const Mat3> before = {}, Real penalty = viscous_penalty) {
-    FullViscosityOptions options;
+    ViscosityOptions options;
     options.penalty = penalty;
     options.correction = false;
     ViscousOperator A;
@@ -109,7 +109,7 @@ TEST_CASE("the assembled matrix is symmetric with V_i in each gradient, unlike t
 
 TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian to 1e-3, also at a wall", "[viscosity][printed]") {
     // Every sum over all pairs, in double. Solids have m V_s/V and the wall's velocity, 0.
-    AssembledViscosityOptions options;
+    ViscosityOptions options;
     options.printed = true, options.penalty = 0, options.limits.tolerance = 1e-6;
     TestWorld w =
         uneven_block(1000, Real(0.2),
@@ -172,9 +172,9 @@ TEST_CASE("on a lattice the printed diagonal is the mass alone, the second ring 
 }
 
 TEST_CASE("an assembled viscosity step equals the matrix-free one and keeps a free body's momentum", "[viscosity]") {
-    FullViscosityOptions apart;
+    ViscosityOptions apart;
     apart.limits.tolerance = 1e-6;
-    AssembledViscosityOptions together;
+    ViscosityOptions together;
     together.limits.tolerance = 1e-6;
     const auto run = [](Stage viscosity) {
         TestWorld w = uneven_block(1000, Real(0.1), {make_stage("density", "density", Density{}), std::move(viscosity)},

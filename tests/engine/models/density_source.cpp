@@ -19,8 +19,8 @@ namespace {
 
 constexpr double d = 0.1, dt = 0.01;
 
-PoissonPressureOptions exact_options() {
-    PoissonPressureOptions options;
+PressureOptions exact_options() {
+    PressureOptions options;
     options.limits = {1e-6, 2000};
     options.solid_factor = continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d));
     return options;
@@ -28,8 +28,8 @@ PoissonPressureOptions exact_options() {
 
 /// Fluid and walls, and the pressure's step alone.
 struct Fluid : TestWorld {
-    PoissonPressureOptions options;
-    explicit Fluid(const Domain& domain, PoissonPressureOptions o) : TestWorld(d, 2, domain), options(std::move(o)) {
+    PressureOptions options;
+    explicit Fluid(const Domain& domain, PressureOptions o) : TestWorld(d, 2, domain), options(std::move(o)) {
         use({make_stage("density", "density", Density{options.solid_factor}),
              make_stage("pressure", "pressure", PoissonPressure{options})});
         world.step.gravity = Vec3::Zero();
@@ -92,9 +92,9 @@ TEST_CASE("a density-source solve gains no energy, on and off lattices, free, be
     // Pressures of both signs and no density error: the solve is linear in the velocity. Its force is the transpose of its divergence D, so
     // it removes T = M^-1 D^T L^-1 D, and energy cannot grow as long as D M^-1 D^T <= 2 L, that is, the eigenvalues of T are at most 2.
     // 1e-3: the error of 60 rounds of the power method and of the solver's tolerance.
-    PoissonPressureOptions options = exact_options();
+    PressureOptions options = exact_options();
     options.clamp = false;
-    options.density_correction = 0;
+    options.correction = 0;
     for (const double wobble : {0.0, 0.1, 0.3, 0.5})
         for (const int shape : {0, 1, 2, 3, 4, 5}) {
             INFO("shape " << shape << ", moved by " << wobble << " d");
@@ -154,8 +154,8 @@ TEST_CASE("density source: particles are classified as isolated, separated, surf
 
 TEST_CASE("density source: a lone particle at a moving wall has the pressure b/alpha, solved and as printed",
           "[pressure][density_source]") {
-    PoissonPressureOptions options = exact_options();
-    options.density_correction = 1;
+    PressureOptions options = exact_options();
+    options.correction = 1;
     for (const bool printed : {false, true})
         for (const bool towards : {true, false}) {
             options.printed = printed;
@@ -200,11 +200,11 @@ TEST_CASE(
     "[pressure][density_source]") {
     // Every sum over all pairs, in double: what holds rho*, alpha, the matrix and the force to what docs/physics.md says of them.
     for (const auto& [clamp, printed] : {std::pair(true, false), {false, false}, {true, true}}) {
-        PoissonPressureOptions options = exact_options();
+        PressureOptions options = exact_options();
         options.clamp = clamp, options.printed = printed;
-        options.density_correction = printed ? 1 : 0.3;
+        options.correction = printed ? 1 : 0.3;
         if (printed) options.solid_factor = 1;
-        const double corrected = options.density_correction;
+        const double corrected = *options.correction;
         Fluid f(Domain{Vec3::Zero(), Vec3(Real(0.6), Real(1.5), Real(0.6)), {false, false, false}}, options);
         f.add_wall(1, +1, 0);
         f.add_wall(0, +1, 0);

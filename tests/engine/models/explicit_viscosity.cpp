@@ -45,7 +45,9 @@ TEST_CASE("explicit viscosity keeps momentum to 1e-6, also with uneven density a
     for (bool monaghan : {false, true}) {
         TestWorld w =
             uneven_blob({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
-                         make_stage("viscosity", "viscosity", ExplicitViscosity{{monaghan, 1}}), make_stage("kick", "move", Kick{})});
+                         make_stage("viscosity", "viscosity",
+                                    ExplicitViscosity{{.laplacian = monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw}}),
+                         make_stage("kick", "move", Kick{})});
         const Vec3d before = w.momentum();
         double scale = 0;
         for (const Vec3& u : w.column<field::velocity>()) scale += w.world.step.mass * u.norm();
@@ -63,7 +65,7 @@ TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, n
         TestWorld w(d, 2, Domain{Vec3(0, 0, 0), corner, {true, false, dimensions == 3}});
         const Real factor = continued_lattice_factor(w.world.step.kernel, 2 * d, d);
         w.use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
-               make_stage("viscosity", "viscosity", ExplicitViscosity{{false, factor}})});
+               make_stage("viscosity", "viscosity", ExplicitViscosity{{.solid_factor = factor}})});
         w.add_wall(1, +1, 0);
         w.place(Vec3(0, 0, 0), corner, 1, [](const Vec3& x) { return Vec3(x.y(), 0, 0); });
         w.step(0);
@@ -91,7 +93,10 @@ TEST_CASE(
     for (const Form form : {Form::xsph, Form::brookshaw, Form::monaghan}) {
         INFO("form " << static_cast<int>(form));
         std::vector<Stage> stages{make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{})};
-        if (form != Form::xsph) stages.push_back(make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, 1}}));
+        if (form != Form::xsph)
+            stages.push_back(
+                make_stage("viscosity", "viscosity",
+                           ExplicitViscosity{{.laplacian = form == Form::monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw}}));
         stages.push_back(make_stage("kick", "move", Kick{}));
         if (form == Form::xsph) stages.push_back(make_stage("viscosity", "viscosity", XsphViscosity{alpha}));
         TestWorld w = uneven_blob(std::move(stages));

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double d = 0.1;
 
-ViscousOperator make_operator(TestWorld& w, Real dt, const FullViscosityOptions& options = {}) {
+ViscousOperator make_operator(TestWorld& w, Real dt, const ViscosityOptions& options = {}) {
     w.find_pairs();
     w.world.step.dt = dt;
     ViscousOperator A;
@@ -30,7 +30,7 @@ ViscousOperator make_operator(TestWorld& w, Real dt, const FullViscosityOptions&
     return A;
 }
 
-Stage full(FullViscosityOptions options = {}) { return make_stage("viscosity", "viscosity", FullViscosity(options)); }
+Stage full(ViscosityOptions options = {}) { return make_stage("viscosity", "viscosity", FullViscosity(options)); }
 
 }  // namespace
 
@@ -38,7 +38,7 @@ TEST_CASE("the viscous operator is symmetric and positive, with walls, uneven pa
     for (bool correction : {true, false}) {
         TestWorld w = uneven_block(1000, Real(0.2));
         w.add_wall(1, +1, -0.32);
-        FullViscosityOptions options;
+        ViscosityOptions options;
         options.correction = correction;
         const ViscousOperator A = make_operator(w, Real(0.01), options);
         CHECK(asymmetry(A) < 1e-6);
@@ -142,7 +142,7 @@ TEST_CASE("the blocks of the preconditioner are the operator's own diagonal", "[
 
 TEST_CASE("implicit viscosity keeps both momenta of a free body to 1e-5, even with a loose tolerance", "[viscosity]") {
     for (double mu : {1e-3, 1e3, 1e7}) {
-        FullViscosityOptions options;
+        ViscosityOptions options;
         options.limits = {1e-2, 500};
         TestWorld w = uneven_block(mu, Real(0.2), {make_stage("gradient", "viscosity", VelocityGradient{}), full(options)});
         const auto x = w.column<field::position>();
@@ -173,7 +173,7 @@ TEST_CASE("one implicit step multiplies a shear wave by 1/(1 + nu k^2 dt) within
     const double L = 32 * d, k = 2 * std::numbers::pi / L;
     for (double strength : {0.01, 1.0, 100.0}) {
         const double dt = 0.01, mu = 1000 * strength / (k * k * dt);
-        FullViscosityOptions options;
+        ViscosityOptions options;
         options.limits.tolerance = 1e-5;
         TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(0.4, L, 0.4), {true, true, true}});
         w.use({full(options)});
@@ -231,8 +231,8 @@ TEST_CASE("the coarse level halves the iterations of a stiff free body and keeps
     // A bar of 40 x 6 x 6 with nu dt/d^2 = 1000, bent by its initial velocity.
     std::array<int, 2> iterations{};
     for (int coarse : {0, 1}) {
-        FullViscosityOptions options;
-        if (!coarse) options.aggregate = 0;
+        ViscosityOptions options;
+        if (!coarse) options.preconditioner = ViscousPreconditioner::block_jacobi;
         TestWorld w(0.1, 2, Domain{Vec3(-4, -4, -4), Vec3(4, 4, 4), {}});
         w.use({full(options)});
         w.place(Vec3(Real(-2), Real(-0.3), Real(-0.3)), Vec3(Real(2), Real(0.3), Real(0.3)), 1e6,

@@ -57,16 +57,18 @@ Stage stage(S s) {
 }
 
 std::vector<Stage> sound(SolidGate gate) {
-    auto options = options_with<WeaklyCompressible>(gate);
+    auto options = options_with<PressureOptions>(gate);
     options.sound_speed = 10;
     options.background_pressure = 1e4;
-    options.sound_damping = options.artificial_viscosity = 1;
+    options.sound_damping = 1, options.artificial_viscosity = 1;
     return kicked(gate, {stage(TaitPressure{options}), stage(SoundDamping{options}), stage(PressureAcceleration{options}),
                          stage(ArtificialViscosity{options})});
 }
 
 std::vector<Stage> explicit_laplacian(SolidGate gate, bool monaghan) {
-    return kicked(gate, {stage(ExplicitViscosity{{monaghan, solid_factor(), gate}})});
+    auto options = options_with<ViscosityOptions>(gate);
+    if (monaghan) options.laplacian = LaplacianForm::monaghan;
+    return kicked(gate, {stage(ExplicitViscosity{options})});
 }
 
 std::vector<Stage> spin(SolidGate gate) {
@@ -76,7 +78,7 @@ std::vector<Stage> spin(SolidGate gate) {
 }
 
 std::vector<Stage> implicit(SolidGate gate, bool correction) {
-    auto options = options_with<FullViscosityOptions>(gate);
+    auto options = options_with<ViscosityOptions>(gate);
     options.limits.tolerance = 1e-6;
     options.correction = correction;
     std::vector<Stage> all = kicked(gate, {});
@@ -85,7 +87,7 @@ std::vector<Stage> implicit(SolidGate gate, bool correction) {
 }
 
 std::vector<Stage> assembled(SolidGate gate) {
-    auto options = options_with<AssembledViscosityOptions>(gate);
+    auto options = options_with<ViscosityOptions>(gate);
     options.limits.tolerance = 1e-6;
     std::vector<Stage> all = kicked(gate, {});
     all.push_back(stage(AssembledViscosity(options)));

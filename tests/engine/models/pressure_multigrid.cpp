@@ -53,7 +53,7 @@ const std::vector<Filling> shapes{
 struct Fluid : TestWorld {
     explicit Fluid(const Filling& shape, double wobble = 0.1) : TestWorld(d, 2, Domain{at_cells(-10, -10, -10), at_cells(70, 70, 70), {}}) {
         use({make_stage("density", "density", Density{1}), make_stage("gravity", "move", Gravity{}), make_stage("kick", "move", Kick{}),
-             make_stage("pressure", "pressure", ConstraintPressure(ConstraintOptions{}))});
+             make_stage("pressure", "pressure", ConstraintPressure(PressureOptions{}))});
         world.step.gravity = Vec3(0, Real(-9.81), 0);
         world.step.dt = Real(1e-3);
         shape.place(*this);
@@ -98,12 +98,10 @@ struct Poisson {
     explicit Poisson(Fluid& f) {
         for (const Stage& stage : f.stages)
             if (stage.name == "density") stage.run(f.world);
-        PoissonPressureOptions options;
-        options.preconditioner = [this](const PressureMatrix& matrix) {
+        PoissonPressure pressure({}, [this](const PressureMatrix& matrix) {
             A = matrix;
             return jacobi(matrix);
-        };
-        PoissonPressure pressure(options);
+        });
         World& w = f.world;
         StepReport report;
         std::vector<Vec3> u(f.size(), Vec3(0, Real(-0.01), 0));

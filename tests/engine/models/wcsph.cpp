@@ -28,7 +28,7 @@ struct GivenPressure {
 };
 
 /// A free ball of jittered particles with the velocities u(x) [m/s]; a step of dt = 0 leaves the accelerations of the stages.
-TestWorld ball(const WeaklyCompressible& options, const std::function<Vec3(const Vec3&)>& u) {
+TestWorld ball(const PressureOptions& options, const std::function<Vec3(const Vec3&)>& u) {
     TestWorld w(d, 2, Domain{Vec3(-1, -1, -1), Vec3(1, 1, 1), {}});
     std::vector<Stage> stages{make_stage("density", "density", Density{}),
                               make_stage("given", "pressure", GivenPressure{[](const Vec3&) { return 1e5; }}),
@@ -54,10 +54,10 @@ struct Effect {
     double power = 0, size = 0;  ///< W; sum |m a| [N]
 };
 
-Effect effect_of(WeaklyCompressible dampers, const std::function<Vec3(const Vec3&)>& u) {
+Effect effect_of(PressureOptions dampers, const std::function<Vec3(const Vec3&)>& u) {
     dampers.sound_speed = 10;
-    WeaklyCompressible bare = dampers;
-    bare.sound_damping = bare.artificial_viscosity = 0;
+    PressureOptions bare = dampers;
+    bare.sound_damping = 0, bare.artificial_viscosity = 0;
     TestWorld with = ball(dampers, u), without = ball(bare, u);
     const auto x = with.column<field::position>(), v = with.column<field::velocity>();
     const auto a = with.column<field::acceleration>(), b = without.column<field::acceleration>();
@@ -72,9 +72,9 @@ Effect effect_of(WeaklyCompressible dampers, const std::function<Vec3(const Vec3
     return e;
 }
 
-WeaklyCompressible damper(bool sound) {
-    WeaklyCompressible options;
-    (sound ? options.sound_damping : options.artificial_viscosity) = 1;
+PressureOptions damper(bool sound) {
+    PressureOptions options;
+    options.sound_damping = sound ? 1 : 0, options.artificial_viscosity = sound ? 0 : 1;
     return options;
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("a rigidly moving ball feels no sound damping and no artificial viscos
 
 TEST_CASE("water at a vertical wall feels the same pressure gradient as far from the wall", "[wcsph]") {
     const double H = 12 * d;
-    WeaklyCompressible options;
+    PressureOptions options;
     options.sound_speed = 10;
     options.solid_factor = continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d));
     TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3(Real(12 * d), Real(H), Real(6 * d)), {false, false, true}});
@@ -132,7 +132,7 @@ TEST_CASE("water at a vertical wall feels the same pressure gradient as far from
 
 TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, and 0 if that is negative", "[wcsph]") {
     TestWorld w(d, 2, Domain{});
-    WeaklyCompressible options;
+    PressureOptions options;
     options.sound_speed = 20;
     for (const double gamma : {1.0, 2.0, 7.0})
         for (const double p0 : {0.0, 5000.0}) {
@@ -155,8 +155,8 @@ TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, and 
 
 TEST_CASE("both pressure gradients are the notes' sums to 1e-5, and exact for their fields", "[wcsph]") {
     const auto place = [](bool difference, bool jitter, const std::function<double(const Vec3&)>& pressure) {
-        WeaklyCompressible options;
-        options.difference_gradient = difference;
+        PressureOptions options;
+        options.gradient = difference ? GradientForm::difference : GradientForm::symmetric;
         TestWorld w(d, 2, Domain{Vec3::Constant(-1), Vec3::Constant(1), {}});
         w.use({make_stage("density", "density", Density{}), make_stage("given", "pressure", GivenPressure{pressure}),
                make_stage("gravity", "move", Gravity{}), make_stage("pressure", "pressure", PressureAcceleration{options})});

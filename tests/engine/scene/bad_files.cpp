@@ -150,18 +150,18 @@ const std::vector<Case> cases = {
      "bad.toml:12:15: pressure.sound_speed belongs to models.pressure = \"wcsph\", not to \"ppe\"; remove it, or change models.pressure; "
      "keys of \"ppe\": tolerance, max_iterations, preconditioner, form, correction, damping"},
     {"", "[models]\nviscosity = \"xsph\"\n[viscosity]\ntolerance = 1e-3",
-     "bad.toml:12:13: viscosity.tolerance belongs to models.viscosity = \"full\" or \"full_assembled\", not to \"xsph\"; "
+     "bad.toml:12:13: viscosity.limits.tolerance belongs to models.viscosity = \"full\" or \"full_assembled\", not to \"xsph\"; "
      "remove it, or change models.viscosity; keys of \"xsph\": alpha"},
     {"", "[models]\nviscosity = \"pairwise\"",
      "bad.toml:10:13: models.viscosity = \"pairwise\" is not known; allowed: auto, none, xsph, explicit, full or full_assembled"},
     {"", "[models]\nboundry = \"none\"",
      "bad.toml:10:1: unknown key \"boundry\" in [models]; did you mean \"boundary\"?; allowed: pressure, viscosity, micropolar, boundary, "
      "shifting, notes"},
-    {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.max_iterations must be a whole number, not the number 2.5"},
+    {"", "[pressure]\nmax_iterations = 2.5", "bad.toml:10:18: pressure.limits.max_iterations must be a whole number, not the number 2.5"},
     {"", "[pressure]\nmax_iterations = 100000000000000000000",
      "bad.toml:10:39: not TOML: in this decimal integer: '100000000000000000000' is not representable in 64 bits; write numbers as in 0.5 "
      "or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false"},
-    {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.max_iterations = 0 is out of range; allowed: at least 1"},
+    {"", "[pressure]\nmax_iterations = 0", "bad.toml:10:18: pressure.limits.max_iterations = 0 is out of range; allowed: at least 1"},
     {"", "[micropolar]\nmicro_inertia = 1",
      "bad.toml:10:17: micropolar.micro_inertia belongs to models.micropolar = \"notes\", \"bender\" or \"eringen\", not to \"none\"; "
      "remove "
@@ -377,11 +377,11 @@ TEST_CASE("numbers on the command line may begin or end with a point", "[scene]"
         CHECK(read_scene_text(text, "numbers.toml", request).time.cfl == Approx(meant));
     }
     ReadRequest request;
-    request.changes = {parse_change("block[0].min=[0, -0.1,+0.05]"), parse_change("pressure.max_iterations=1e2"), parse_change("seed=5."),
-                       parse_change("domain.gravity=[0.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
+    request.changes = {parse_change("block[0].min=[0, -0.1,+0.05]"), parse_change("pressure.limits.max_iterations=1e2"),
+                       parse_change("seed=5."), parse_change("domain.gravity=[0.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
     const Scene scene = read_scene_text(text, "numbers.toml", request);
     CHECK(scene.blocks[0].shape.min == Vec3d(0, -0.1, 0.05));
-    CHECK(scene.pressure.max_iterations == 100);
+    CHECK(scene.pressure.limits.max_iterations == 100);
     CHECK(scene.seed == 5);
     CHECK(scene.time.cfl == 1.5);
     CHECK(scene.domain.gravity(0) == Vec3d(0.5, -1, 0));

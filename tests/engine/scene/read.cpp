@@ -187,7 +187,7 @@ TEST_CASE("changes of the command line beat the quality, and the quality beats t
     CHECK(changed.time.cfl == 0.2);
     CHECK(changed.emitters[1].speed(2) == 6);
     CHECK(changed.models.pressure == PressureModel::ppe);
-    CHECK(changed.pressure.tolerance == 0.01);
+    CHECK(changed.pressure.limits.tolerance == 0.01);
     CHECK(changed.domain.gravity(3).y() == -3);
     CHECK(changed.solids[0].slip == Slip::no);
     CHECK(changed.seed == 9);

@@ -28,9 +28,12 @@ double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
 Stage viscosity_of(Form form, Real factor) {
     switch (form) {
         case Form::brookshaw:
-        case Form::monaghan: return make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, factor}});
+        case Form::monaghan:
+            return make_stage("viscosity", "viscosity",
+                              ExplicitViscosity{{.laplacian = form == Form::monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw,
+                                                 .solid_factor = factor}});
         case Form::full: {
-            FullViscosityOptions options;
+            ViscosityOptions options;
             options.limits.tolerance = 1e-6;
             options.solid_factor = factor;
             return make_stage("viscosity", "viscosity", FullViscosity(options));

@@ -31,7 +31,7 @@ struct Drop : TestWorld {
     double radius;  ///< of a ball of the same volume [m]
     explicit Drop(double across, unsigned seed = 1, Sampling sampling = Sampling::blue_noise)
         : TestWorld(d, 2, Domain{Vec3::Constant(Real(-2 * across * d)), Vec3::Constant(Real(2 * across * d)), {}}) {
-        ConstraintOptions options;
+        PressureOptions options;
         options.slow_correction = true;  // as scenes with surface tension have it
         options.limits = {1e-5, 1000};   // the pressure itself is asked for, not only the densities
         use({make_stage("surface tension", "", SurfaceTension{{sigma, {}, nullptr, true}}),

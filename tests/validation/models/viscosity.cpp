@@ -29,10 +29,13 @@ bool is_implicit(Form form) { return form == Form::full; }
 std::vector<Stage> viscous_step_of(Form form, Real solid_factor, double tolerance = 1e-5) {
     std::vector<Stage> stages{make_stage("density", "density", Density{solid_factor}), make_stage("gravity", "move", Gravity{})};
     if (!is_implicit(form))
-        stages.push_back(make_stage("viscosity", "viscosity", ExplicitViscosity{{form == Form::monaghan, solid_factor}}));
+        stages.push_back(
+            make_stage("viscosity", "viscosity",
+                       ExplicitViscosity{{.laplacian = form == Form::monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw,
+                                          .solid_factor = solid_factor}}));
     stages.push_back(make_stage("kick", "move", Kick{}));
     if (form == Form::full) {
-        FullViscosityOptions options;
+        ViscosityOptions options;
         options.solid_factor = solid_factor;
         options.limits.tolerance = tolerance;
         stages.push_back(make_stage("viscosity", "viscosity", FullViscosity(options)));
@@ -181,11 +184,11 @@ TEST_CASE("the published full viscosity damps a shear wave by nu times its latti
         TestWorld w(d, one.support, Domain{Vec3::Zero(), Vec3(width, 1, width), {true, true, true}});
         std::vector<Stage> stages{make_stage("density", "density", Density{})};
         if (one.assembled) {
-            AssembledViscosityOptions options;
+            ViscosityOptions options;
             options.limits.tolerance = 1e-6, options.penalty = 0;
             stages.push_back(make_stage("viscosity", "viscosity", AssembledViscosity(options)));
         } else {
-            FullViscosityOptions options;
+            ViscosityOptions options;
             options.limits.tolerance = 1e-6, options.penalty = 0;
             stages.push_back(make_stage("viscosity", "viscosity", UncorrectedViscosity(options)));
         }
@@ -276,11 +279,11 @@ double published_error(const PublishedFlow& one, int flow) {
     std::vector<Stage> stages{make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
                               make_stage("kick", "move", Kick{})};
     if (one.assembled) {
-        AssembledViscosityOptions options;
+        ViscosityOptions options;
         options.solid_factor = factor, options.penalty = one.penalty;
         stages.push_back(make_stage("viscosity", "viscosity", AssembledViscosity(options)));
     } else {
-        FullViscosityOptions options;
+        ViscosityOptions options;
         options.solid_factor = factor, options.penalty = one.penalty;
         stages.push_back(make_stage("viscosity", "viscosity", UncorrectedViscosity(options)));
     }

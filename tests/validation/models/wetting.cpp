@@ -44,7 +44,7 @@ TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 w
             d, 2, Domain{Vec3(Real(-16 * d), 0, Real(-16 * d)), Vec3(Real(16 * d), Real(24 * d), Real(16 * d)), {false, false, false}});
         w.add_wall(1, 1, 0, std::numeric_limits<double>::infinity());
         w.world.solids.all.back().shape = make_plane(Vec3d::Zero(), Vec3d(0, 1, 0));
-        ConstraintOptions options;
+        PressureOptions options;
         options.limits = {1e-3, 1000};
         options.slow_correction = true;  // as scenes with surface tension have it
         w.use({make_stage("surface tension", "", SurfaceTension{{sigma, {static_cast<Real>(wetting)}, nullptr, true}}),

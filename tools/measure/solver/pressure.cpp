@@ -104,17 +104,16 @@ struct PoissonSystem {
     double step_residual = 0;
     explicit PoissonSystem(State& s) {
         World& w = s.w;
-        PoissonPressureOptions options;
+        PressureOptions options;
         options.solid_factor = continued_lattice_factor(w.step.kernel, w.step.support, w.step.spacing);
         options.limits = {1e-30, 1};
-        options.preconditioner = [this](const PressureMatrix& matrix) {
+        PoissonPressure pressure(options, [this](const PressureMatrix& matrix) {
             A = matrix;
             return PressurePreconditioner{[this, inner = jacobi(A)](Span<const Real> r, Span<Real> z) {
                 if (b.empty()) b.assign(r.begin(), r.end());
                 inner(r, z);
             }};
-        };
-        PoissonPressure pressure(options);
+        });
         Column<Vec3> u = s.u;
         Column<Real> p(s.size(), 0);
         StepReport report;

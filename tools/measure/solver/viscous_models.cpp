@@ -53,8 +53,9 @@ std::vector<Vec3> acceleration_of(TestWorld& w, const SetUp& set_up) {
 std::vector<Vec3> explicit_acceleration(TestWorld& w, bool monaghan) {
     std::vector<Vec3> a(w.column<field::velocity>().size(), Vec3::Zero());
     World& c = w.world;
-    ExplicitViscosity{{monaghan, 1}}(c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w),
-                                     read<field::velocity>(w), {{Span<Vec3>(a)}});
+    ExplicitViscosity{{.laplacian = monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw}}(
+        c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w), read<field::velocity>(w),
+        {{Span<Vec3>(a)}});
     return a;
 }
 
@@ -85,7 +86,9 @@ std::vector<ViscousModel> viscous_models() {
         all.push_back({monaghan ? "explicit monaghan" : "explicit brookshaw", false, monaghan ? 4.0 : 2.0,
                        [monaghan](TestWorld& w) { return explicit_acceleration(w, monaghan); },
                        [=](double) {
-                           return around(stage(ExplicitViscosity{{monaghan, 1}}), true);
+                           return around(
+                               stage(ExplicitViscosity{{.laplacian = monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw}}),
+                               true);
                        }});
     all.push_back({"full_assembled", true, 2,
                    [](TestWorld& w) {
@@ -95,7 +98,7 @@ std::vector<ViscousModel> viscous_models() {
                        });
                    },
                    [=](double tolerance) {
-                       AssembledViscosityOptions o;
+                       ViscosityOptions o;
                        o.limits = {tolerance, 5000}, o.penalty = 0;
                        return around(stage(AssembledViscosity(o)), false);
                    }});
@@ -106,7 +109,7 @@ std::vector<ViscousModel> viscous_models() {
                        });
                    },
                    [=](double tolerance) {
-                       FullViscosityOptions o;
+                       ViscosityOptions o;
                        o.limits = {tolerance, 5000};
                        return around(stage(FullViscosity(o)), false);
                    }});

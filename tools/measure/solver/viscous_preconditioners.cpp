@@ -114,11 +114,9 @@ Cost cost(double scale, double uneven, double K, ViscousPreconditioner precondit
 }
 
 std::vector<Stage> full(ViscousPreconditioner p, SolveLimits limits) {
-    FullViscosityOptions o;
+    ViscosityOptions o;
     o.limits = limits;
-    o.diagonal = p != ViscousPreconditioner::none;
-    if (p == ViscousPreconditioner::two_level) o.coarse_above = 0;
-    else o.aggregate = 0;
+    o.preconditioner = p;
     return {make_stage("viscosity", "viscosity", FullViscosity(o))};
 }
 
