@@ -105,7 +105,7 @@ TEST_CASE("without ageing a live change of fluid.viscosity leaves an emitter wit
     for (std::size_t i = 0; i < mu.size(); ++i) CHECK(mu[i] == (x[i].y() < -0.06 ? 50 : x[i].x() < 0 ? 3 : 7));
 
     // A value that is none is known after a checkpoint, too, that was written before any step with it.
-    request.changes.back().value = "\"abs(x-0.0125) < 0.001 ? 0-1 : 30\"";
+    request.changes.back().value = Value(std::string("abs(x-0.0125) < 0.001 ? 0-1 : 30"));
     const Scene wrong = read_scene_text(text, "test.toml", request);
     simulation.change(wrong, make_plan(wrong));
     std::stringstream saved;
