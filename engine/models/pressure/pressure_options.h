@@ -22,7 +22,7 @@ struct PressureOptions {
     /// linear solve leaves; at most ten times that share of the right-hand side. coupled: preconditioned residual.
     SolveLimits limits{1e-3, 200};
     Preconditioner preconditioner = Preconditioner::automatic;  ///< ppe; coupled brings its own
-    std::optional<PressureForm> form;                           ///< ppe; none: "auto"
+    std::optional<PressureForm> form = {};                      ///< ppe; none: "auto"
     PressureSource source = PressureSource::velocity;           ///< projection
     bool clamp = true;                                          ///< source density: p = max(0, p) after the solve, as printed
     MultigridCycle cycle = MultigridCycle::additive;            ///< source density
@@ -30,14 +30,14 @@ struct PressureOptions {
     bool asks_for_multigrid() const { return cycle != MultigridCycle::additive || sweeps != 1; }
     /// Share of the density error that a step corrects; none: "auto", 0.5 of the constraint, 0.1 of source density. 1 is as printed; then
     /// an error e throws the fluid about with e d/dt and the pressure with rho_0 e H^2/dt^2, many times its weight.
-    std::optional<double> correction;
+    std::optional<double> correction = {};
     double damping = 2;              ///< constraint and source density: of motion between neighbours that is not resolved, times sqrt(g/d)
     double sound_speed = 0;          ///< wcsph: c0 [m/s]; ten times the largest speed keeps the density within 1 %
     double gamma = 7;                ///< wcsph: exponent of Tait's equation
     double background_pressure = 0;  ///< wcsph: p0 [Pa]; must be 0 where there is a free surface
     GradientForm gradient = GradientForm::symmetric;  ///< wcsph
     double sound_damping = 1;                         ///< wcsph: bulk viscosity over rho c0 R/2
-    std::optional<double> artificial_viscosity;       ///< wcsph: alpha, shear viscosity over rho c0 R/(4 (D + 2)), R/20 in 3D
+    std::optional<double> artificial_viscosity = {};  ///< wcsph: alpha, shear viscosity over rho c0 R/(4 (D + 2)), R/20 in 3D
 
     // The rest has no keys.
     bool printed = false;  ///< source density: the printed rows (docs/physics.md 3)

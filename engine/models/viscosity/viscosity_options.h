@@ -16,7 +16,7 @@ inline constexpr Real viscous_penalty = Real(0.3);
 struct ViscosityOptions {
     SolveLimits limits{1e-4, 500};                                            ///< full, full_assembled: see solve_implicit()
     ViscousPreconditioner preconditioner = ViscousPreconditioner::automatic;  ///< full
-    std::optional<LaplacianForm> laplacian;  ///< explicit; none: "auto", split for spinning fluid that turns freely, else brookshaw
+    std::optional<LaplacianForm> laplacian = {};  ///< explicit; none: "auto", split for spinning fluid that turns freely, else brookshaw
     LaplacianForm without_spin() const { return laplacian.value_or(LaplacianForm::brookshaw); }
     double alpha = 0.002;  ///< xsph
     /// full: gradients exact for linear fields; false: those of the note, which slows free rotation down.
