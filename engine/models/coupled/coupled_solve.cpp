@@ -253,20 +253,17 @@ Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
 /// surfaces (c < 0.15, fading to 0.3; a lattice's surface has 0.31) the load gets the exact force in its place.
 void CoupledStep::balance() {
     if (options.vessel < 0) return;
-    struct Ratio {
-        double part = 0, whole = 0;
-        void operator+=(const Ratio& o) { part += o.part, whole += o.whole; }
-    };
-    const auto mean = [&](const auto& of) {
-        const Ratio sum = parallel_sum(n, Ratio{}, [&](Index i) { return role[i] == 0 ? of(i) : Ratio{}; });
-        return static_cast<Real>(sum.whole > 0 ? sum.part / sum.whole : 0.0);
+    using Eigen::Vector2d;
+    const auto mean = [&](const auto& of) {  // of the first over that of the second
+        const Vector2d sum = parallel_sum(n, Vector2d(0, 0), [&](Index i) { return role[i] == 0 ? of(i) : Vector2d(0, 0); });
+        return static_cast<Real>(sum[1] > 0 ? sum[0] / sum[1] : 0.0);
     };
     const auto inside = [&](Index i) { return std::clamp(2 - system.rows.neighbourhood[i].surface / Real(0.15), Real(0), Real(1)); };
     const Vec3 centre = solids.all[options.vessel].centre().cast<Real>(), up = -step.gravity.normalized();
     const auto arm = [&](Index i) -> Vec3 { return up.cross(x[i] - centre); };
-    const Real rate = mean([&](Index i) { return Ratio{arm(i).dot(u[i]), arm(i).squaredNorm()}; });
+    const Real rate = mean([&](Index i) { return Vector2d(arm(i).dot(u[i]), arm(i).squaredNorm()); });
     const auto height = [&](Index i) { return step.gravity.dot(x[i]) + rate * rate * arm(i).squaredNorm() / 2; };
-    const Real level = mean([&](Index i) { return Ratio{inside(i) * (p[i] / step.rest_density - height(i)), inside(i)}; });
+    const Real level = mean([&](Index i) { return Vector2d(inside(i) * (p[i] / step.rest_density - height(i)), inside(i)); });
     Column<Real> q(n);
     balancing.resize(n);
     parallel_for(n, [&](Index i) {
