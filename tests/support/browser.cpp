@@ -11,6 +11,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace whorl::test {
 namespace {
@@ -149,7 +150,16 @@ void Browser::size(int width, int height) {
     call("Emulation.setDeviceMetricsOverride", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", width < 600}});
 }
 
-void Browser::close(int page) { call("Target.closeTarget", {{"targetId", pages_.at(page).target}}, false); }
+void Browser::close(int page) {
+    const std::string target = std::exchange(pages_.at(page).target, "");
+    if (!target.empty()) call("Target.closeTarget", {{"targetId", target}}, false);
+}
+
+void Browser::start_again(int width, int height) {
+    for (std::size_t page = 0; page < pages_.size(); ++page) close(static_cast<int>(page));
+    pages_.clear();
+    width_ = width, height_ = height;
+}
 
 void Browser::scheme(const std::string& name) {
     call("Emulation.setEmulatedMedia", {{"features", json::array({json{{"name", "prefers-color-scheme"}, {"value", name}}})}});

@@ -15,6 +15,8 @@ public:
     /// Whether the program is there; a test without it is skipped, saying so.
     static bool installed();
     Browser(int width, int height);
+    /// Closes all pages; those that open next are this large.
+    void start_again(int width, int height);
     ~Browser();
     Browser(const Browser&) = delete;
     Browser& operator=(const Browser&) = delete;

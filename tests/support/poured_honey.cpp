@@ -4,24 +4,12 @@
 
 #include "engine/core/errors.h"
 #include "engine/scene/read.h"
+#include "tests/support/scene_text.h"
 
 namespace whorl::test {
 
-const std::string poured_honey = R"toml([time]
-end = 4
-[domain]
-min = [-0.1, -0.01, -0.1]
-max = [0.1, 0.1, 0.1]
-[fluid]
-spacing = 2e-3
-viscosity = 1000
-[[emitter]]
-position = [0, 0.08, 0]
-radius = 5e-3
-speed = 0.25
-[[solid]]
-shape = "plane"
-)toml";
+const std::string poured_honey = text::time(4) + text::domain({-0.1, -0.01, -0.1}, {0.1, 0.1, 0.1}) + text::fluid(2e-3, 1000) +
+                                 text::emitter({0, 0.08, 0}, 5e-3, 0.25) + "[[solid]]\nshape = \"plane\"\n";
 
 Scene scene_with(const std::vector<std::string>& changes, const std::string& text) {
     ReadRequest request;

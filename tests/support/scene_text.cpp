@@ -50,6 +50,9 @@ std::string ball(const Point& centre, double radius, const std::string& more) { 
 std::string plane(const Point& at, const Point& normal, const std::string& more) {
     return fmt::format("[[solid]]\nshape = \"plane\"\nposition = {}\nnormal = {}\n{}", at, normal, lines_of(more));
 }
+std::string emitter(const Point& position, double radius, double speed, const std::string& more) {
+    return fmt::format("[[emitter]]\nposition = {}\nradius = {}\nspeed = {}\n{}", position, radius, speed, lines_of(more));
+}
 std::string drain(const Point& min, const Point& max, const std::string& more) { return box_of("drain", min, max, more); }
 
 }  // namespace whorl::test::text

@@ -28,6 +28,8 @@ std::string box(const Point& min, const Point& max, const std::string& more = ""
 std::string tank(const Point& min, const Point& max, const std::string& more = "");
 std::string ball(const Point& centre, double radius, const std::string& more = "");
 std::string plane(const Point& at, const Point& normal, const std::string& more = "");
+/// A round nozzle. @param speed m/s
+std::string emitter(const Point& position, double radius, double speed, const std::string& more = "");
 /// A box that removes fluid.
 std::string drain(const Point& min, const Point& max, const std::string& more = "");
 

@@ -4,6 +4,7 @@
 #include "engine/io/snapshot.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tests/support/scene_text.h"
 #include "tools/cost/choices.h"
 #include "tools/film/panel_scenes.h"
 
@@ -15,28 +16,9 @@ namespace film_extent_test {
 namespace {
 
 /// Honey from a nozzle 40 mm up in the middle of a hall of 8 m, onto a board.
-const char* const hall = R"(
-name = "hall"
-[time]
-end = 0.2
-fps = 40
-[domain]
-min = [-4, -1, -4]
-max = [4, 3, 4]
-[fluid]
-spacing = 3e-3
-viscosity = 50
-[[emitter]]
-position = [0, 0.04, 0]
-radius = 6e-3
-speed = 0.4
-[[solid]]
-shape = "box"
-min = [-0.03, -0.006, -0.03]
-max = [0.03, 0, 0.03]
-[output]
-size = [64, 36]
-)";
+const std::string hall = "name = \"hall\"\n" + test::text::time(0.2, "fps = 40") + test::text::domain({-4, -1, -4}, {4, 3, 4}) +
+                         test::text::fluid(3e-3, 50) + test::text::emitter({0, 0.04, 0}, 6e-3, 0.4) +
+                         test::text::box({-0.03, -0.006, -0.03}, {0.03, 0, 0.03}) + "[output]\nsize = [64, 36]\n";
 
 const std::string flying = R"(
 [[solid]]

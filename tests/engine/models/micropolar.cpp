@@ -11,6 +11,7 @@
 #include "engine/sph/density.h"
 #include "tests/support/micropolar_flows.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -18,29 +19,10 @@ using namespace whorl::test;
 
 namespace {
 
-const std::string eddies = R"toml([time]
-end = 0.02
-[domain]
-min = [0, 0, 0]
-max = [0.5, 0.5, 0.5]
-periodic = [true, true, true]
-[fluid]
-spacing = 0.05
-viscosity = 4
-[models]
-pressure = "wcsph"
-viscosity = "explicit"
-micropolar = "notes"
-[micropolar]
-transfer_viscosity = 2
-micro_inertia = 0.01
-torque = ["0", "0.1*sin(t)", "x"]
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.5, 0.5, 0.5]
-velocity = ["sin(4*pi*y)", "0", "0"]
-)toml";
+const std::string eddies = text::time(0.02) + text::domain({0, 0, 0}, {0.5, 0.5, 0.5}, "periodic = [true, true, true]") +
+                           text::fluid(0.05, 4) + text::models("wcsph", "explicit") + "micropolar = \"notes\"\n" +
+                           "[micropolar]\ntransfer_viscosity = 2\nmicro_inertia = 0.01\ntorque = [\"0\", \"0.1*sin(t)\", \"x\"]\n" +
+                           text::block({0, 0, 0}, {0.5, 0.5, 0.5}, "velocity = [\"sin(4*pi*y)\", \"0\", \"0\"]");
 
 /// A cloud of uneven particles with a free surface, with noise for velocities and spins.
 struct Cloud : TestWorld {

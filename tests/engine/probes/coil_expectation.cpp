@@ -7,27 +7,15 @@
 #include <thread>
 
 #include "engine/scene/read.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 
 namespace {
 
-const char* const pouring_scene = R"(
-[time]
-end = 1
-[domain]
-min = [-0.1, -0.1, -0.1]
-max = [0.1, 0.2, 0.1]
-[fluid]
-spacing = 2e-3
-viscosity = 1000
-[models]
-pressure = "coupled"
-[[emitter]]
-position = [0, 0.08, 0]
-radius = 5e-3
-speed = 0.25
-)";
+const std::string pouring_scene = test::text::time(1) + test::text::domain({-0.1, -0.1, -0.1}, {0.1, 0.2, 0.1}) +
+                                  test::text::fluid(2e-3, 1000) + test::text::models("coupled") +
+                                  test::text::emitter({0, 0.08, 0}, 5e-3, 0.25);
 
 /// Input of the theory from the scene at 1 s, after turns of half a second and a fall of 8 cm; with `from` replaced by `to` first.
 std::optional<CoilParameters> parameters_of(const std::string& from = "", const std::string& to = "", const std::string& more = "") {

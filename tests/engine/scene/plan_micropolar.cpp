@@ -3,6 +3,7 @@
 
 #include "engine/scene/plan.h"
 #include "tests/support/poured_honey.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using test::choice;
@@ -11,24 +12,10 @@ using test::scene_with;
 namespace {
 
 /// A periodic box of fluid with a micropolar model.
-const std::string eddies = R"toml([time]
-end = 1
-[domain]
-min = [0, 0, 0]
-max = [1, 1, 1]
-periodic = [true, true, true]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.05
-viscosity = 4
-[models]
-micropolar = "notes"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [1, 1, 1]
-velocity = ["sin(2*pi*x)", "0", "0"]
-)toml";
+const std::string eddies = test::text::time(1) +
+                           test::text::domain({0, 0, 0}, {1, 1, 1}, "periodic = [true, true, true]\ngravity = [0, 0, 0]") +
+                           test::text::fluid(0.05, 4) + test::text::models("") + "micropolar = \"notes\"\n" +
+                           test::text::block({0, 0, 0}, {1, 1, 1}, "velocity = [\"sin(2*pi*x)\", \"0\", \"0\"]");
 
 std::string eddy_messages(const std::vector<std::string>& changes) {
     try {

@@ -16,6 +16,7 @@
 #include "engine/sph/density.h"
 #include "tests/support/micropolar_flows.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -173,30 +174,13 @@ Scene scene_of(const std::string& text, const std::vector<std::string>& changes)
     return read_scene_text(text, "micropolar.toml", request);
 }
 
-const std::string vortices = R"toml([time]
-end = 0.4
-[domain]
-min = [0, 0, 0]
-max = [1, 1, 0.25]
-periodic = [true, true, true]
-gravity = [0.5, 0, 0]
-[fluid]
-spacing = 0.0625
-viscosity = 5
-[models]
-pressure = "wcsph"
-micropolar = "eringen"
-[micropolar]
-transfer_viscosity = 5
-micro_inertia = 0.01
-torque = ["0", "0", "0.2*sin(2*pi*x)"]
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [1, 1, 0.25]
-velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]
-spin = ["0", "0", "3*sin(2*pi*x)"]
-)toml";
+const std::string vortices = text::time(0.4) +
+                             text::domain({0, 0, 0}, {1, 1, 0.25}, "periodic = [true, true, true]\ngravity = [0.5, 0, 0]") +
+                             text::fluid(0.0625, 5) + text::models("wcsph") + "micropolar = \"eringen\"\n" +
+                             "[micropolar]\ntransfer_viscosity = 5\nmicro_inertia = 0.01\ntorque = [\"0\", \"0\", \"0.2*sin(2*pi*x)\"]\n" +
+                             text::block({0, 0, 0}, {1, 1, 0.25},
+                                         "velocity = [\"sin(2*pi*x)*cos(2*pi*y)\", \"-cos(2*pi*x)*sin(2*pi*y)\", \"0\"]\n"
+                                         "spin = [\"0\", \"0\", \"3*sin(2*pi*x)\"]");
 
 }  // namespace
 
@@ -234,19 +218,14 @@ namespace {
 
 /// Micropolar fluid of mu = 5 Pa s without weight in a free shape, whose spin follows it in .01 s.
 std::string turning(const std::string& shape, int dimensions) {
-    const std::string z = dimensions == 3 ? ", 0.2]" : "]", back = dimensions == 3 ? ", -0.2]" : "]", none = dimensions == 3 ? ", 0" : "";
-    return "[time]\nend = 0.2\n[domain]\ndimensions = " + std::to_string(dimensions) + "\nmin = [-0.2, -0.2" + back + "\nmax = [0.2, 0.2" +
-           z + "\ngravity = [0, 0" + none +
-           "]\n[fluid]\nspacing = 0.01\nviscosity = 5\n[models]\npressure = \"wcsph\"\nviscosity = \"explicit\"\n"
-           "micropolar = \"notes\"\n[micropolar]\ntransfer_viscosity = 3\nmicro_inertia = 1e-4\nxsph_velocity = 0\n" +
-           shape;
+    const auto at = [&](double x, double y, double z) { return text::point(dimensions, x, y, z); };
+    return text::time(0.2) +
+           text::domain(at(-0.2, -0.2, -0.2), at(0.2, 0.2, 0.2), dimensions == 3 ? "gravity = [0, 0, 0]" : "gravity = [0, 0]") +
+           text::fluid(0.01, 5) + text::models("wcsph", "explicit") +
+           "micropolar = \"notes\"\n[micropolar]\ntransfer_viscosity = 3\nmicro_inertia = 1e-4\nxsph_velocity = 0\n" + shape;
 }
-const std::string ball =
-                      "[[block]]\nshape = \"sphere\"\nposition = [0, 0, 0]\nradius = 0.06\nvelocity = [\"-0.1*y\", \"0.1*x\", \"0\"]\n"
-                      "spin = [\"0\", \"0\", \"0.1\"]\n",
-                  disc =
-                      "[[block]]\nshape = \"sphere\"\nposition = [0, 0]\nradius = 0.06\nvelocity = [\"-0.1*y\", \"0.1*x\"]\n"
-                      "spin = [\"0\", \"0\", \"0.1\"]\n";
+const std::string ball = text::drop({0, 0, 0}, 0.06, "velocity = [\"-0.1*y\", \"0.1*x\", \"0\"]\nspin = [\"0\", \"0\", \"0.1\"]"),
+                  disc = text::drop({0, 0}, 0.06, "velocity = [\"-0.1*y\", \"0.1*x\"]\nspin = [\"0\", \"0\", \"0.1\"]");
 
 }  // namespace
 

@@ -18,13 +18,14 @@ constexpr double length = 0.1, nu = 2e-5;
 double energy_left(const std::string& pressure_keys, double end, double depth = 0.0125) {
     const int dimensions = depth > 0 ? 3 : 2;
     const text::Point corner = text::point(dimensions, 0.1, 0.1, depth);
-    Simulation simulation = simulation_of(
-        text::time(1) + text::domain(text::point(dimensions, 0, 0, 0), corner, "periodic = [true, true, true]\ngravity = [0, 0, 0]") +
-        text::fluid(3.125e-3, 0.02, depth > 0 ? "" : "support = 3") + text::models("wcsph", "explicit") +
-        text::block(text::point(dimensions, 0, 0, 0), corner,
-                    "velocity = [\"0.2*sin(20*pi*x)*cos(20*pi*y)\", \"-0.2*cos(20*pi*x)*sin(20*pi*y)\", \"0\"]\n"
-                    "sampling = \"jittered\"") +
-        "[pressure]\nsound_speed = 2\nbackground_pressure = 100\nartificial_viscosity = 0\n" + pressure_keys);
+    const std::string periodic = depth > 0 ? "periodic = [true, true, true]\n" : "periodic = [true, true]\n";
+    Simulation simulation =
+        simulation_of(text::time(1) + text::domain(text::point(dimensions, 0, 0, 0), corner, periodic + "gravity = [0, 0, 0]") +
+                      text::fluid(3.125e-3, 0.02, depth > 0 ? "" : "support = 3") + text::models("wcsph", "explicit") +
+                      text::block(text::point(dimensions, 0, 0, 0), corner,
+                                  "velocity = [\"0.2*sin(20*pi*x)*cos(20*pi*y)\", \"-0.2*cos(20*pi*x)*sin(20*pi*y)\", \"0\"]\n"
+                                  "sampling = \"jittered\"") +
+                      "[pressure]\nsound_speed = 2\nbackground_pressure = 100\nartificial_viscosity = 0\n" + pressure_keys);
     const auto energy = [&] {
         double sum = 0;
         for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) {

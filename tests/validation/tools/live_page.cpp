@@ -43,6 +43,13 @@ bool missing() {
     return true;
 }
 
+/// One browser for all tests of a process: it takes seconds to start.
+Browser& browser_of(int width, int height) {
+    static Browser browser(width, height);
+    browser.start_again(width, height);
+    return browser;
+}
+
 std::string address(const LiveProgram& live) { return "http://127.0.0.1:" + std::to_string(live.port()) + "/"; }
 
 /// The picture as the page shows it, in a few numbers that change when it does.
@@ -56,7 +63,7 @@ const char* const look_at_picture =
 TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey);  // paused: a browser that starts slowly misses nothing
-    Browser browser(1280, 800);
+    Browser& browser = browser_of(1280, 800);
     browser.open(address(live));
     REQUIRE(browser.wait_for("document.getElementById('picture').width == 160"));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"] input[type=range]')"));
@@ -110,7 +117,7 @@ TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
 TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run that was started again", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey);
-    Browser browser(1000, 700);
+    Browser& browser = browser_of(1000, 700);
     const int one = browser.open(address(live)), two = browser.open(address(live));
     for (const int page : {one, two}) {
         browser.front(page);
@@ -141,7 +148,7 @@ TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run
 TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey);
-    Browser browser(390, 844);
+    Browser& browser = browser_of(390, 844);
     browser.open(address(live));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"]')"));
     CHECK(browser.evaluate("document.documentElement.scrollWidth") == 390);
@@ -173,7 +180,7 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
 TEST_CASE("the page plots the coil's frequency and radius with theory's", "[live][page]") {
     if (missing()) return;
     LiveProgram live(test::coiling_honey, {"--unpaced"});
-    Browser browser(1280, 900);
+    Browser& browser = browser_of(1280, 900);
     browser.open(address(live));
     // Legend of the plot of this title.
     const auto legend = [](const std::string& title) {
@@ -214,7 +221,7 @@ from = [0, 0, 0]
 to = [0, 0.02, 0]
 )",
                      {"--unpaced"});
-    Browser browser(1280, 900);
+    Browser& browser = browser_of(1280, 900);
     browser.open(address(live));
     CHECK(browser.wait_for("state && state.time > 0.1", 60));
     for (const char* title :
@@ -229,7 +236,7 @@ to = [0, 0.02, 0]
 TEST_CASE("the page shows every group of every shipped scene and nothing of the scene before", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey);
-    Browser browser(1280, 800);
+    Browser& browser = browser_of(1280, 800);
     browser.open(address(live));
     REQUIRE(browser.wait_for("knobs.has('fluid.viscosity')"));
     browser.evaluate("window.faults = []; onerror = text => { faults.push(text); }; events.close(); 0");
@@ -263,7 +270,7 @@ TEST_CASE("a knob is found by its words, restored by Escape and announced, and e
     LiveProgram live(honey, {"--unpaced"});
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     CHECK(live.state().at("frame") == 1);  // waits for its first viewer
-    Browser browser(1280, 800);
+    Browser& browser = browser_of(1280, 800);
     browser.open(address(live));
     REQUIRE(browser.wait_for("state.frame > 1 && knobs.has('fluid.viscosity')"));
     const auto found = [&](const char* words) -> std::string {
@@ -305,7 +312,7 @@ TEST_CASE("the page's picture", "[.][page_picture]") {
     test::Program live(
         {"live", "honey_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
     REQUIRE(live.wait_until([&] { return live.output().find('\n') != std::string::npos; }));
-    Browser browser(1180, 1000);
+    Browser& browser = browser_of(1180, 1000);
     browser.open("http://127.0.0.1:8099/");
     REQUIRE(browser.wait_for("state && state.time > 2.4", 600));
     browser.click("#play");
