@@ -13,7 +13,6 @@ using test::choice;
 using test::messages_with;
 using test::plan_with;
 using test::scene_with;
-namespace text = test::text;
 
 TEST_CASE("thick honey with a free surface is solved with its pressure, and the reason has the viscous number", "[plan]") {
     const Plan plan = plan_with({});
@@ -33,10 +32,10 @@ TEST_CASE("thick honey with a free surface is solved with its pressure, and the 
 }
 
 TEST_CASE("thick honey that fills its gap is solved with its pressure, and the reason names no free surface", "[plan]") {
-    const std::string gap = text::time(1) + text::domain({-0.03, -0.02, -0.03}, {0.03, 0.06, 0.03}, "periodic = [true, false, true]") +
-                            text::fluid(5e-3, 100) + text::block({-0.03, 0, -0.03}, {0.03, 0.04, 0.03}) +
-                            text::plane({0, 0, 0}, {0, 1, 0}) +
-                            "[[solid]]\nshape = \"plane\"\nnormal = [0, -1, 0]\nposition = [\"0.1*t\", \"0.04\", \"0\"]\n";
+    const std::string gap =
+        test::text::time(1) + test::text::domain({-0.03, -0.02, -0.03}, {0.03, 0.06, 0.03}, "periodic = [true, false, true]") +
+        test::text::fluid(5e-3, 100) + test::text::block({-0.03, 0, -0.03}, {0.03, 0.04, 0.03}) + test::text::plane({0, 0, 0}, {0, 1, 0}) +
+        "[[solid]]\nshape = \"plane\"\nnormal = [0, -1, 0]\nposition = [\"0.1*t\", \"0.04\", \"0\"]\n";
     const Plan plan = make_plan(scene_with({}, gap));
     CHECK(plan.pressure == PressureModel::coupled);
     CHECK(choice(plan, "models.pressure").reason.find("free surface") == std::string::npos);
@@ -44,8 +43,9 @@ TEST_CASE("thick honey that fills its gap is solved with its pressure, and the r
 
 TEST_CASE("a solid that moves through the lid of a container is a warning", "[plan]") {
     const auto warnings = [&](double height) {
-        const std::string text = text::time(1) + text::domain({-0.3, -0.1, -0.3}, {0.3, 0.9, 0.3}) + text::fluid(0.01) +
-                                 text::block({-0.1, 0, -0.1}, {0.1, 0.05, 0.1}) + text::tank({-0.1, 0, -0.1}, {0.1, height, 0.1}) +
+        const std::string text = test::text::time(1) + test::text::domain({-0.3, -0.1, -0.3}, {0.3, 0.9, 0.3}) + test::text::fluid(0.01) +
+                                 test::text::block({-0.1, 0, -0.1}, {0.1, 0.05, 0.1}) +
+                                 test::text::tank({-0.1, 0, -0.1}, {0.1, height, 0.1}) +
                                  "[[solid]]\nshape = \"sphere\"\nradius = 0.02\nposition = [\"0\", \"0.1+0.2*t\", \"0\"]\n";
         const std::vector<std::string> all = make_plan(read_scene_text(text, "s.toml")).warnings;
         return std::count_if(all.begin(), all.end(), [](const auto& w) { return w.find("closed all round") != std::string::npos; });
@@ -139,8 +139,8 @@ TEST_CASE("weakly compressible sound is ten times the expected speed, and solids
 TEST_CASE(
     "where the Laplacian of each velocity component would stop a body that turns, auto takes the full viscosity, and explicit is warned of",
     "[plan]") {
-    const std::string turning = text::time(1) + text::domain({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, "gravity = [0, 0, 0]") +
-                                text::fluid(4e-3, 0.05) + text::models("wcsph") +
+    const std::string turning = test::text::time(1) + test::text::domain({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, "gravity = [0, 0, 0]") +
+                                test::text::fluid(4e-3, 0.05) + test::text::models("wcsph") +
                                 "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, -0.02]\nto = [0, 0, 0.02]\nradius = 0.03\n"
                                 "velocity = [\"-9*y\", \"9*x\", \"0\"]\n";
     const auto plan_of = [&](const std::vector<std::string>& changes) { return make_plan(scene_with(changes, turning)); };
@@ -163,9 +163,9 @@ TEST_CASE("viscosity that varies in space counts with its largest value", "[plan
 }
 
 TEST_CASE("thick fluid that lies on a floor counts for the models", "[plan]") {
-    const std::string scene = text::time(0.1) + text::domain({0, -0.1, 0}, {1, 1, 1}) +
-                              text::fluid(0.025, 0, "viscosity = \"y < 0.05 ? 100 : 0.001\"") + text::plane({0, 0, 0}, {0, 1, 0}) +
-                              text::block({0.2, 0, 0.2}, {0.8, 0.4, 0.8});
+    const std::string scene = test::text::time(0.1) + test::text::domain({0, -0.1, 0}, {1, 1, 1}) +
+                              test::text::fluid(0.025, 0, "viscosity = \"y < 0.05 ? 100 : 0.001\"") +
+                              test::text::plane({0, 0, 0}, {0, 1, 0}) + test::text::block({0.2, 0, 0.2}, {0.8, 0.4, 0.8});
     CHECK(make_plan(scene_with({}, scene)).largest_viscosity == Approx(100));
 }
 
@@ -240,10 +240,11 @@ TEST_CASE("the monaghan Laplacian with few neighbours is warned of with its stif
 
 TEST_CASE("a background pressure is a warning if blocks leave room, not in a full channel", "[plan]") {
     const auto channel = [](double top) {
-        return make_plan(scene_with({}, text::time(1) + text::domain({0, -0.01, 0}, {0.2, 0.11, 0.1}, "periodic = [true, false, true]") +
-                                            text::fluid(0.01) + text::models("wcsph") + "[pressure]\nbackground_pressure = 100\n" +
-                                            text::block({0, 0, 0}, {0.2, top, 0.1}) + text::box({-0.1, -0.02, -0.1}, {0.3, 0, 0.2}) +
-                                            text::box({-0.1, 0.1, -0.1}, {0.3, 0.12, 0.2})));
+        return make_plan(
+            scene_with({}, test::text::time(1) + test::text::domain({0, -0.01, 0}, {0.2, 0.11, 0.1}, "periodic = [true, false, true]") +
+                               test::text::fluid(0.01) + test::text::models("wcsph") + "[pressure]\nbackground_pressure = 100\n" +
+                               test::text::block({0, 0, 0}, {0.2, top, 0.1}) + test::text::box({-0.1, -0.02, -0.1}, {0.3, 0, 0.2}) +
+                               test::text::box({-0.1, 0.1, -0.1}, {0.3, 0.12, 0.2})));
     };
     const auto warned = [](const Plan& plan) {
         return std::any_of(plan.warnings.begin(), plan.warnings.end(),
@@ -289,8 +290,8 @@ TEST_CASE("the projection is chosen if fluid fills its space, and warned of if i
 }
 
 TEST_CASE("in 2D the plan counts particles by area, and refuses by name keys that exist only in 3D", "[plan][plane]") {
-    const std::string tank = text::time(1) + text::domain({-0.1, -0.1}, {0.3, 0.3}) + text::fluid(0.01, 100) +
-                             text::block({0, 0}, {0.2, 0.1}) + text::tank({0, 0}, {0.2, 0.2});
+    const std::string tank = test::text::time(1) + test::text::domain({-0.1, -0.1}, {0.3, 0.3}) + test::text::fluid(0.01, 100) +
+                             test::text::block({0, 0}, {0.2, 0.1}) + test::text::tank({0, 0}, {0.2, 0.2});
     const Plan plan = make_plan(scene_with({}, tank));
     CHECK(plan.estimated_particles == Approx(200));
     CHECK(plan.particle_volume() == Approx(1e-4));
