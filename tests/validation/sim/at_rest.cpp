@@ -105,7 +105,7 @@ TEST_CASE("still water presses with its weight: wcsph and in 2D 2 %, a column 1 
           "[validation][sim][plane][regression]") {
     // Single layers scatter by 2 %: what the particles of a settled packing press with is not the same in all directions, and the pressure
     // is the mean over them. In the slot two of three particles are next to a wall: 2.0 to 2.2 % (1 % was aimed at).
-    const Vessel flat{"open box", 0.005, 0.06, 0.15, 2};
+    const Vessel flat{"open box", 0.0075, 0.06, 0.15, 2};
     for (const Settled& one : {Settled{{"gap"}, wcsph, 0.5, 0.7, 0.02, 0.02, "blue_noise"},
                                Settled{{"column", d, 0.06, 0.2}, ppe, 0.8, 1.1, 0.01, 0.05, "lattice", 5e-3},
                                Settled{{"slot", d, 0.06, 0.2}, ppe, 0.8, 1.1, 0.025, 0.05, "lattice", 5e-3},
@@ -255,10 +255,7 @@ const Vessel open_box{"open box", d, 0.1, 0.1}, full_box{"full box", d, 0.1, 0.1
 
 }  // namespace
 
-TEST_CASE("water comes to rest in an open box, and with viscosity in a full closed one", "[validation][sim]") {
-    comes_to_rest(open_box, "");
-    comes_to_rest(full_box, xsph);
-}
+TEST_CASE("water comes to rest in an open box", "[validation][sim]") { comes_to_rest(open_box, ""); }
 
 TEST_CASE("a block of water at side walls stays at rest, and its corners have rho g depth within 5 %", "[validation][sim]") {
     // Walls show images, so the lattice next to them is held as inside: up to 7e-5 of its potential energy moves while its excess of 0.09 %
@@ -371,7 +368,7 @@ TEST_CASE("water that fills the gap between floor and ceiling lies still", "[val
 
 TEST_CASE("water comes to rest between floor and ceiling, in a slot and in inverted boxes", "[validation][sim][long]") {
     comes_to_rest(open_box, xsph);
-    comes_to_rest(full_box, "");
+    for (const std::string& viscosity : {std::string(), xsph}) comes_to_rest(full_box, viscosity);
     for (const std::string& viscosity : {std::string(), xsph})
         for (const Vessel& vessel : {gap, slot}) comes_to_rest(vessel, viscosity);
 }

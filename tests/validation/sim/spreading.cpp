@@ -68,7 +68,7 @@ void spreads(const std::string& models) {
 
 }  // namespace
 
-TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, from six layers of particles to five", "[validation][sim][spreading]") {
+TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, from six layers of particles to five", "[validation][sim][spreading][long]") {
     spreads("[models]\npressure = \"ppe\"\nviscosity = \"full\"\n" + sticking);
 }
 

@@ -28,10 +28,10 @@ std::string vortices_of(const std::string& amplitude, const std::string& depth =
 }
 std::string decay(double nu) { return fmt::format("exp(-{}*t)", 8 * pi * pi * nu); }
 
-/// Runs the scene to t = 2 and holds the energy and the velocity of each particle to the exact flow on the way.
-void hold_to_theory(const std::vector<std::string>& changes, const Bounds& bounds) {
+/// Runs the scene and holds the energy and the velocity of each particle to the exact flow on the way.
+void hold_to_theory(const std::vector<std::string>& changes, const Bounds& bounds, double end = 2) {
     Simulation simulation = benchmark("taylor_green_vortices", changes);
-    for (const double time : {0.5, 1.0, 1.5, 2.0}) {
+    for (double time = 0.5; time <= end; time += 0.5) {
         run_until(simulation, time);
         const Table flow = reading(simulation, "flow");
         INFO("t = " << time);
@@ -50,8 +50,8 @@ std::vector<std::string> taylor_green(int a_side, int reynolds, const std::strin
 
 // At 32 a side the operators themselves are off by .8 % (their error falls with the square of the spacing: .2 % at 64).
 TEST_CASE("Taylor-Green vortices, 32 a side, keep energy and velocity within 1.5 and 2 % of theory", "[validation][projection]") {
-    hold_to_theory(taylor_green(32, 100, "lattice"), {0.015, 0.02});
-    hold_to_theory(taylor_green(32, 1000, "jittered"), {0.015, 0.02});
+    hold_to_theory(taylor_green(32, 100, "lattice"), {0.015, 0.02}, 1);
+    hold_to_theory(taylor_green(32, 1000, "jittered"), {0.015, 0.02}, 1);
 }
 
 TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 % of theory", "[validation][projection][long]") {
@@ -127,7 +127,7 @@ TEST_CASE("Taylor-Green vortices with spin keep energy within 2 % and spin withi
                   {"models.micropolar=bender", "fluid.viscosity=12.5", "micropolar.transfer_viscosity=5", "micropolar.spin_viscosity=0.1",
                    "micropolar.micro_inertia=1e-3", "micropolar.xsph_velocity=0", "micropolar.xsph_spin=0"});
     const double start = reading(simulation, "flow").at("kinetic_energy")[0];
-    for (const double time : {0.5, 1.0}) {
+    for (const double time : {0.25, 0.5}) {
         run_until(simulation, time);
         const auto [U, W] = exact_vortex(c, time, 2 * pi);
         INFO("t = " << time);
