@@ -452,7 +452,7 @@ void check_paraboloid(const Simulation& simulation, double spacing, double toler
 }  // namespace
 
 TEST_CASE("a bucket of honey that spins keeps the paraboloid and its energy", "[pressure][boundary]") {
-    // The packing gives way slowly: at 3 s the energy is 1.5 % below the exact one.
+    // The packing gives way slowly: at 3 s the energy is 2.1 % below the exact one, 1.5 % with 6 mm.
     constexpr double spacing = 8e-3;
     Simulation simulation = simulation_of(spun_bucket(spacing, 4));
     simulation.count_energy();
@@ -460,7 +460,7 @@ TEST_CASE("a bucket of honey that spins keeps the paraboloid and its energy", "[
     const double before = energy_of(simulation);
     run_until(simulation, 3);
     const double now = energy_of(simulation);
-    check_paraboloid(simulation, spacing, 0.02, spacing / 2);
+    check_paraboloid(simulation, spacing, 0.03, spacing / 2);
     CHECK(now == Approx(before).epsilon(0.005));
     CHECK(std::abs(simulation.totals().work.error(now)) < 0.01 * now);
     CHECK(measure(simulation.world(), Vec3d(0, -g, 0), 1).density_error_mean < 1e-3);
@@ -483,6 +483,8 @@ TEST_CASE("honey spun for 20 s keeps its energy from 2 s on: within .5 % under p
         Simulation simulation = simulation_of(coupled ? spun_bucket(spacing, 4, text::models("coupled")) : spun_bucket(spacing, 4));
         run_until(simulation, 2);
         const double before = energy_of(simulation);
+        run_until(simulation, 3);
+        if (!coupled) check_paraboloid(simulation, spacing, 0.02, spacing / 2);
         run_until(simulation, 20);
         check_paraboloid(simulation, spacing, 0.03, coupled ? spacing : spacing / 2);
         CHECK(energy_of(simulation) == Approx(before).epsilon(coupled ? 0.01 : 0.005));

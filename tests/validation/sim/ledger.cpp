@@ -102,8 +102,8 @@ TEST_CASE("forces on all solids and weight are the change of the fluid's momentu
     // Velocities in float: 6e-8 of 1 m/s a particle and step, of both signs. An impulse that a stage forgot is of the order of 1e-2 and
     // more.
     const bool plane = GENERATE(true, false);
-    for (std::size_t k = plane ? 0 : 1; k < splashing().size(); k += plane ? 1 : 2) {  // every second one in 3D
-        const Models& models = splashing()[k];
+    for (std::size_t number = plane ? 0 : 1; number < splashing().size(); number += plane ? 1 : 2) {  // every second one in 3D
+        const Models& models = splashing()[number];
         INFO(models.name << (plane ? " in 2D" : " in 3D"));
         Simulation simulation = impact(models, plane);
         double pushed = 0;
