@@ -4,11 +4,13 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "engine/sim/simulation.h"
@@ -192,5 +194,9 @@ private:
     std::string file_problem_;
     std::uint64_t revision_ = 1, notices_ = 0;
 };
+
+/// Reports each save of a file: checks it eight times a second, on its own thread, and waits until it does not change between two checks.
+/// @param file called at each check: the scene may change @param saved called on that thread @return ends the watch when it is destroyed
+std::jthread watch_file(std::function<std::filesystem::path()> file, std::function<void()> saved);
 
 }  // namespace whorl

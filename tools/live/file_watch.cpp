@@ -1,15 +1,15 @@
-#include "tools/live/file_watch.h"
-
 #include <sys/stat.h>
 
 #include <array>
+#include <chrono>
 
+#include "tools/live/controls.h"
 #include "tools/process/process.h"
 
 namespace whorl {
 namespace {
 
-/// Changes with every save; zeros where the file is not there (an editor that is just replacing it).
+/// Changes with every save; zeros if the file does not exist (an editor is just replacing it).
 std::array<long, 4> stamp(const std::filesystem::path& file) {
     struct stat s {};
     if (stat(file.c_str(), &s) != 0) return {};
@@ -18,12 +18,12 @@ std::array<long, 4> stamp(const std::filesystem::path& file) {
 
 }  // namespace
 
-FileWatch::FileWatch(std::function<std::filesystem::path()> file, std::function<void()> saved) {
-    thread_ = std::thread([this, file = std::move(file), saved = std::move(saved)] {
+std::jthread watch_file(std::function<std::filesystem::path()> file, std::function<void()> saved) {
+    return std::jthread([file = std::move(file), saved = std::move(saved)](const std::stop_token& ending) {
         name_thread("watch");
         std::filesystem::path watched = file();
         auto known = stamp(watched), last = known;
-        while (!ending_) {
+        while (!ending.stop_requested()) {
             std::this_thread::sleep_for(std::chrono::milliseconds(125));
             if (const auto now = file(); now != watched) watched = now, known = last = stamp(now);
             const auto seen = stamp(watched);
@@ -34,11 +34,6 @@ FileWatch::FileWatch(std::function<std::filesystem::path()> file, std::function<
             saved();
         }
     });
-}
-
-FileWatch::~FileWatch() {
-    ending_ = true;
-    thread_.join();
 }
 
 }  // namespace whorl

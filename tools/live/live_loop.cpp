@@ -48,8 +48,7 @@ Json Status::history() const {
 
 LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
                    std::function<void(const std::string&)> say)
-    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time), say_(std::move(say)),
-      share_(whorl::threads()) {
+    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time), say_(std::move(say)) {
     follow(controls_.take(0));
 }
 
@@ -64,7 +63,7 @@ void LiveLoop::begin(PlannedScene& scene) {
     comparisons_.clear();
     times_before_ = {}, frame_times_ = {};
     frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = frames_a_second_ = 0;
-    pace_ = {};
+    played_ = play_wall_ = 0;
     {
         const std::lock_guard lock(recording_mutex_);
         journal_.begin(scene.file, controls_.scene_path(), controls_.options().quality);
@@ -141,13 +140,10 @@ void LiveLoop::after_step(const StepReport& report, double began) {
     }
     const double now = wall_seconds();
     step_wall_ = now - std::exchange(step_began_, now);
-    if (pace_.short_of_time() || !real_time_) share_.step(step_wall_, static_cast<double>(simulation_->world().fluid.size()));
-    omp_set_num_threads(share_.threads());
     stepped_ = revision_;
     const bool reached = simulation_->time() >= frame_time(simulation_->scene(), frame_ + 1);
     if (!reached && (stepped_ > shown_ || screen_.wants_state_within(step_wall_))) show_state();
     follow(controls_.take_changes());
-    if (revision_ > stepped_ && !reached) screen_.expect(revision_);
 }
 
 void LiveLoop::show_state() {
@@ -158,7 +154,6 @@ void LiveLoop::show_state() {
 /// @return false if it was interrupted by the end or a restart
 bool LiveLoop::step_to_next_frame() {
     const double began = step_began_ = wall_seconds();
-    if (revision_ > stepped_) screen_.expect(revision_);
     if (!loop_->step_to(frame_time(simulation_->scene(), frame_ + 1))) return false;
     simulate_wall_ = wall_seconds() - began;
     ++frame_;
@@ -186,10 +181,10 @@ void LiveLoop::show_frame() {
     const double now = wall_seconds();
     frame_wall_ = now - std::exchange(shown_at_, now);
     if (frame_steps_ > 0 && frame_wall_ > 0) {
-        const double played = 1 / simulation_->scene().time.fps;
-        pace_.frame(played, std::exchange(waited_, 0), frame_wall_);
+        const double frame = 1 / simulation_->scene().time.fps, kept = std::exp(-frame_wall_);
+        played_ = kept * played_ + frame, play_wall_ = kept * play_wall_ + frame_wall_;
         smooth(frames_a_second_, 1 / frame_wall_);
-        screen_.set_pace(played, real_time_ && pace_.short_of_time());
+        screen_.set_interval(frame);
         say_pace();
     }
     end_if_over(simulation_->scene());
@@ -238,10 +233,8 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"simulate_ms", 1e3 * simulate_wall_},
             {"frame_ms", 1e3 * frame_wall_},
             {"frames_per_second", frames_a_second_},
-            {"simulated_per_wall_second", pace_.factor() / scene.time.slow_motion},
+            {"simulated_per_wall_second", of_real_time() / scene.time.slow_motion},
             {"pace", pace_text()},
-            {"simulation_threads", share_.threads()},
-            {"picture_interval_ms", 1e3 * screen_.interval()},
             {"steps", frame_steps_},
             {"time_step", totals.last_step},
             {"iterations", frame_iterations_},
@@ -259,34 +252,31 @@ Json LiveLoop::status_json(const Measures& m) const {
 
 /// How far the run falls behind, and how it spends its time; empty if it keeps up.
 std::string LiveLoop::pace_text() const {
-    if (!real_time_ || pace_.factor() == 0 || pace_.factor() >= 0.97) return "";
+    if (!real_time_ || of_real_time() == 0 || of_real_time() >= 0.97) return "";
     double picture = 0;
     for (const auto& [name, t] : screen_.times())
         if (name != "encode") picture += t.wall;
     const TimeKeys& time = simulation_->scene().time;
-    return fmt::format(
-        "{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms; a picture takes {:.0f} ms and comes every {:.0f} ms",
-        pace_.factor(), time.slow_motion == 1 ? "real time" : "the film's pace", 1e3 / time.fps, 1e3 * simulate_wall_, 1e3 * picture,
-        1e3 * screen_.interval());
+    return fmt::format("{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms, an image {:.0f} ms", of_real_time(),
+                       time.slow_motion == 1 ? "real time" : "the film's pace", 1e3 / time.fps, 1e3 * simulate_wall_, 1e3 * picture);
 }
 
 /// Tells people when it begins to fall behind and when it keeps up again; and now and then how far.
 void LiveLoop::say_pace() {
     constexpr double often = 10, much = 0.1;  // s; of real time
-    const double factor = std::min(1.0, pace_.factor()), now = wall_seconds();
+    const double factor = std::min(1.0, of_real_time()), now = wall_seconds();
     if (!say_ || !real_time_ || now - said_at_ < often || std::abs(factor - said_) < much) return;
     const std::string text = pace_text();
     say_(text.empty() ? "in real time" : text);
     said_ = factor, said_at_ = now;
 }
 
-/// A film's frames do not come faster than it plays; what changes, or changed in the step before, need not wait. @return s that it waited
-double LiveLoop::wait_for_real_time() {
-    if (!real_time_) return 0;
+/// A film's frames do not come faster than it plays; what changes, or changed in the step before, need not wait.
+void LiveLoop::wait_for_real_time() {
+    if (!real_time_) return;
     const double frame = 1 / simulation_->scene().time.fps, now = wall_seconds();
     due_ = std::max(due_ + frame, now - 0.1);  // missed frames are not caught up
     if (due_ > now && revision_ == stepped_) controls_.wait_for_change(due_ - now);
-    return wall_seconds() - now;
 }
 
 void LiveLoop::run(const std::function<bool()>& stop) {
@@ -302,7 +292,7 @@ void LiveLoop::run(const std::function<bool()>& stop) {
         }
         if (step_to_next_frame()) {
             show_frame();
-            waited_ = wait_for_real_time();
+            wait_for_real_time();
         } else if (state_ == State::diverged) {
             tell();
         }

@@ -52,7 +52,8 @@ private:
     void end_if_over(const Scene& scene);
     void tell();
     nlohmann::ordered_json status_json(const Measures& measures) const;
-    double wait_for_real_time();
+    double of_real_time() const { return play_wall_ > 0 ? played_ / play_wall_ : 0; }
+    void wait_for_real_time();
     std::string pace_text() const;
     void say_pace();
 
@@ -89,9 +90,7 @@ private:
     double frame_iterations_ = 0, frame_wall_ = 0, simulate_wall_ = 0;
     double shown_at_ = 0, due_ = 0;  ///< wall s
     double frames_a_second_ = 0, step_wall_ = 0, step_began_ = 0;
-    RealTime pace_;  ///< of the film, over the last frames
-    ThreadShare share_;
-    double waited_ = 0;                                   ///< s, for real time, since the last frame
+    double played_ = 0, play_wall_ = 0;                   ///< s, of the film and wall, over about the last second
     double said_at_ = 0, said_ = 1;                       ///< wall s; factor of real time
     nlohmann::ordered_json probed_, profiles_, plots_;    ///< by the probe's name
     std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe

@@ -20,7 +20,7 @@ bool same(const SurfaceOptions& a, const SurfaceOptions& b) {
 
 }  // namespace
 
-Screen::Screen(int width, int height, double frame) : width_(width), height_(height), order_(frame) {
+Screen::Screen(int width, int height, double frame) : width_(width), height_(height), interval_(frame) {
     share_threads_with_software_driver();
     thread_ = std::thread([this] {
         name_thread("draw");
@@ -51,35 +51,23 @@ void Screen::show(Frame frame, std::uint64_t revision) {
     auto shared = std::make_shared<const State>(std::move(frame), revision);
     const std::lock_guard lock(mutex_);
     waiting_ = std::move(shared);
-    order_.frame_came(revision);
     changed_.notify_all();
 }
 
 bool Screen::wants_state_within(double seconds) const {
     const std::lock_guard lock(mutex_);
-    return order_.wants_frame_within(seconds, wall_seconds());
+    return due_ < wall_seconds() + seconds;
 }
 
-void Screen::expect(std::uint64_t revision) {
+void Screen::set_interval(double frame) {
     const std::lock_guard lock(mutex_);
-    order_.expect(revision, wall_seconds());
-}
-
-void Screen::set_pace(double frame, bool short_of_time) {
-    const std::lock_guard lock(mutex_);
-    order_.pace.set_frame(frame);
-    order_.pace.set_short_of_time(short_of_time);
-}
-
-double Screen::interval() const {
-    const std::lock_guard lock(mutex_);
-    return order_.pace.interval();
+    interval_ = frame;
 }
 
 void Screen::look(PictureOptions how, std::uint64_t revision) {
     const std::lock_guard lock(mutex_);
     if (look_ && revision < look_->revision) return;  // the loop is a little behind those who ask for a look
-    if (!look_ || revision > look_->revision) order_.look_came();
+    if (!look_ || revision > look_->revision) look_is_drawn_ = false;
     look_ = std::make_shared<const Look>(std::move(how), revision);
     changed_.notify_all();
 }
@@ -108,20 +96,19 @@ void Screen::work() {
 
 /// Waits for the next image to draw. @return null if the screen was closed
 std::shared_ptr<const Screen::State> Screen::next(bool& is_new) {
-    using What = PictureOrder::What;
     std::unique_lock lock(mutex_);
     for (;;) {
         if (closed_) return nullptr;
-        constexpr double longest = 3600;  // s
         const double now = wall_seconds();
-        const PictureOrder::Next next = order_.next(now);
-        is_new = next.what == What::frame;
-        if (look_ && (is_new || (next.what == What::look && drawn_))) {
-            order_.began(next.what, now);
-            return is_new ? std::exchange(waiting_, nullptr) : drawn_;
+        is_new = look_ && waiting_ && (waiting_->revision > shown_ || due_ <= now);
+        if (is_new) {
+            due_ = now + interval_;
+            shown_ = waiting_->revision;
+            return std::exchange(waiting_, nullptr);
         }
-        const double seconds = next.what == What::nothing ? std::min(next.until - now, longest) : longest;
-        changed_.wait_for(lock, std::chrono::duration<double>(seconds));
+        if (look_ && drawn_ && !look_is_drawn_) return drawn_;
+        constexpr double long_time = 3600;  // s
+        changed_.wait_for(lock, std::chrono::duration<double>(waiting_ && look_ ? due_ - now : long_time));
     }
 }
 
@@ -147,12 +134,11 @@ void Screen::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State
 
     const std::lock_guard lock(mutex_);
     drawn_ = state;
-    if (look == look_) order_.look_drawn();
+    look_is_drawn_ = look == look_;
     newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
                                               std::move(image));
     times_["surface"] = {surfaced - began, 0, 1};
     times_["draw"] = {drawn - surfaced, 0, 1};
-    if (is_new) order_.pace.took(drawn - began);
     changed_.notify_all();
 }
 

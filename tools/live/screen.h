@@ -1,7 +1,7 @@
 #pragma once
-/// Makes images of frames on its own thread: surface -> draw -> latest image. Images begin at even intervals (PicturePace), each
-/// of the latest frame; earlier frames are dropped, and the simulation never waits. A change of the look and the first frame
-/// after a change of the fluid are drawn immediately.
+/// Makes images of states on its own thread: surface -> draw -> latest image. Each is of the latest state, at most one per frame interval;
+/// earlier states are dropped, and the simulation never waits. A change of the look and the first state after a change of the fluid are
+/// drawn immediately.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -14,7 +14,6 @@
 
 #include "render/image/image.h"
 #include "tools/film/film.h"
-#include "tools/live/pace.h"
 
 namespace whorl {
 
@@ -53,14 +52,10 @@ public:
 
     /// @param revision of the scene that the simulation went by
     void show(Frame frame, std::uint64_t revision);
-    /// Whether a picture begins within `seconds`, so that a state between two frames is of use.
+    /// Whether the next image is due within `seconds`, so that a state between two frames is of use.
     bool wants_state_within(double seconds) const;
-    /// A frame of that revision is to come shortly: no picture of an older one is begun before, so that it is drawn at once.
-    void expect(std::uint64_t revision);
-    /// The simulation is behind real time, and the cores are its own first.
-    void set_pace(double frame, bool short_of_time);
-    /// s, wall, between two pictures as they are begun.
-    double interval() const;
+    /// @param frame s, the film's frame interval as it plays
+    void set_interval(double frame);
     /// Sets the look of images, that of the scene's `revision`; the latest frame is drawn again.
     void look(PictureOptions how, std::uint64_t revision);
 
@@ -96,7 +91,9 @@ private:
     std::shared_ptr<const State> waiting_, drawn_;
     std::shared_ptr<const Look> look_;
     bool closed_ = false;
-    PictureOrder order_;
+    double interval_, due_ = 0;   ///< s, wall: least time between two images, of the next one
+    std::uint64_t shown_ = 0;     ///< revision of the fluid in the latest image
+    bool look_is_drawn_ = false;  ///< the latest image has the latest look
     std::shared_ptr<const Picture> newest_;
     std::uint64_t pictures_ = 0;
     StageTimes times_;

@@ -12,7 +12,6 @@
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
 #include "tools/live/access.h"
-#include "tools/live/file_watch.h"
 #include "tools/live/server.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"
@@ -91,7 +90,7 @@ int live(LiveOptions options) {
     };
     server.start([&] { return loop.save_recording(); });
     const Serving serving{server};
-    const FileWatch watch([&] { return controls.scene_path(); }, [&] { controls.file_edited(); });
+    const std::jthread watch = watch_file([&] { return controls.scene_path(); }, [&] { controls.file_edited(); });
 
     std::printf("%s\n", server.url().c_str());
     std::fflush(stdout);

@@ -200,7 +200,7 @@ function showKeys(now) {
   const groups = new Map();
   $('fixed').replaceChildren();
   for (const key of keys.keys) {
-    const knob = anyKnob(key);
+    const knob = makeKnob(key);
     if (!key.live) { $('fixed').append(knob.row); continue; }
     knobs.set(key.path, knob);
     const group = key.path.includes('.') ? key.path.slice(0, key.path.lastIndexOf('.')) : 'scene';
@@ -245,14 +245,6 @@ function scaleOf(key, value) {
 }
 const rounded = v => Number(v.toPrecision(3));
 
-// A key of a kind that the page does not know is a plain field.
-function anyKnob(key) {
-  try {
-    return makeKnob(key);
-  } catch (error) {
-    return makeKnob({...key, type: 'any'});
-  }
-}
 function makeKnob(key) {
   const row = document.createElement('div'), name = document.createElement('label'), unit = document.createElement('span');
   const fields = document.createElement('div'), why = document.createElement('p'), wrong = document.createElement('p');
