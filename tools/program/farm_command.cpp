@@ -16,6 +16,7 @@
 #include "tools/film/run_folder.h"
 #include "tools/process/process.h"
 #include "tools/program/command.h"
+#include "tools/program/sweep.h"
 
 namespace whorl {
 namespace {
@@ -90,19 +91,13 @@ void add_farm(CLI::App& program, Job& chosen) {
     CLI::App* app =
         program.add_subcommand("farm", "make films on several machines: the runs of panels, or the pictures of one run, as jobs");
     app->add_option("scenes", command->scenes, "scene files, or names of scenes that ship")->required()->type_name("SCENE");
-    app->add_option("--on", command->farm.on,
-                    "slurm: as job arrays of the Slurm that sbatch reaches; local: one after the other on this machine")
-        ->capture_default_str()
-        ->type_name("PLACE");
+    add_slurm_options(*app, command->farm.on, command->farm.sbatch);
     app->add_option("--jobs", command->farm.jobs, "slurm: tasks of a stage at the same time (default: no limit)")
         ->type_name("N")
         ->check(whole_number(1));
     app->add_option("--pieces", command->farm.pieces, "pieces that a film is drawn in (default: 8, or fewer of ten frames each)")
         ->type_name("N")
         ->check(whole_number(1));
-    app->add_option("--sbatch", command->farm.sbatch, "one more option for sbatch: --sbatch=--partition=short (repeatable)")
-        ->type_name("OPTION")
-        ->allow_extra_args(false);
     add_options(*app, command->shared,
                 {Option::set, Option::with, Option::out, Option::until, Option::size, Option::fps, Option::quality, Option::no_video,
                  Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});

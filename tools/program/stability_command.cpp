@@ -99,22 +99,18 @@ private:
         } catch (const InputError& error) {
             // Another program may accept what this one refuses: one of double precision reaches farther from the origin.
             if (point_call(study_, sweep_.scene, all).program.empty()) {
-                empty.verdict = refused(error);
+                empty.verdict = {"refused", error.what(), 0, 0};
                 return [empty] { return empty; };
             }
         }
         return [this, k, empty] { return bisects() ? bisected(settings(k), empty) : cell(settings(k), empty); };
     }
 
-    static Verdict refused(const InputError& error) { return {"refused", error.what(), 0, 0}; }
-
     Cell cell(const std::vector<std::string>& settings, Cell cell) const {
-        try {
-            StabilityKeys keys = study_.stability;
-            for (std::string* text : {&keys.noisy_speed, &keys.energy_scale})
-                if (!text->empty()) *text = with_values("{" + *text + "}", settings);
-            cell.verdict = judge(keys, sweep_.runner.run(sweep_.scene, settings, 1, false));
-        } catch (const InputError& error) { cell.verdict = refused(error); }
+        StabilityKeys keys = study_.stability;
+        for (std::string* text : {&keys.noisy_speed, &keys.energy_scale})
+            if (!text->empty()) *text = with_values("{" + *text + "}", settings);
+        cell.verdict = judge(keys, sweep_.point(settings, 1, false));
         return cell;
     }
 

@@ -21,15 +21,19 @@ namespace whorl {
 
 namespace fs = std::filesystem;
 
+void add_slurm_options(CLI::App& app, std::string& on, std::vector<std::string>& sbatch) {
+    app.add_option("--on", on, "slurm: as jobs of the Slurm that sbatch reaches; local: on this machine")
+        ->capture_default_str()
+        ->type_name("PLACE");
+    app.add_option("--sbatch", sbatch, "one more option for sbatch: --sbatch=--partition=short (repeatable)")
+        ->type_name("OPTION")
+        ->allow_extra_args(false);
+}
+
 void add_sweep_options(CLI::App& app, SweepOptions& o) {
     app.add_option("study", o.study, "study file, or the name of a study that ships")->required()->type_name("STUDY");
     app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR")->check(not_empty);
-    app.add_option("--on", o.on, "slurm: each run is a job of the Slurm that sbatch reaches; local: on this machine")
-        ->capture_default_str()
-        ->type_name("PLACE");
-    app.add_option("--sbatch", o.sbatch, "one more option for sbatch: --sbatch=--partition=short (repeatable)")
-        ->type_name("OPTION")
-        ->allow_extra_args(false);
+    add_slurm_options(app, o.on, o.sbatch);
     app.add_option("--threads", o.threads, "threads of each run (default: local: what the runs at the same time leave each, slurm: 1)")
         ->type_name("N")
         ->check(whole_number(0, 1024));
@@ -42,6 +46,14 @@ void add_sweep_options(CLI::App& app, SweepOptions& o) {
 
 void Sweep::say(const std::string& text) const {
     if (!options.json) fmt::print("{}\n", text), std::fflush(stdout);
+}
+
+PointResult Sweep::point(const std::vector<std::string>& settings, int repeat, bool pictures) const try {
+    return runner.run(scene, settings, repeat, pictures);
+} catch (const InputError& error) {
+    PointResult refused;
+    refused.status = "refused", refused.message = error.what();
+    return refused;
 }
 
 void Sweep::run(const std::function<Task(double)>& next) const {

@@ -26,6 +26,8 @@ struct SweepOptions {
 };
 
 void add_sweep_options(CLI::App& app, SweepOptions& options);
+/// --on and --sbatch.
+void add_slurm_options(CLI::App& app, std::string& on, std::vector<std::string>& sbatch);
 
 /// One scene of a study, of which points are run.
 struct Sweep {
@@ -36,6 +38,9 @@ struct Sweep {
     PointRunner runner;
 
     void say(const std::string& text) const;  ///< a line, not with --json
+
+    /// PointRunner::run(); a point that cannot work has the status "refused".
+    PointResult point(const std::vector<std::string>& settings, int repeat, bool pictures) const;
 
     /// Runs in a thread of its own; the function that it returns is called in the caller's.
     using Task = std::function<std::function<void()>()>;

@@ -37,7 +37,7 @@ public:
             if (p.empty()) return nullptr;
             rows_.push_back({{p}, settings_at(study_, p), {}, {}});
             return [this, k = rows_.size() - 1, settings = rows_.back().settings] {
-                return [this, k, result = run_point(settings)] { measure(rows_[k], result); };
+                return [this, k, result = sweep_.point(settings, study_.cost.repeat, draws())] { measure(rows_[k], result); };
             };
         });
         if (!options_.budget.empty() && rows_.size() < search_.size() && !search_.next(measured(false)).empty())
@@ -74,15 +74,6 @@ private:
         for (const Row& row : rows_)
             if (expected && !row.result) all.push_back(search_.expected(row.measured.at, done));
         return all;
-    }
-
-    /// A point that the plan refuses is a result, too.
-    PointResult run_point(const std::vector<std::string>& settings) const try {
-        return sweep_.runner.run(sweep_.scene, settings, study_.cost.repeat, draws());
-    } catch (const InputError& error) {
-        PointResult refused;
-        refused.status = "refused", refused.message = error.what();
-        return refused;
     }
 
     /// Wall seconds of a point (all its timings) over its cost, from those that were run; 0 before the first.

@@ -70,24 +70,8 @@ GridPoint FrontSearch::point(std::size_t k) const {
 }
 
 std::vector<GridPoint> FrontSearch::first_points() const {
-    std::vector<GridPoint> points;
-    GridPoint middle;
-    for (const int l : levels_) middle.push_back(l / 2);
-    if (levels_.size() <= 3) {
-        for (unsigned corner = 0; corner < 1U << levels_.size(); ++corner) {
-            GridPoint p;
-            for (std::size_t a = 0; a < levels_.size(); ++a) p.push_back(corner >> a & 1U ? levels_[a] - 1 : 0);
-            points.push_back(std::move(p));
-        }
-    } else {
-        for (std::size_t a = 0; a < levels_.size(); ++a)
-            for (const int end : {0, levels_[a] - 1}) {
-                GridPoint p = middle;
-                p[a] = end;
-                points.push_back(std::move(p));
-            }
-    }
-    points.push_back(std::move(middle));
+    std::vector<GridPoint> points(3);
+    for (const int l : levels_) points[0].push_back(0), points[1].push_back(l - 1), points[2].push_back(l / 2);
     return points;
 }
 

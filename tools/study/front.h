@@ -24,10 +24,10 @@ Goal parse_goal(const std::string& text);
 /// Indices of the points that no other beats in both cost and error, from cheap to dear.
 std::vector<std::size_t> pareto_front(const std::vector<Measured>& points);
 
-/// Chooses points so that the front is known early: first the grid's corners (its ends one knob at a time where there are more than three
-/// knobs) and its middle; then always the point whose optimistic guess would push the front furthest for its expected cost. Guesses are
-/// local linear fits of the logarithms of cost and error over the knobs' indices; optimistic by a spread that grows with the distance to
-/// what was run. Where no point promises to move the front by a twentieth, the front is known.
+/// Chooses points so that the front is known early: first two opposite corners of the grid and its middle, then always the point whose
+/// optimistic guess would push the front furthest for its expected cost. Guesses are local linear fits of the logarithms of cost and error
+/// over the knobs' indices; optimistic by a spread that grows with the distance to the measured points. The front counts as known if no
+/// point promises to move it by a twentieth.
 class FrontSearch {
 public:
     /// @param levels number of values of each knob

@@ -126,7 +126,7 @@ double error_of(const AccuracyKeys& a, const fs::path& folder, const fs::path& r
 }
 
 Verdict judge(const StabilityKeys& keys, const PointResult& result) {
-    if (result.status == "timeout") return {result.status, result.message, 0, 0};
+    if (result.status == "timeout" || result.status == "refused") return {result.status, result.message, 0, 0};
     std::ifstream in(result.folder / "run.json");
     const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
     if (result.status == "diverged" && run.is_object()) return first_trouble(run, "diverged", "diverged", result.message);

@@ -61,7 +61,7 @@ std::string joined_settings(const std::vector<std::string>& settings);
 double error_of(const AccuracyKeys& accuracy, const std::filesystem::path& folder, const std::filesystem::path& reference);
 
 struct Verdict {
-    std::string state;  ///< stable | noisy | diverged | lost particles | stalled solver | unphysical energy | timeout | failed
+    std::string state;  ///< stable | noisy | diverged | lost particles | stalled solver | unphysical energy | timeout | refused | failed
     std::string why;    ///< the number that decided; the report of the first bad step if there is one
     double time = 0;    ///< s, of the first bad step (or of the first frame that shows what no single step does)
     long step = 0;      ///< its number; 0: none
