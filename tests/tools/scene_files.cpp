@@ -41,7 +41,7 @@ std::string recorded(const Scratch& scratch) {
     Journal journal(scratch / "run");
     fs::create_directories(journal.folder());
     journal.begin(read_scene_file(options), scratch.scene(), "draft");
-    journal.add(0.2, {{"fluid.viscosity", Value(77.0), {}}});
+    journal.add(0.2, {{"fluid.viscosity", Value(77.0)}});
     journal.write(0.5);
     return journal.file().string();
 }
