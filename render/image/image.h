@@ -39,6 +39,13 @@ float linear_light(std::uint8_t srgb);
 /// The nearest sRGB byte of a light, clamped.
 std::uint8_t srgb_byte(float light);
 
+/// Mean and largest perceptual difference (CIE76 delta E in L*a*b*, after a 3x3 blur so that one-pixel shifts of an edge count little);
+/// infinite if the sizes differ.
+struct PictureDifference {
+    double mean = 0, p99 = 0, max = 0;
+};
+PictureDifference difference(const Image& a, const Image& b);
+
 /// The picture made smaller by averaging in linear light.
 Image downscaled(const Image& image, int width, int height);
 /// Pictures side by side in rows of `columns`, each at most cell_width wide, in order, with small gaps; opaque, transparent ones over grey.

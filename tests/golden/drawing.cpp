@@ -8,7 +8,6 @@
 #include "engine/core/random.h"
 #include "render/gl/renderer.h"
 #include "render/image/image.h"
-#include "tests/support/pictures.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

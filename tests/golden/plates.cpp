@@ -7,7 +7,6 @@
 #include "engine/core/random.h"
 #include "render/flow/plate.h"
 #include "render/image/image.h"
-#include "tests/support/pictures.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

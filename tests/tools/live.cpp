@@ -12,7 +12,6 @@
 #include "engine/theory/coil_theory.h"
 #include "render/image/image.h"
 #include "tests/support/live_program.h"
-#include "tests/support/pictures.h"
 #include "tests/support/scenes.h"
 #include "tools/live/access.h"
 

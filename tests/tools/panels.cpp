@@ -7,7 +7,6 @@
 
 #include "engine/io/csv.h"
 #include "render/image/image.h"
-#include "tests/support/pictures.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
 #include "tools/film/panel_scenes.h"

@@ -9,7 +9,6 @@
 #include "render/flow/marks.h"
 #include "render/flow/plate.h"
 #include "render/image/image.h"
-#include "tests/support/pictures.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;

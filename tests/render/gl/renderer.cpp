@@ -5,7 +5,6 @@
 
 #include "engine/core/errors.h"
 #include "render/image/exr.h"
-#include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
 #include "tests/support/shapes.h"
 
