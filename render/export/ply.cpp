@@ -16,9 +16,9 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 constexpr std::size_t four = 4;  // bytes of every number
 
-std::string header_of(const FrameNote& note, const Attributes& vertices, const Triangles* triangles) {
+std::string header_of(const Frame& frame, const Attributes& vertices, const Triangles* triangles) {
     std::string header = fmt::format("ply\nformat binary_little_endian 1.0\ncomment Whorl frame {} time {:.9g} s spacing {:.9g} m\n",
-                                     note.number, note.time, note.spacing);
+                                     frame.number, frame.time, frame.spacing);
     for (const Attribute& a : vertices.all())
         if (!unit_of(a.name).empty()) header += fmt::format("comment unit of {}: {}\n", a.name, unit_of(a.name));
     header += fmt::format("element vertex {}\n", vertices.rows());
@@ -30,8 +30,8 @@ std::string header_of(const FrameNote& note, const Attributes& vertices, const T
 
 }  // namespace
 
-void write_ply(const std::filesystem::path& file, const FrameNote& note, const Attributes& vertices, const Triangles* triangles) {
-    std::string bytes = header_of(note, vertices, triangles);
+void write_ply(const std::filesystem::path& file, const Frame& frame, const Attributes& vertices, const Triangles* triangles) {
+    std::string bytes = header_of(frame, vertices, triangles);
     std::size_t row = 0;
     for (const Attribute& a : vertices.all()) row += four * static_cast<std::size_t>(a.components);
     const std::size_t first = bytes.size(), faces = first + row * vertices.rows(), face = 1 + sizeof(Triangles::value_type),

@@ -8,18 +8,10 @@
 
 namespace whorl {
 
-/// Metadata of a file's frame.
-struct FrameNote {
-    int number = 0;
-    double time = 0;    ///< s
-    float spacing = 0;  ///< m, between particles
-};
-inline FrameNote note_of(const Frame& frame) { return {frame.number, frame.time, frame.spacing}; }
-
 /// Binary little-endian PLY, one vertex a row. Every property is a float or an int of four bytes, by component_names(). Comments give the
 /// frame and the units. Whole or not at all. @throws EnvironmentError
 /// @param triangles null: points, no faces
-void write_ply(const std::filesystem::path& file, const FrameNote& note, const Attributes& vertices,
+void write_ply(const std::filesystem::path& file, const Frame& frame, const Attributes& vertices,
                const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr);
 
 /// With normals where the mesh has them, and nothing else: OBJ has no place for it. Whole or not at all. @throws EnvironmentError

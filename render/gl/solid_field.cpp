@@ -44,10 +44,19 @@ void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vect
     }
 }
 
+/// Signed distance in the mesh's own coordinates, everywhere.
+Volume own_field(const TriangleMesh& mesh) {
+    const Bounds bounds = bounds_of(mesh.position);
+    const Vec3f size = bounds.high - bounds.low;
+    const float voxel = voxel_edge(size, size.minCoeff(), own_voxels, world_voxels);
+    return distance_volume(mesh, voxel, static_cast<int>(4 * size.maxCoeff() / voxel) + 1);
+}
+
 }  // namespace
 
-Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation,
-                const Vec3f& low, const Vec3f& high, int most) {
+SolidField::SolidField(int height) : voxels_(height < 480 ? small_world_voxels : world_voxels) {}
+
+Volume SolidField::all_placed(const Vec3f& low, const Vec3f& high, int most) const {
     Volume all;
     all.voxel = std::max((high - low).maxCoeff(), 1e-6f) / static_cast<float>(most - 5);
     all.origin = low - Vec3f::Constant(2 * all.voxel);
@@ -57,26 +66,14 @@ Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>&
     parallel_for(all.ny * all.nz, [&](Index r) {
         std::vector<float> row(all.nx, 1e6f);
         const Vec3f first = all.origin + all.voxel * Vec3f(0, static_cast<float>(r % all.ny), static_cast<float>(r / all.ny));
-        for (std::size_t k = 0; k < own.size(); ++k) {
-            const Volume& v = *own[k];
-            const Mat3f into = rotation[k].transpose() / v.voxel;
-            lower_row(v, into * (first - translation[k]) - v.origin / v.voxel, into.col(0) * all.voxel, row);
+        for (const Placed& p : placed_) {
+            const Volume& v = own_.at(p.mesh);
+            const Mat3f into = p.rotation.transpose() / v.voxel;
+            lower_row(v, into * (first - p.translation) - v.origin / v.voxel, into.col(0) * all.voxel, row);
         }
         std::copy(row.begin(), row.end(), all.value.begin() + static_cast<std::ptrdiff_t>(r) * all.nx);
     });
     return all;
-}
-
-SolidField::SolidField(int height) : voxels_(height < 480 ? small_world_voxels : world_voxels) {}
-
-const Volume& SolidField::own_field(const std::shared_ptr<const TriangleMesh>& mesh) {
-    for (const auto& [known, volume] : own_)
-        if (known == mesh) return volume;
-    const Bounds bounds = bounds_of(mesh->position);
-    const Vec3f size = bounds.high - bounds.low;
-    const float voxel = voxel_edge(size, size.minCoeff(), own_voxels, world_voxels);
-    own_.emplace_back(mesh, distance_volume(*mesh, voxel, static_cast<int>(4 * size.maxCoeff() / voxel) + 1));
-    return own_.back().second;
 }
 
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
@@ -102,15 +99,11 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::erase_if(own_, [&](const auto& known) {
         return std::none_of(placed_.begin(), placed_.end(), [&](const Placed& p) { return p.mesh == known.first; });
     });
-    for (const Placed& p : placed_) own_field(p.mesh);
-    std::vector<const Volume*> own;
-    std::vector<Mat3f> rotation;
-    std::vector<Vec3f> translation;
-    for (const Placed& p : placed_) own.push_back(&own_field(p.mesh)), rotation.push_back(p.rotation), translation.push_back(p.translation);
+    for (const Placed& p : placed_)
+        if (const auto [own, is_new] = own_.try_emplace(p.mesh); is_new) own->second = own_field(*p.mesh);
     const Vec3f size = bounds.high - bounds.low;
     const float voxel = voxel_edge(size, thinnest, voxels_ - 5, voxels_);
-    const Volume all =
-        union_of(own, rotation, translation, bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
+    const Volume all = all_placed(bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
     origin_ = all.origin, voxel_ = all.voxel;
     size_ = Vec3f(static_cast<float>(all.nx), static_cast<float>(all.ny), static_cast<float>(all.nz));
     gl::fill_3d(texture_, all.nx, all.ny, all.nz, all.value.data());

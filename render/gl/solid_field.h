@@ -23,23 +23,19 @@ private:
         Vec3f translation;
         bool operator==(const Placed&) const = default;
     };
-    const Volume& own_field(const std::shared_ptr<const TriangleMesh>& mesh);
+    /// Signed distance to the union of placed_ on a grid of at most `most` voxels along its longest side. Outside a solid's own volume the
+    /// distance to the volume's edge is added: an upper bound of the true distance.
+    Volume all_placed(const Vec3f& low, const Vec3f& high, int most) const;
 
     int voxels_;                      ///< along a side of a cube
     std::vector<Placed> placed_;      ///< seen from the first: of equal ones the field is the same
     Mat3f turn_ = Mat3f::Identity();  ///< of the first, and where it is
     Vec3f move_ = Vec3f::Zero();
-    std::vector<std::pair<std::shared_ptr<const TriangleMesh>, Volume>>
-        own_;  ///< signed distance in each mesh's own coordinates, everywhere
+    std::map<std::shared_ptr<const TriangleMesh>, Volume> own_;
     gl::Texture texture_;
     Vec3f origin_ = Vec3f::Zero(), size_ = Vec3f::Ones();
     float voxel_ = 1;  ///< m
     bool empty_ = true;
 };
-
-/// Signed distance to the union of placed volumes on a grid of at most `most` voxels along its longest side.
-/// Outside a volume the distance to the volume's edge is added: an upper bound of the true distance.
-Volume union_of(const std::vector<const Volume*>& own, const std::vector<Mat3f>& rotation, const std::vector<Vec3f>& translation,
-                const Vec3f& low, const Vec3f& high, int most);
 
 }  // namespace whorl

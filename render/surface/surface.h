@@ -19,6 +19,9 @@ struct SurfaceOptions {
     bool ages = true;       ///< compute ages and crust if the frame has ages; no key: false if nothing changes with age
 };
 
+/// The keys of [surface] in a scene file.
+const class KeyTable& surface_keys();
+
 /// A dense scalar volume: value at voxel (i,j,k) is at origin + voxel (i,j,k); i runs fastest.
 struct Volume {
     Vec3f origin = Vec3f::Zero();  ///< m

@@ -58,8 +58,8 @@ void Exports::write(const Frame& frame, const Surface& surface, const PictureOpt
         if (!fields) fields = carried_at(mesh.position, frame, static_cast<float>(how.surface.radius) * frame.spacing);
         return *fields;
     };
-    made("points", [&] { write_ply(file("points", frame.number, "ply"), note_of(frame), particle_attributes(frame)); });
-    made("mesh", [&] { write_ply(file("mesh", frame.number, "ply"), note_of(frame), vertex_attributes(mesh, carried()), &mesh.triangle); });
+    made("points", [&] { write_ply(file("points", frame.number, "ply"), frame, particle_attributes(frame)); });
+    made("mesh", [&] { write_ply(file("mesh", frame.number, "ply"), frame, vertex_attributes(mesh, carried()), &mesh.triangle); });
     made("obj", [&] { write_obj_mesh(file("obj", frame.number, "obj"), mesh); });
     made("vdb", [&] { write_grids(frame, surface, how); });
     made("vtk", [&] { write_vtk(frame, mesh, carried); });

@@ -8,7 +8,6 @@
 #include "engine/scene/scene_difference.h"
 #include "engine/scene/tree.h"
 #include "render/look/look_options.h"
-#include "render/surface/surface_keys.h"
 
 namespace whorl {
 namespace {

@@ -14,7 +14,6 @@
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "render/look/look_options.h"
-#include "render/surface/surface_keys.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 

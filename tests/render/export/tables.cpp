@@ -54,7 +54,7 @@ const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 2, 1}, {0, 1, 3}, 
 TEST_CASE("a PLY of particles contains the exported fields bit for bit, with units, and no solver fields", "[export]") {
     const test::ScratchFolder folder;
     const Frame frame = some_frame();
-    write_ply(folder / "a.ply", note_of(frame), particle_attributes(frame));
+    write_ply(folder / "a.ply", frame, particle_attributes(frame));
     const test::Ply ply = test::read_ply(folder / "a.ply");
     CHECK(ply.properties == std::vector<std::string>{"x", "y", "z", "velocity_x", "velocity_y", "velocity_z", "density", "age", "spin_x",
                                                      "spin_y", "spin_z", "ink_1", "ink_2", "ink_3", "radius", "id", "source"});
@@ -71,7 +71,7 @@ TEST_CASE("a PLY of particles contains the exported fields bit for bit, with uni
     CHECK_FALSE(ply.has_faces);
     CHECK(ply.header.find("comment Whorl frame 12 time 0.458333333 s spacing 0.1") != std::string::npos);
     CHECK(ply.header.find("comment unit of velocity: m/s\n") != std::string::npos);
-    CHECK_THROWS_AS(write_ply(folder / "missing" / "a.ply", note_of(frame), particle_attributes(frame)), EnvironmentError);
+    CHECK_THROWS_AS(write_ply(folder / "missing" / "a.ply", frame, particle_attributes(frame)), EnvironmentError);
 }
 
 TEST_CASE("a PLY of a mesh contains normals, fluid values and triangles, and an empty one has 0 faces", "[export]") {
