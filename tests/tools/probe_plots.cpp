@@ -7,6 +7,7 @@
 #include "engine/scene/read.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tests/support/scene_text.h"
 #include "tools/film/tables.h"
 
 using namespace whorl;
@@ -19,25 +20,8 @@ namespace {
 using Scratch = test::FilmScratch;
 
 /// A column of water that falls apart in 2D, some hundred particles.
-const std::string dam = R"([time]
-end = 0.15
-fps = 40
-[domain]
-dimensions = 2
-min = [-0.02, -0.02]
-max = [0.22, 0.2]
-[fluid]
-spacing = 5e-3
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.08, 0.08]
-[[solid]]
-shape = "box"
-min = [0, 0]
-max = [0.2, 0.2]
-container = true
-[[probe]]
+const std::string dam = test::text::time(0.15, "fps = 40") + test::text::domain({-0.02, -0.02}, {0.22, 0.2}) + test::text::fluid(5e-3) +
+                        test::text::block({0, 0}, {0.08, 0.08}) + test::text::tank({0, 0}, {0.2, 0.2}) + R"([[probe]]
 name = "wave"
 kind = "level"
 from = [0.02, 0]

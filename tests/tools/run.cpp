@@ -11,6 +11,7 @@
 #include "render/image/image.h"
 #include "tests/support/film_runs.h"
 #include "tests/support/program.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/scenes.h"
 #include "tools/film/report.h"
 
@@ -240,35 +241,10 @@ TEST_CASE("resume refuses a mesh that was edited after the run began, by name, a
 }
 
 TEST_CASE("an overfilled box reports how crowded it is", "[tools][render]") {
-    const Scratch scratch(R"(
-name = "stuffed"
-[time]
-end = 0.02
-fps = 100
-[domain]
-min = [-0.02, -0.02, -0.02]
-max = [0.12, 0.12, 0.12]
-[fluid]
-spacing = 0.0125
-[models]
-pressure = "ppe"
-viscosity = "xsph"
-[pressure]
-form = "constraint"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.1, 0.1]
-[[block]]
-shape = "box"
-min = [0.02, 0.02, 0.02]
-max = [0.08, 0.05, 0.08]
-[[solid]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.1, 0.1]
-container = true
-)");
+    const Scratch scratch(test::text::time(0.02, "fps = 100") + test::text::domain({-0.02, -0.02, -0.02}, {0.12, 0.12, 0.12}) +
+                          test::text::fluid(0.0125) + test::text::models("ppe", "xsph") + "[pressure]\nform = \"constraint\"\n" +
+                          test::text::block({0, 0, 0}, {0.1, 0.1, 0.1}) + test::text::block({0.02, 0.02, 0.02}, {0.08, 0.05, 0.08}) +
+                          test::text::tank({0, 0, 0}, {0.1, 0.1, 0.1}));
     const Outcome run = test::whorl({"render", scratch.scene(), "--no-images", "--quiet", "--out", scratch.run()});
     INFO(run.err);
     const auto troubles = report(scratch / "run")["first_troubles"];

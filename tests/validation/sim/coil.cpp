@@ -1,16 +1,19 @@
 /// A whole coil: emission, fall, contact, probe, against slender-thread theory.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "engine/probes/probes.h"
 #include "engine/scene/read.h"
 #include "engine/sim/simulation.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
@@ -22,18 +25,17 @@ struct CoilCase {
 /// A thread that coils on a plate; what was laid goes after 0.6 of a turn, so that no heap shortens the fall. The plate circles as the coil
 /// will until the thread has been down for 1.5 turns: else it folds for some turns first.
 Scene coil_on_plate(const CoilCase& c, double spacing, double turns) {
-    std::ostringstream text, circle, phase;
-    circle << c.radius << "*max(0, min(1, (" << c.fall / c.speed + 1.5 / c.frequency << "-t)*" << c.frequency << "))";
-    phase << "(" << 2 * std::numbers::pi * c.frequency << "*t)";
-    text << "[time]\nend = " << c.fall / c.speed + turns / c.frequency
-         << "\n[domain]\nmin = [-0.12, -0.02, -0.12]\nmax = [0.12, 0.22, 0.12]\n"
-         << "[fluid]\nspacing = " << spacing << "\nviscosity = " << 1000 * c.nu << "\n[models]\npressure = \"coupled\"\n"
-         << "[[emitter]]\nposition = [0, " << c.fall << ", 0]\nradius = 5e-3\nspeed = " << c.speed << "\n"
-         << "[[solid]]\nshape = \"cylinder\"\nfrom = [0, -0.01, 0]\nto = [0, 0, 0]\nradius = 0.1\n"
-         << "position = [\"" << circle.str() << "*cos" << phase.str() << "\", \"0\", \"" << circle.str() << "*sin" << phase.str() << "\"]\n"
-         << "[[drain]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.012, 0]\nradius = 0.12\ndelay = " << 0.6 / c.frequency << "\n"
-         << "[[probe]]\nname = \"coil\"\nkind = \"coil\"\n";
-    return read_scene_text(text.str(), "coil.toml");
+    const std::string circle = fmt::format("{}*max(0, min(1, ({}-t)*{}))", c.radius, c.fall / c.speed + 1.5 / c.frequency, c.frequency);
+    const double pi2 = 2 * std::numbers::pi;
+    const std::string text =
+        text::time(c.fall / c.speed + turns / c.frequency) + text::domain({-0.12, -0.02, -0.12}, {0.12, 0.22, 0.12}) +
+        text::fluid(spacing, 1000 * c.nu) + text::models("coupled") + text::emitter({0, c.fall, 0}, 5e-3, c.speed) +
+        "[[solid]]\nshape = \"cylinder\"\nfrom = [0, -0.01, 0]\nto = [0, 0, 0]\nradius = 0.1\n" +
+        fmt::format("position = [\"{0}*cos({1}*t)\", \"0\", \"{0}*sin({1}*t)\"]\n", circle, pi2 * c.frequency) +
+        fmt::format("[[drain]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.012, 0]\nradius = 0.12\ndelay = {}\n",
+                    0.6 / c.frequency) +
+        "[[probe]]\nname = \"coil\"\nkind = \"coil\"\n";
+    return read_scene_text(text, "coil.toml");
 }
 
 /// time, frequency, radius, turns, spreads, pile_height, uncertainties, fall
