@@ -17,4 +17,5 @@ fi
 bash tools/setup.sh chromium  # for the page of whorl live
 if [ "${CI:-}" = true ]; then export CONFIGURE="-DWHORL_WERROR=ON"; fi
 bash tools/build.sh release "${targets[@]}"
-ctest --preset release -j "$(nproc)" "${which[@]}" "$@"
+# One more than there are cores: some tests wait for a folder, an encoder or a browser.
+ctest --preset release -j "$(($(nproc) + 1))" "${which[@]}" "$@"
