@@ -45,17 +45,6 @@ std::string in_words(const Value& v) {
 /// Ranges as people say them: 1 rather than 1.0.
 std::string plain(double v) { return fmt::format("{}", v); }
 
-KeyType element_of(KeyType type) {
-    switch (type) {
-        case KeyType::flags: return KeyType::flag;
-        case KeyType::integers: return KeyType::integer;
-        case KeyType::numbers: return KeyType::number;
-        case KeyType::expressions: return KeyType::expression;
-        case KeyType::texts: return KeyType::text;
-        default: return type;
-    }
-}
-
 bool fits(KeyType type, const Value& v) {
     switch (type) {
         case KeyType::flag: return v.as<bool>() != nullptr;
@@ -98,32 +87,27 @@ double shortest_decimal(float v) { return std::isfinite(v) ? std::strtod(fmt::fo
 Value Key::with_depth(const Value& v) const {
     const Value::List* list = v.as<Value::List>();
     if (!may_lack_depth() || !list || list->size() != 2) return v;
-    Value in_space = v, zero = type == KeyType::flags ? Value(false) : Value(0.0);
+    Value in_space = v, zero = type == KeyType::flag ? Value(false) : Value(0.0);
     zero.place = v.place;
     in_space.as<Value::List>()->push_back(std::move(zero));
     return in_space;
 }
 
 Key& Key::one_of(std::vector<std::string> names) {
-    if (type == KeyType::text) type = KeyType::choice;
     choices = std::move(names);
     return *this;
 }
 
 std::string Key::type_name() const {
-    const std::string many = count > 0 ? std::to_string(count) + " " : "";
+    const std::string list = is_list ? "a list of " + (count > 0 ? std::to_string(count) + " " : "") : "";
     switch (type) {
-        case KeyType::flag: return "true or false";
-        case KeyType::integer: return "a whole number";
-        case KeyType::number: return may_be_auto ? "a number or \"auto\"" : "a number";
-        case KeyType::text:
-        case KeyType::choice: return "a text";
-        case KeyType::expression: return "a number or an expression in quotes";
-        case KeyType::flags: return "a list of " + many + "times true or false";
-        case KeyType::integers: return "a list of " + many + "whole numbers";
-        case KeyType::numbers: return "a list of " + many + "numbers" + (access->from_text ? " or a text" : "");
-        case KeyType::expressions: return "a list of " + many + "numbers or expressions in quotes";
-        case KeyType::texts: return "a list of texts";
+        case KeyType::flag: return is_list ? list + "times true or false" : "true or false";
+        case KeyType::integer: return is_list ? list + "whole numbers" : "a whole number";
+        case KeyType::number:
+            if (is_list) return list + "numbers" + (access->from_text ? " or a text" : "");
+            return may_be_auto ? "a number or \"auto\"" : "a number";
+        case KeyType::text: return is_list ? list + "texts" : "a text";
+        case KeyType::expression: return is_list ? list + "numbers or expressions in quotes" : "a number or an expression in quotes";
         case KeyType::any: return "a value as the key takes it";
     }
     return "";
@@ -135,7 +119,7 @@ std::string Key::allowed_beside(double x) const {
     std::string text;
     if (!choices.empty()) {
         for (std::size_t i = 0; i < choices.size(); ++i)
-            text += (i == 0 ? "" : i + 1 == choices.size() ? (type == KeyType::texts ? ", " : " or ") : ", ") + choices[i];
+            text += (i == 0 ? "" : i + 1 == choices.size() ? (is_list ? ", " : " or ") : ", ") + choices[i];
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
@@ -159,9 +143,8 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
     if (access->from_text && v.as<std::string>()) try {
             return read(object, access->from_text(v), path, problems);
         } catch (const KeyFault& fault) { return problems.push_back({fault.place, path + ": " + fault.what(), "", ""}); }
-    const KeyType element = element_of(type);
     bool good = true;
-    if (element == type) {
+    if (!is_list) {
         if (!fits(type, v)) return wrong_type(v.place, in_words(v), path, problems);
         good = check_entry(v, path, problems);
     } else {
@@ -170,12 +153,12 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
             wrong_type(v.place, in_words(v), path, problems);
             if (!list && count > 0 && standard.as<Value::List>())
                 problems.back().hint = "as in " + standard.toml();  // brackets are missing
-            if (v.as<std::string>() && type == KeyType::texts) problems.back().hint = "as in [" + v.toml() + "]";
+            if (v.as<std::string>() && type == KeyType::text) problems.back().hint = "as in [" + v.toml() + "]";
             return;
         }
         for (std::size_t i = 0; i < list->size(); ++i) {
             const Value& e = (*list)[i];
-            if (!fits(element, e)) return wrong_type(e.place, in_words(e) + " in place " + std::to_string(i + 1), path, problems);
+            if (!fits(type, e)) return wrong_type(e.place, in_words(e) + " in place " + std::to_string(i + 1), path, problems);
             good &= check_entry(e, path + "[" + std::to_string(i) + "]", problems);
         }
     }
@@ -189,8 +172,7 @@ void Key::wrong_type(const Place& place, const std::string& found, const std::st
 }
 
 bool Key::check_entry(const Value& entry, const std::string& path, Problems& problems) const {
-    const KeyType element = element_of(type);
-    const bool counts = element == KeyType::number || element == KeyType::integer || element == KeyType::expression;
+    const bool counts = type == KeyType::number || type == KeyType::integer || type == KeyType::expression;
     const bool in_range = !counts || !entry.is_number() || check_range(entry.number(), entry.place, path, problems);
     return check_choice(entry, path, problems) && in_range;
 }

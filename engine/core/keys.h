@@ -71,7 +71,7 @@ struct KeyValue {
     Value value;
 };
 
-enum class KeyType { flag, integer, number, text, choice, expression, flags, integers, numbers, expressions, texts, any };
+enum class KeyType { flag, integer, number, text, expression, any };
 
 /// Meaning of a key's three entries in a 2D flow, that of the plane z = 0.
 enum class InPlane {
@@ -103,11 +103,12 @@ struct MemberAccess {
 
 struct Key {
     std::string name, unit, meaning;
-    KeyType type = KeyType::number;
-    int count = 0;  ///< entries of a list type; 0: any number
+    KeyType type = KeyType::number;  ///< of the value, or of each entry of a list
+    bool is_list = false;
+    int count = 0;  ///< entries of a list; 0: any number
     InPlane in_plane = InPlane::free;
     bool may_be_auto = false;          ///< "auto" is a value (a std::optional member)
-    std::vector<std::string> choices;  ///< choice, texts
+    std::vector<std::string> choices;  ///< of a text; none: any
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool least_open = false;  ///< `least` itself is not allowed
     bool single = false;      ///< its numbers are held in single precision
@@ -310,7 +311,7 @@ struct KeyCodec<std::filesystem::path> {
 template <class T>
 struct KeyCodec<T, std::enable_if_t<std::is_enum_v<T>>> {
     static void describe(Key& k) {
-        k.type = KeyType::choice;
+        k.type = KeyType::text;
         for (const auto& [value, name] : choices(T{})) k.choices.emplace_back(name);
     }
     static Value write(T v) {
@@ -342,10 +343,9 @@ struct KeyCodec<std::optional<T>> : OptionalCodec<T> {};
 template <class L, class T, int Count>
 struct ListCodec {
     static void describe(Key& k) {
-        k.count = Count, k.single = std::is_same_v<T, float>;
-        if constexpr (std::is_same_v<T, bool>) k.type = KeyType::flags;
-        else if constexpr (std::is_integral_v<T>) k.type = KeyType::integers;
-        else k.type = KeyType::numbers;
+        k.is_list = true, k.count = Count, k.single = std::is_same_v<T, float>;
+        if constexpr (std::is_same_v<T, bool>) k.type = KeyType::flag;
+        else if constexpr (std::is_integral_v<T>) k.type = KeyType::integer;
     }
     static Value write(const L& v) {
         Value::List list;
@@ -369,7 +369,7 @@ struct KeyCodec<Vec3d> : ListCodec<Vec3d, double, 3> {
 };
 template <>
 struct KeyCodec<std::vector<std::string>> {
-    static void describe(Key& k) { k.type = KeyType::texts; }
+    static void describe(Key& k) { k.type = KeyType::text, k.is_list = true; }
     static Value write(const std::vector<std::string>& v) {
         Value::List list;
         for (const std::string& text : v) list.emplace_back(text);

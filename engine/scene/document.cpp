@@ -71,33 +71,25 @@ std::string message_of(const toml::parse_error& e) {
     return text;
 }
 
-struct Step {
-    std::string name;
-    bool is_index = false;
-    std::size_t index = 0;
-};
-
-bool digits(const std::string& text) {
-    return !text.empty() && text.size() < 7 && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
+bool is_index(const std::string& step) {
+    return !step.empty() && step.size() < 7 && std::all_of(step.begin(), step.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
-/// "emitter[0].speed" -> emitter, 0, speed; empty if it is not a key.
-std::vector<Step> parse_path(const std::string& key) {
-    std::vector<Step> steps;
+/// "emitter[0].speed" and "emitter.0.speed" -> emitter, 0, speed; empty if it is not a key.
+std::vector<std::string> steps_of(const std::string& key) {
+    std::vector<std::string> steps;
     std::string part;
     std::istringstream in(key);
     if (key.empty() || key.back() == '.') return {};
     while (std::getline(in, part, '.')) {
         const std::size_t bracket = part.find('[');
-        const std::string name = part.substr(0, bracket);
-        if (name.empty() || name.find_first_of(" \t\"'=") != std::string::npos) return {};
-        steps.push_back({name, digits(name), digits(name) ? std::stoul(name) : 0});
-        for (std::size_t at = bracket; at != std::string::npos && at < part.size();) {
+        steps.push_back(part.substr(0, bracket));
+        if (steps.back().empty() || steps.back().find_first_of(" \t\"'=") != std::string::npos) return {};
+        for (std::size_t at = bracket; at < part.size();) {
             const std::size_t close = part.find(']', at);
             if (part[at] != '[' || close == std::string::npos) return {};
-            const std::string index = part.substr(at + 1, close - at - 1);
-            if (!digits(index)) return {};
-            steps.push_back({index, true, std::stoul(index)});
+            steps.push_back(part.substr(at + 1, close - at - 1));
+            if (!is_index(steps.back())) return {};
             at = close + 1;
         }
         if (steps.size() > most_nested) return {};
@@ -105,45 +97,41 @@ std::vector<Step> parse_path(const std::string& key) {
     return steps;
 }
 
+std::string joined(const std::vector<std::string>& steps, std::size_t count) {
+    std::string path;
+    for (std::size_t i = 0; i < count; ++i) path += is_index(steps[i]) ? "[" + steps[i] + "]" : (i > 0 ? "." : "") + steps[i];
+    return path;
+}
+
 /// Puts `value` at the path below `node`, making tables and the next entry of a list on the way.
-void put(Value& node, const std::vector<Step>& steps, std::size_t depth, const Value& value, std::vector<Problem>& problems) {
+void put(Value& node, const std::vector<std::string>& steps, std::size_t depth, const Value& value, std::vector<Problem>& problems) {
     if (depth == steps.size()) {
         node = value;
         return;
     }
-    const Step& step = steps[depth];
+    const std::string& step = steps[depth];
     if (auto* list = node.as<Value::List>()) {
-        if (!step.is_index || step.index > list->size()) {
-            std::string path = steps[0].name;
-            for (std::size_t i = 1; i < depth; ++i) path += steps[i].is_index ? "[" + steps[i].name + "]" : "." + steps[i].name;
+        const std::size_t index = is_index(step) ? std::stoul(step) : list->size() + 1;
+        if (index > list->size()) {
+            const std::string path = joined(steps, depth);
             const std::string wanted =
-                step.is_index ? "missing entry " + path + "[" + step.name + "]" : path + " is a list, which has no " + step.name;
-            const std::string key = list->empty() || list->front().as<Value::Table>() ? "." + step.name : "";
-            problems.push_back({value.place, wanted, step.is_index ? "" : "name an entry, as in " + path + "[0]" + key,
+                is_index(step) ? "missing entry " + joined(steps, depth + 1) : path + " is a list, which has no " + step;
+            const std::string key = list->empty() || list->front().as<Value::Table>() ? "." + step : "";
+            problems.push_back({value.place, wanted, is_index(step) ? "" : "name an entry, as in " + path + "[0]" + key,
                                 list->empty() ? "" : path + " has the entries 0 to " + std::to_string(list->size() - 1)});
             return;
         }
-        if (step.index == list->size()) {
-            list->emplace_back(Value::Table{});
-            list->back().place = list->back().key_place = value.place;
-        }
-        put((*list)[step.index], steps, depth + 1, value, problems);
-        return;
+        if (index == list->size()) list->push_back(placed(Value(Value::Table{}), value.place));
+        return put((*list)[index], steps, depth + 1, value, problems);
     }
-    if (!node.as<Value::Table>()) {  // a plain value instead of a table: the change replaces it
-        const Place place = value.place;
-        node = Value(Value::Table{});
-        node.place = node.key_place = place;
-    }
-    if (Value* child = node.find(step.name)) {
-        put(*child, steps, depth + 1, value, problems);
-        return;
-    }
+    // A plain value in the place of a table: the change replaces it.
+    if (!node.as<Value::Table>()) node = placed(Value(Value::Table{}), value.place);
+    if (Value* child = node.find(step)) return put(*child, steps, depth + 1, value, problems);
     // A list that the file does not have begins with its entry 0.
-    Value child = depth + 1 < steps.size() && steps[depth + 1].is_index ? Value(Value::List{}) : Value(Value::Table{});
-    child.place = child.key_place = value.key_place;
+    Value child = depth + 1 < steps.size() && is_index(steps[depth + 1]) ? Value(Value::List{}) : Value(Value::Table{});
+    child = placed(std::move(child), value.key_place);
     put(child, steps, depth + 1, value, problems);
-    node.as<Value::Table>()->emplace_back(step.name, std::move(child));
+    node.as<Value::Table>()->emplace_back(step, std::move(child));
 }
 
 /// How to write what is often written wrong. @param what message of toml++
@@ -201,6 +189,11 @@ Value parse_value(const std::string& text, const std::string& source) {
     }
 }
 
+std::string full_path(const std::string& path) {
+    const std::vector<std::string> steps = steps_of(path);
+    return steps.empty() ? path : joined(steps, steps.size());
+}
+
 KeyValue parse_change(const std::string& text, const std::string& option) {
     const auto trimmed = [](const std::string& part) {
         const std::size_t begin = std::min(part.find_first_not_of(" \t"), part.size());
@@ -214,7 +207,7 @@ KeyValue parse_change(const std::string& text, const std::string& option) {
 }
 
 void set_key(Value& root, const KeyValue& change, std::vector<Problem>& problems) {
-    const std::vector<Step> steps = parse_path(change.path);
+    const std::vector<std::string> steps = steps_of(change.path);
     if (!steps.empty()) return put(root, steps, 0, change.value, problems);
     problems.push_back(
         {change.value.place, "\"" + change.path + "\" is not a key", "", "allowed: names with dots between them, as in emitter[0].speed"});

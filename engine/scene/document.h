@@ -21,6 +21,9 @@ Value parse_value(const std::string& text, const std::string& source = "");
 /// From "emitter[0].speed=0.3" or "emitter.0.speed=0.3". @param option the option before it, for messages @throws InputError
 KeyValue parse_change(const std::string& text, const std::string& option = "--set");
 
+/// A key's full name: emitter.0.speed is emitter[0].speed.
+std::string full_path(const std::string& path);
+
 /// Sets a key of the tree; appends to `problems` where it is not a key, or names a list entry that is not there.
 void set_key(Value& root, const KeyValue& change, std::vector<Problem>& problems);
 

@@ -57,7 +57,7 @@ struct KeyCodec<std::optional<Expression>> : OptionalCodec<Expression>,
 template <>
 struct KeyCodec<VectorExpression> : ExpressionQueries<KeyCodec<VectorExpression>, VectorExpression> {
     using One = KeyCodec<Expression>;
-    static void describe(Key& k) { k.type = KeyType::expressions, k.count = 3, k.in_plane = InPlane::vector; }
+    static void describe(Key& k) { k.type = KeyType::expression, k.is_list = true, k.count = 3, k.in_plane = InPlane::vector; }
     static Value write(const VectorExpression& e) {
         return Value(Value::List{One::write(e.component[0]), One::write(e.component[1]), One::write(e.component[2])});
     }

@@ -75,16 +75,12 @@ private:
             scene_.time.max_step = std::max(scene_.time.max_step, as_it_plays);
     }
     void frames() {
-        constexpr double most = 1e6, longest = 1e30;  // s; pictures know times in single precision
-        const std::vector<std::string> keys{"time.fps", "time.slow_motion", "time.end"};
-        const double every = scene_.time.frame_interval(), pictures = scene_.time.end / every;
-        if (every > longest)
-            reader_.disagree(keys, fmt::format("one picture every {:.3g} s", every), "use a larger time.fps or time.slow_motion",
-                             fmt::format("allowed: one at least every {:g} s", longest));
-        else if (!(pictures <= most))
-            reader_.disagree(keys,
-                             fmt::format("{:.3g} pictures until time.end = {:g} s: one every {:.3g} s", pictures, scene_.time.end, every),
-                             "use a smaller time.fps or time.slow_motion, or an earlier time.end", "allowed: at most a million pictures");
+        constexpr double most = 1e6, longest = 1e30;  // s; images know times in single precision
+        const double every = scene_.time.frame_interval(), images = scene_.time.end / every;
+        if (every > longest || !(images <= most))
+            reader_.disagree({"time.fps", "time.slow_motion", "time.end"},
+                             fmt::format("{:.3g} images until time.end = {:g} s: one every {:.3g} s", images, scene_.time.end, every),
+                             "use another time.fps or time.slow_motion", "allowed: at most a million images, one at least every 1e30 s");
     }
     void ordered(const std::string& low, const Vec3d& a, const std::string& high, const Vec3d& b, int dimensions = 3) {
         for (int axis = 0; axis < dimensions; ++axis)

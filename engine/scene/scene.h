@@ -34,7 +34,7 @@ struct Inks {
 template <>
 struct KeyCodec<Inks> : ExpressionQueries<KeyCodec<Inks>, Inks> {
     using One = KeyCodec<Expression>;
-    static void describe(Key& k) { k.type = KeyType::expressions; }
+    static void describe(Key& k) { k.type = KeyType::expression, k.is_list = true; }
     static Value write(const Inks& inks) {
         Value::List list;
         for (const Expression& e : inks.of) list.push_back(One::write(e));

@@ -26,30 +26,21 @@ Json choice_of(const Key& key) {
 }
 
 Json schema_of(const Key& key) {
-    const Json number = bounded(key, {{"type", "number"}}), whole = bounded(key, {{"type", "integer"}});
-    const Json expression = {{"anyOf", {number, {{"type", "string"}}}}};
-    const auto list = [&](Json items) {
-        Json type = {{"type", "array"}, {"items", std::move(items)}};
-        if (key.count > 0) type["minItems"] = key.may_lack_depth() ? 2 : key.count, type["maxItems"] = key.count;
-        return type;
-    };
     Json s;
     switch (key.type) {
         case KeyType::flag: s = {{"type", "boolean"}}; break;
-        case KeyType::integer: s = whole; break;
-        case KeyType::number: s = number; break;
-        case KeyType::text:
-        case KeyType::choice: s = choice_of(key); break;
-        case KeyType::expression: s = expression; break;
-        case KeyType::flags: s = list({{"type", "boolean"}}); break;
-        case KeyType::integers: s = list(whole); break;
-        case KeyType::numbers: s = list(number); break;
-        case KeyType::expressions: s = list(expression); break;
-        case KeyType::texts: s = list(choice_of(key)); break;
+        case KeyType::integer: s = bounded(key, {{"type", "integer"}}); break;
+        case KeyType::number: s = bounded(key, {{"type", "number"}}); break;
+        case KeyType::text: s = choice_of(key); break;
+        case KeyType::expression: s = {{"anyOf", {bounded(key, {{"type", "number"}}), {{"type", "string"}}}}}; break;
         case KeyType::any: s = Json::object(); break;
     }
+    if (key.is_list) {
+        s = {{"type", "array"}, {"items", std::move(s)}};
+        if (key.count > 0) s["minItems"] = key.may_lack_depth() ? 2 : key.count, s["maxItems"] = key.count;
+    }
     if (key.access->from_text) s = {{"anyOf", {s, {{"type", "string"}}}}};
-    if (key.may_be_auto && key.type != KeyType::choice) s = {{"anyOf", {s, {{"const", "auto"}}}}};
+    if (key.may_be_auto && (key.is_list || key.choices.empty())) s = {{"anyOf", {s, {{"const", "auto"}}}}};
     s["description"] = key.meaning + (key.unit.empty() ? "" : " [" + key.unit + "]");
     if (!key.is_required) s["default"] = json_of(key.standard);
     return s;
@@ -95,7 +86,7 @@ void markdown(const KeyTable& table, const std::string& header, const std::strin
     if (!table.keys.empty()) text += "| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
     for (const Key& key : table.keys) {
         std::string allowed = key.allowed();
-        if (allowed.empty() || key.type == KeyType::expression || key.type == KeyType::expressions || key.count > 0)
+        if (allowed.empty() || key.type == KeyType::expression || key.count > 0)
             allowed = key.type_name() + (allowed.empty() ? "" : ", " + allowed);
         if (!key.variables.empty()) allowed += " of " + variable_names(key.variables);
         std::string meaning = key.meaning;

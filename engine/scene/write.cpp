@@ -1,23 +1,13 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "engine/scene/read.h"
 #include "engine/scene/tree.h"
 
 namespace whorl {
 namespace {
-
-std::string without_indices(const std::string& path) {
-    std::string out;
-    bool inside = false;
-    for (const char c : path) {
-        if (c == '[') inside = true;
-        if (!inside) out += c;
-        if (c == ']') inside = false;
-    }
-    return out;
-}
 
 class Writer {
 public:
@@ -35,7 +25,7 @@ public:
         if (!header.empty() && (!lines.empty() || header[1] == '[')) text += "\n" + header + "\n";
         text += lines;
         each_part(here, path, [&](const KeyTable::Part& part, const std::string& name, const Described& inner) {
-            const std::string bare = without_indices(name);
+            const std::string bare = std::regex_replace(name, std::regex("\\[[0-9]+\\]"), "");
             table(inner, part.is_list ? "[[" + bare + "]]" : "[" + bare + "]", name);
         });
     }

@@ -28,7 +28,7 @@ struct KeyCodec<Colour> : ListCodec<Colour, float, 3> {
 };
 template <>
 struct KeyCodec<InkColours> {
-    static void describe(Key& k) { k.type = KeyType::texts; }
+    static void describe(Key& k) { KeyCodec<std::vector<std::string>>::describe(k); }
     static Value write(const InkColours& inks) { return KeyCodec<std::vector<std::string>>::write(inks.of); }
     static InkColours read(const Value& v) {
         const Value::List& list = *v.as<Value::List>();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/keys.h"
@@ -14,22 +15,12 @@ using Json = nlohmann::ordered_json;
 /// Longer than any expression that a person writes.
 constexpr std::size_t longest_text = 1000, longest_list = 100;
 
-const char* type_of(const Key& key) {
-    switch (key.type) {
-        case KeyType::flag: return "flag";
-        case KeyType::integer: return "integer";
-        case KeyType::number: return "number";
-        case KeyType::text: return "text";
-        case KeyType::choice: return "choice";
-        case KeyType::expression: return "expression";
-        case KeyType::flags: return "flags";
-        case KeyType::integers: return "integers";
-        case KeyType::numbers: return "numbers";
-        case KeyType::expressions: return "expressions";
-        case KeyType::texts: return "texts";
-        case KeyType::any: return "any";
-    }
-    return "";
+std::string type_of(const Key& key) {
+    if (key.type == KeyType::text && !key.is_list && !key.choices.empty()) return "choice";
+    static const std::map<KeyType, std::string> names{
+        {KeyType::flag, "flag"}, {KeyType::integer, "integer"},       {KeyType::number, "number"},
+        {KeyType::text, "text"}, {KeyType::expression, "expression"}, {KeyType::any, "any"}};
+    return names.at(key.type) + (key.is_list ? "s" : "");
 }
 
 /// The limits of the C++ type say nothing to people.
@@ -39,12 +30,12 @@ Json bound(double v) { return std::isfinite(v) && std::abs(v) < 2e9 ? Json(v) : 
 bool hidden(const UsedKey& k) {
     for (const char* part : {"output.", "probe[", "camera.key"})
         if (k.path.rfind(part, 0) == 0) return true;
-    return k.path == "name" || k.path == "seed" || (k.key->type == KeyType::text && !k.key->may_change);
+    return k.path == "name" || k.path == "seed" || (type_of(*k.key) == "text" && !k.key->may_change);
 }
 
 bool takes_texts(const std::vector<UsedKey>& keys, const std::string& path) {
     return std::any_of(keys.begin(), keys.end(),
-                       [&](const UsedKey& k) { return k.path == path && (k.key->type == KeyType::text || k.key->type == KeyType::texts); });
+                       [&](const UsedKey& k) { return k.path == path && k.key->type == KeyType::text && type_of(*k.key) != "choice"; });
 }
 
 /// Texts that are numbers as such, as the command line takes them.

@@ -51,21 +51,6 @@ Problem unknown(const SceneFile& file, const KeyValue& change) {
 
 }  // namespace
 
-std::string full_path(const std::string& path) {
-    std::string out;
-    for (std::size_t i = 0; i < path.size();) {
-        std::size_t end = i + 1;
-        while (end < path.size() && std::isdigit(static_cast<unsigned char>(path[end]))) ++end;
-        if (path[i] == '.' && end > i + 1 && (end == path.size() || path[end] == '.')) {
-            out += "[" + path.substr(i + 1, end - i - 1) + "]";
-            i = end;
-        } else {
-            out += path[i++];
-        }
-    }
-    return out;
-}
-
 std::vector<UsedKey> used_keys(const SceneFile& file) {
     std::vector<UsedKey> all;
     const auto sections = roots(file);

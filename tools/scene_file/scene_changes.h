@@ -16,9 +16,6 @@ namespace whorl {
 /// Every key that counts in this scene, in the order of the resolved file. Valid while `file` lives; its changes are not among them.
 std::vector<UsedKey> used_keys(const SceneFile& file);
 
-/// A key's full name: emitter.0.speed is emitter[0].speed.
-std::string full_path(const std::string& path);
-
 /// The scene with all of the changes; shares nothing with `file` (expressions are not thread-safe).
 /// @throws InputError with all that is wrong
 SceneFile changed(const SceneFile& file, const std::vector<KeyValue>& changes);

@@ -9,6 +9,7 @@
 #include "engine/core/utf8.h"
 #include "engine/io/csv.h"
 #include "engine/io/packed.h"
+#include "engine/scene/checks.h"
 #include "engine/scene/model_facts.h"
 #include "engine/scene/read.h"
 #include "render/look/environment.h"
@@ -90,63 +91,56 @@ std::vector<KeyValue> presets_of(const std::string& quality) {
 }
 
 /// A flow of two dimensions has no surface to draw, and no volume: it is shown as particles or as a slice.
-void look_at_plane(SceneFile& file) {
+void check_plane_look(const SceneFile& file, const KeyProblems& report) {
     if (file.scene.domain.dimensions == 3) return;
-    if (file.scene.places.count("look.style") == 0) file.look.style = "particles";
     if (file.look.style != "particles" && file.look.style != "slice")
-        throw InputError(file.scene.place("look.style"),
-                         "look.style = \"" + file.look.style + "\" needs three dimensions (domain.dimensions is 2)", "",
-                         "allowed: particles or slice");
+        report("look.style", "look.style = \"" + file.look.style + "\" needs three dimensions (domain.dimensions is 2)", "",
+               "allowed: particles or slice");
     if (file.look.style == "slice" && file.look.slice_axis != "z")
-        throw InputError(file.scene.place("look.slice_axis"),
-                         "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
+        report("look.slice_axis", "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
 }
 
-/// @throws InputError if the picture asks for a field that the run will not have, or for what cannot be shown
+/// @throws InputError if the image needs a field that the run will not have, or cannot be made
 void check_look(const SceneFile& file) {
+    std::vector<Problem> problems;
+    const KeyProblems report(file.scene, problems);
+    check_plane_look(file, report);
     if (file.camera.min.has_value() != file.camera.max.has_value()) {
         const auto [given, missing] = file.camera.min ? std::pair("camera.min", "camera.max") : std::pair("camera.max", "camera.min");
-        throw InputError(file.scene.place(given), fmt::format("{} is missing, the corner opposite to {}", missing, given),
-                         "give both corners of the box, or neither: then a coarse run of the film finds it");
+        report(given, fmt::format("{} is missing, the corner opposite to {}", missing, given),
+               "give both corners of the box, or neither: then a coarse run of the film finds it");
     }
-    if (file.camera.kind == "auto" && file.camera.min)
-        for (int a = 0; a < file.scene.domain.dimensions; ++a)
-            if (!((*file.camera.min)[a] < (*file.camera.max)[a]))
-                throw InputError(file.scene.place("camera.max"),
-                                 fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", (*file.camera.max)[a], "xyz"[a],
-                                             (*file.camera.min)[a]),
-                                 "", "corners of a box: each number of max above that of min");
-    if (file.camera.up.norm() == 0) throw InputError(file.scene.place("camera.up"), "camera.up has no length");
+    for (int a = 0; a < file.scene.domain.dimensions && file.camera.kind == "auto" && file.camera.min && file.camera.max; ++a)
+        if (const double low = (*file.camera.min)[a], high = (*file.camera.max)[a]; !(low < high))
+            report("camera.max", fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", high, "xyz"[a], low), "",
+                   "corners of a box: each number of max above that of min");
+    if (file.camera.up.norm() == 0) report("camera.up", "camera.up has no length");
     if (file.camera.kind == "keys" && file.camera.keys.empty())
-        throw InputError(file.scene.place("camera.kind"), "camera.kind = \"keys\" needs a [[camera.key]]",
-                         "give time and position of one or more");
+        report("camera.kind", "camera.kind = \"keys\" needs a [[camera.key]]", "give time and position of one or more");
     if (!(file.surface.radius > file.surface.voxel))
-        throw InputError(
-            file.scene.place(file.scene.places.count("surface.radius") > 0 ? "surface.radius" : "surface.voxel"),
-            fmt::format("surface.radius = {:g} is not larger than surface.voxel = {:g}: between the voxels, particles would be lost",
-                        file.surface.radius, file.surface.voxel),
-            "use a smaller surface.voxel, or a larger surface.radius");
+        report(file.scene.places.count("surface.radius") > 0 ? "surface.radius" : "surface.voxel",
+               fmt::format("surface.radius = {:g} is not larger than surface.voxel = {:g}: between the voxels, particles would be lost",
+                           file.surface.radius, file.surface.voxel),
+               "use a smaller surface.voxel, or a larger surface.radius");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
     if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
-        throw InputError(file.scene.place("look.field"), "look.field = \"" + file.look.field + "\" needs particles that spin",
-                         "set models.micropolar, or show \"vorticity\"");
+        report("look.field", "look.field = \"" + file.look.field + "\" needs particles that spin",
+               "set models.micropolar, or show \"vorticity\"");
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
-        throw InputError(file.scene.place("look.field"), "look.field = \"ink\" needs fluid with ink",
-                         "give a [[block]], [[emitter]] or [[stream]] ink");
+        report("look.field", "look.field = \"ink\" needs fluid with ink", "give a [[block]], [[emitter]] or [[stream]] ink");
     const bool exr = file.scene.output.format == "exr";
     if (file.look.style == "slice" && file.camera.kind == "auto" && (exr || is_transparent(file.look)))
-        throw InputError(file.scene.place(exr ? "output.format" : "look.background"),
-                         exr ? "output.format = \"exr\": a slice that fills the picture is a diagram, which has colours of screens only"
-                             : "look.background = \"transparent\": a slice that fills the picture has nothing behind it",
-                         "give a [camera] that looks at the slice from somewhere");
+        report(exr ? "output.format" : "look.background",
+               exr ? "output.format = \"exr\": a slice that fills the picture is a diagram, which has colours of screens only"
+                   : "look.background = \"transparent\": a slice that fills the picture has nothing behind it",
+               "give a [camera] that looks at the slice from somewhere");
     if (file.look.table != "none" && is_transparent(file.look))
-        throw InputError(
-            file.scene.place("look.table"),
-            "look.table = \"" + file.look.table + "\": a transparent look.background leaves the ground out, but for its shadow",
-            "leave one of them out");
+        report("look.table",
+               "look.table = \"" + file.look.table + "\": a transparent look.background leaves the ground out, but for its shadow",
+               "leave one of them out");
     if (file.look.table != "none" && !file.look.ground)
-        throw InputError(file.scene.place("look.table"), "look.table = \"" + file.look.table + "\" needs a ground (look.ground is false)",
-                         "leave one of them out");
+        report("look.table", "look.table = \"" + file.look.table + "\" needs a ground (look.ground is false)", "leave one of them out");
+    if (!problems.empty()) throw InputError(in_order(std::move(problems), file.scene.place("").file));
 }
 
 /// Streaks of a slice and the plates of a crust move with the particles, which need identities for it.
@@ -177,7 +171,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
     file.scene = read_scene(path.string(), request);
-    look_at_plane(file);
+    if (file.scene.domain.dimensions == 2 && file.scene.places.count("look.style") == 0) file.look.style = "particles";
     check_look(file);
     find_environment(file);
     follow(file);
