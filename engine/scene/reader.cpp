@@ -138,7 +138,7 @@ void Reader::check_in_plane(const Key& key, const Value& v, const std::string& p
     if (key.in_plane == InPlane::vector && !is_zero(list[2]))
         report(list[2], "leaves the plane",
                key.type == KeyType::flag ? "allowed: two flags, or false in the third place"
-                                          : "allowed: two numbers, or 0 in the third place");
+                                         : "allowed: two numbers, or 0 in the third place");
     for (int a = 0; a < 2; ++a)
         if (key.in_plane == InPlane::axis && !is_zero(list[a]))
             return report(list[a], "is not about the axis across the plane", "allowed: 0 in the first two places");

@@ -54,10 +54,8 @@ TEST_CASE(
     CHECK(symmetric < 0.6);
 }
 
-TEST_CASE("in 2D vortices at Reynolds 1000 keep their energy within a tenth over a turn, but not with the symmetric gradient",
-          "[validation][pressure][shifting][plane]") {
+TEST_CASE("in 2D vortices at Reynolds 1000 keep their energy within a tenth over a turn", "[validation][pressure][shifting][plane]") {
     // Over 2 spacings a particle has 12 neighbours in 2D, and .79 of .88 are left; over 3 it has 28, as in 3D over 2.
     const double k = 2 * std::numbers::pi / length, end = 0.4, exact = std::exp(-4 * nu * k * k * end);
     CHECK(energy_left("gradient = \"difference\"\n", end, 0) == Approx(exact).epsilon(0.1));
-    CHECK(energy_left("", end, 0) < 0.6);
 }
