@@ -131,13 +131,13 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
     const auto with = [](const std::string& key, const std::string& value) {
         ReadRequest request;
         for (const auto& [k, v] : {std::pair{key, value}, {"time.fixed_step", "0.01"}, {"time.end", "1"}})
-            request.changes.push_back({k, parse_value(v)});
+            request.changes.push_back({k, parse_value(v, "test")});
         if (key == "block[0].spin")  // such fluid has one viscosity
             for (const auto& [k, v] : {std::pair{"models.micropolar", "bender"},
                                        {"fluid.viscosity", "30"},
                                        {"emitter[0].viscosity", "30"},
                                        {"emitter[1].viscosity", "30"}})
-                request.changes.push_back({k, parse_value(v)});
+                request.changes.push_back({k, parse_value(v, "test")});
         return read_scene_text(pour, "test.toml", request);
     };
     const auto run = [&](const Scene& scene) { return Simulation(scene, make_plan(scene)); };

@@ -48,10 +48,10 @@ TEST_CASE("the input of the coil theory follows the scene, and is empty without 
     CHECK_FALSE(parameters_of("speed = 0.25", "speed = 0.25\ndirection = [1, -1, 0]"));
     CHECK_FALSE(parameters_of("viscosity = 1000", "viscosity = \"1000 + 100*age\""));
     CHECK_FALSE(parameters_of("viscosity = 1000", "viscosity = \"1000 + 100*x\""));
-    CHECK_FALSE(parameters_of("radius = 5e-3", "shape = \"box\"\nwidth = 0.01\nthickness = 0.01"));
+    CHECK_FALSE(parameters_of("radius = 0.005", "shape = \"box\"\nwidth = 0.01\nthickness = 0.01"));
     CHECK_FALSE(parameters_of("max = [0.1, 0.2, 0.1]", "max = [0.1, 0.2, 0.1]\ngravity = [3, -9, 0]"));
     CHECK_FALSE(parameters_of("pressure = \"coupled\"", "pressure = \"wcsph\"\nviscosity = \"xsph\""));
-    CHECK_FALSE(parameters_of("[[emitter]]\nposition = [0, 0.08, 0]\nradius = 5e-3\nspeed = 0.25\n",
+    CHECK_FALSE(parameters_of("[[emitter]]\nposition = [0, 0.08, 0]\nradius = 0.005\nspeed = 0.25\n",
                               "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.02, 0.02, 0.02]\n"));
 }
 

@@ -183,8 +183,8 @@ TEST_CASE("numbers on the command line may begin or end with a point", "[scene]"
         CHECK(read_scene_text(text, "numbers.toml", request).time.cfl == Approx(meant));
     }
     ReadRequest request;
-    request.changes = {parse_change("block[0].min=[0, -0.1,+0.05]"), parse_change("pressure.limits.max_iterations=1e2"),
-                       parse_change("seed=5."), parse_change("domain.gravity=[0.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
+    request.changes = {parse_change("block[0].min=[0, -0.1,+0.05]"), parse_change("pressure.max_iterations=1e2"), parse_change("seed=5."),
+                       parse_change("domain.gravity=[0.5, '-1.', 0]"), parse_change("time.cfl = 1.5")};
     const Scene scene = read_scene_text(text, "numbers.toml", request);
     CHECK(scene.blocks[0].shape.min == Vec3d(0, -0.1, 0.05));
     CHECK(scene.pressure.limits.max_iterations == 100);
