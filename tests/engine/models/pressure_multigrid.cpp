@@ -126,23 +126,22 @@ Column<Real> noise(const std::vector<char>& unknown, std::uint64_t seed) {
 template <class System>
 void check_symmetric_and_positive(System& system, double tolerance) {
     if (std::count(system.unknown().begin(), system.unknown().end(), 1) == 0) return;
-    for (const bool additive : {true, false})
-        for (const bool smoothed : {true, false}) {
-            INFO((additive ? "additive" : "V-cycle") << (smoothed ? ", smoothed" : ", constants"));
-            // Small coarsest matrices, so that there are several levels.
-            const PressurePreconditioner M = system.multigrid(additive, 3, {smoothed, 8, 20});
-            for (std::uint64_t seed = 1; seed < 4; ++seed) {
-                const Column<Real> r = noise(system.unknown(), seed), s = noise(system.unknown(), seed + 50);
-                Column<Real> Mr(r.size()), Ms(r.size());
-                M(r, Mr);
-                M(s, Ms);
-                const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
-                CHECK(rMr > 0);
-                CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < tolerance * std::sqrt(rMr * sMs));
-                for (std::size_t i = 0; i < r.size(); ++i)
-                    if (!system.unknown()[i]) REQUIRE(Mr[i] == 0);
-            }
+    for (const bool additive : {true, false}) {
+        INFO((additive ? "additive" : "V-cycle"));
+        // Small coarsest matrices, so that there are several levels.
+        const PressurePreconditioner M = system.multigrid(additive, 3, {.coarsest = 8});
+        for (std::uint64_t seed = 1; seed < 4; ++seed) {
+            const Column<Real> r = noise(system.unknown(), seed), s = noise(system.unknown(), seed + 50);
+            Column<Real> Mr(r.size()), Ms(r.size());
+            M(r, Mr);
+            M(s, Ms);
+            const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
+            CHECK(rMr > 0);
+            CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < tolerance * std::sqrt(rMr * sMs));
+            for (std::size_t i = 0; i < r.size(); ++i)
+                if (!system.unknown()[i]) REQUIRE(Mr[i] == 0);
         }
+    }
 }
 
 template <class System>
