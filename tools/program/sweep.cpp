@@ -127,6 +127,7 @@ int run_sweeps(const Study& study, SweepOptions o, bool timed, const std::functi
         for (const std::string& scene : study.scenes) {
             const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();
             fs::create_directories(own);
+            if (o.on == "slurm") prepare_jobs(own);
             sweep(Sweep{study, o, scene, own, {study, own, o.threads, o.on == "slurm", o.sbatch}});
         }
     } catch (const StudyInterrupted&) {

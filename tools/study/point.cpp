@@ -155,13 +155,14 @@ std::string identity_of(const PointCall& call, int threads, bool pictures) {
                                   fs::last_write_time(call.program, none).time_since_epoch().count());
 }
 
+fs::path job_script(const fs::path& folder) { return folder / "points" / "job.sh"; }
+
 /// Runs the program as a job and waits for its end. The point's limit counts from its start on a machine, not from when it is queued.
 /// @return exit status; -1: it took too long @throws EnvironmentError if Slurm does not accept it
 int run_job(const PointRunner& runner, const PointCall& call, const std::vector<std::string>& arguments, const fs::path& output) {
     const Study& study = runner.study;
     constexpr double to_begin = 300;  // s: before Slurm itself ends the job
-    const fs::path said = output.string() + ".job", script = runner.folder / "points" / "job.sh";
-    write_text(script, "#!/bin/sh\n# What sbatch runs for a point: the words behind it.\nexec \"$@\"\n");
+    const fs::path said = output.string() + ".job", script = job_script(runner.folder);
     std::vector<std::string> words{"sbatch",
                                    "--wait",
                                    "--requeue",
@@ -218,6 +219,11 @@ void run_once(const PointRunner& runner, const PointCall& call, bool pictures, P
 }
 
 }  // namespace
+
+void prepare_jobs(const fs::path& folder) {
+    fs::create_directories(folder / "points");
+    write_text(job_script(folder), "#!/bin/sh\n# Runs its arguments: sbatch needs a script.\nexec \"$@\"\n");
+}
 
 std::string joined_settings(const std::vector<std::string>& settings) { return fmt::format("{}", fmt::join(settings, ", ")); }
 

@@ -53,6 +53,9 @@ struct PointRunner {
     std::filesystem::file_time_type began = std::filesystem::file_time_type::clock::now();
 };
 
+/// Writes the script of all points that run as jobs of Slurm's; before the first of them. @param folder of the study's results
+void prepare_jobs(const std::filesystem::path& folder);
+
 /// "fluid.spacing=0.002, pressure.tolerance=0.01"
 std::string joined_settings(const std::vector<std::string>& settings);
 
