@@ -19,9 +19,6 @@ constexpr std::size_t kept_frames = 600;
 
 Json finite(double v) { return std::isfinite(v) ? Json(v) : Json(); }
 
-/// Mean that follows within a few frames.
-void smooth(double& mean, double value) { mean = mean > 0 ? 0.8 * mean + 0.2 * value : value; }
-
 }  // namespace
 
 void Status::set(Json json) {
@@ -62,7 +59,7 @@ void LiveLoop::begin(PlannedScene& scene) {
     probed_ = profiles_ = plots_ = Json::object();
     comparisons_.clear();
     times_before_ = {}, frame_times_ = {};
-    frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = frames_a_second_ = 0;
+    frame_steps_ = 0, frame_iterations_ = frame_wall_ = simulate_wall_ = 0;
     played_ = play_wall_ = 0;
     {
         const std::lock_guard lock(recording_mutex_);
@@ -183,7 +180,6 @@ void LiveLoop::show_frame() {
     if (frame_steps_ > 0 && frame_wall_ > 0) {
         const double frame = 1 / simulation_->scene().time.fps, kept = std::exp(-frame_wall_);
         played_ = kept * played_ + frame, play_wall_ = kept * play_wall_ + frame_wall_;
-        smooth(frames_a_second_, 1 / frame_wall_);
         screen_.set_interval(frame);
         say_pace();
     }
@@ -232,7 +228,7 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"ms", ms},
             {"simulate_ms", 1e3 * simulate_wall_},
             {"frame_ms", 1e3 * frame_wall_},
-            {"frames_per_second", frames_a_second_},
+            {"frames_per_second", of_real_time() * scene.time.fps},
             {"simulated_per_wall_second", of_real_time() / scene.time.slow_motion},
             {"pace", pace_text()},
             {"steps", frame_steps_},

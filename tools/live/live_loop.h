@@ -89,7 +89,7 @@ private:
     long frame_steps_ = 0;
     double frame_iterations_ = 0, frame_wall_ = 0, simulate_wall_ = 0;
     double shown_at_ = 0, due_ = 0;  ///< wall s
-    double frames_a_second_ = 0, step_wall_ = 0, step_began_ = 0;
+    double step_wall_ = 0, step_began_ = 0;
     double played_ = 0, play_wall_ = 0;                   ///< s, of the film and wall, over about the last second
     double said_at_ = 0, said_ = 1;                       ///< wall s; factor of real time
     nlohmann::ordered_json probed_, profiles_, plots_;    ///< by the probe's name
