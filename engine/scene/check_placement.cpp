@@ -242,7 +242,7 @@ private:
             report("fluid.spacing", "the blocks are too small for a single particle", "use a smaller fluid.spacing");
         const double each = bytes_a_particle(plan_), need = each * n_.particles, have = free_;
         const double most = std::min(have, each * std::numeric_limits<Index>::max());
-        if (!(need > most)) return;
+        if (!(need > most) || !std::isfinite(need)) return;
         std::string source;
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             if (const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
