@@ -58,7 +58,7 @@ TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends wi
 TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their viscosity unchanged", "[sim][viscosity][change]") {
     const auto changed = [](const std::string& viscosity) {
         ReadRequest request;
-        request.changes.push_back({"fluid.viscosity", parse_value(viscosity)});
+        request.changes.push_back({"fluid.viscosity", parse_value(viscosity, "test")});
         return read_scene_text(pour, "test.toml", request);
     };
     Simulation simulation = simulation_of(pour);
