@@ -25,6 +25,7 @@ struct ViscosityOptions {
     /// also compensates part of the damping of short waves that the central gradient lacks: a wave of 32 particles decays 2.2 % too slowly
     /// with 0.05. Without correction and in full_assembled 0 is the plain system as printed, in which solids have no stress.
     Real penalty = viscous_penalty;
+    bool stretches() const { return correction || penalty > 0; }  ///< full: shear is continued behind walls, and they have stress
 
     // The rest has no keys.
     Real share = 1;  ///< full, full_assembled: of mu

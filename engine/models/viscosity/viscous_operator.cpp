@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/boundary/wall.h"
 #include "engine/models/strain/curvature.h"
 #include "engine/models/strain/moment.h"
+#include "engine/models/viscosity/sticking_walls.h"
 
 namespace whorl {
 
@@ -63,14 +63,14 @@ void ViscousOperator::set_up_moments(const ViscosityOptions& options, const Step
             c_[i] = 0;
             P_[i].set(Mat3::Identity());
             whole_[i] = 1;
-            if (stretches()) {
+            if (options.stretches()) {
                 const Moment moment = invert_moment(M, kernel.dimensions);
                 whole_[i] = moment.whole;
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
                 if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
             }
-            if (!options.correction && (!stretches() || wall_.empty() || !(wall_[i].near.spring > 0))) {
+            if (!options.correction && (!options.stretches() || wall_.empty() || !(wall_[i].near.spring > 0))) {
                 whole_[i] = 2, P_[i] = M_[i];
                 M_[i].set(Mat3::Identity() / compression);  // V_i/V
             }
@@ -84,36 +84,25 @@ void ViscousOperator::set_up_moments(const ViscosityOptions& options, const Step
 }
 
 void ViscousOperator::set_up_wall(const ViscosityOptions& options, const Surroundings& around) {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
-    const std::vector<char> slip = slips(around.solids);
-    const WallShear shear{step.spacing / 2};
     wall_.assign(K_.size(), {});
     wall_moment_.assign(K_.size(), Mat3d::Zero());
     std::vector<char> touches(K_.size(), 0);
-    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
+        const StickingWalls walls(kernel, around, options);
         parallel_for(around.solid_pairs.size(), [&](Index i) {
             Wall& wall = wall_[i];
             Mat3 gradient = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
-            const Real solid_factor =
-                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
+            const Real factor = walls.factor(i);
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const auto whose = static_cast<std::size_t>(layer.solid[s]);
-                const Real w =
-                    -solid_factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                if (slip[whose] || !(w > 0)) return;
-                const bool body = around.solids.all[whose].body.has_value();
-                touches[i] |= !body;
-                const Real stretch = stretches() ? shear.stretch(r, layer.normal[s]) : 1;
-                // stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)), with the rigid motion of the solid u_wall in the step's middle
-                const Pose& pose = around.solids.all[whose].pose;
-                const Vec3 here = pose.velocity_over(step.dt, layer.position[s] + r);
-                const Vec3 velocity = (stretch - 1) * here + pose.velocity_over(step.dt, layer.position[s]);
+                const Real w = walls.weight(factor, s, distance), stretch = walls.stretch(s, r);
+                if (!(w > 0)) return;
                 wall_moment_[i] += (w * r * r.transpose()).template cast<double>();
                 wall.near.wr += stretch * w * r;
                 wall.near.spring += stretch * stretch * w;
-                if (body) return;  // its velocity is unknown (viscous_bodies.h)
+                if (walls.solid(s).body) return;  // its velocity is unknown (viscous_bodies.h)
+                touches[i] = 1;
+                const Vec3 velocity = walls.velocity(s, r, stretch);
                 gradient += velocity * (w * r).transpose();
                 pull += stretch * w * velocity;
             });

@@ -74,7 +74,6 @@ private:
     };
     /// dt nu times that of walls with a slip length.
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
-    bool stretches() const { return options_.correction || options_.penalty > 0; }
     void set_up_moments(const ViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
     void set_up_wall(const ViscosityOptions& options, const Surroundings& around);

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "engine/models/bodies/reaction.h"
-#include "engine/models/viscosity/viscous_operator.h"
+#include "engine/models/viscosity/sticking_walls.h"
 
 namespace whorl {
 namespace {
@@ -20,24 +20,17 @@ Vec3 turning_part(const Mat3& M) { return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0),
 }  // namespace
 
 void ViscousOperator::set_up_bodies(const ViscosityOptions& options, const Surroundings& around) {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
     bodies_ = {};
-    if (layer.size() == 0 || !around.solids.any_free()) return;
-    const std::vector<char> slip = slips(around.solids);
-    const WallShear shear{step.spacing / 2};
-    with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        bodies_.set_up(around.solids, step.mass, size(), particles_at_bodies(around), [&](Index i, std::size_t k) {
+    if (around.layer.size() == 0 || !around.solids.any_free()) return;
+    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
+        const StickingWalls walls(kernel, around, options);
+        bodies_.set_up(around.solids, around.step.mass, size(), particles_at_bodies(around), [&](Index i, std::size_t k) {
             BodyTouch touch;
-            if (slip[k]) return touch;
-            const Real solid_factor =
-                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
+            const Real factor = walls.factor(i);
             around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                if (static_cast<std::size_t>(layer.solid[s]) != k) return;
-                const Real w =
-                    -solid_factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                const Real stretch = stretches() ? shear.stretch(r, layer.normal[s]) : 1;
-                touch.arm = layer.position[s] + r - around.solids.all[k].body->centre.cast<Real>();
+                if (static_cast<std::size_t>(around.layer.solid[s]) != k) return;
+                const Real w = walls.weight(factor, s, distance), stretch = walls.stretch(s, r);
+                touch.arm = around.layer.position[s] + r - around.solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;
                 touch.N += w * r * r.transpose();
                 touch.h += stretch * stretch * w;
@@ -73,25 +66,15 @@ void ViscousOperator::set_body_forces(Index i, Span<const Vec3> u, const Vec3& o
 // F_s as above, of solids whose velocity is known: stretch F_s at x_i - r/stretch.
 void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
     const Surroundings& around = step.around;
-    const SolidParticles& layer = around.layer;
-    if (layer.size() == 0) return;
-    const std::vector<char> slip = slips(around.solids);
-    const WallShear shear{around.step.spacing / 2};
+    if (around.layer.size() == 0) return;
     with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
+        const StickingWalls walls(kernel, around, options_);
         react(
             around, Push::viscous, step.role, around.step.mass,
             [&](Index i) {
-                const Real factor =
-                    options_.solid_factor * options_.gate.weight(kernel, i, around.solid_pairs, layer.volume, options_.solid_factor);
-                return [&, i, factor, Q = Q_[i].matrix()](Index s, const Vec3& r, Real distance) {
-                    if (slip[layer.solid[s]]) return PushAt(Vec3::Zero());
-                    const Real w =
-                        -factor * layer.volume[s] * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                    const Real stretch = stretches() ? shear.stretch(r, layer.normal[s]) : 1;
-                    const Pose& pose = around.solids.all[layer.solid[s]].pose;
-                    const Vec3 here = pose.velocity_over(around.step.dt, layer.position[s] + r);
-                    const Vec3 V = (stretch - 1) * here + pose.velocity_over(around.step.dt, layer.position[s]);
-                    return PushAt(-stretch * w * (Q * r + 2 * c_[i] * (stretch * u[i] - V)), r / stretch);
+                return [&, i, factor = walls.factor(i), Q = Q_[i].matrix()](Index s, const Vec3& r, Real distance) {
+                    const Real w = walls.weight(factor, s, distance), stretch = walls.stretch(s, r);
+                    return PushAt(-stretch * w * (Q * r + 2 * c_[i] * (stretch * u[i] - walls.velocity(s, r, stretch))), r / stretch);
                 };
             },
             Writes::driven);

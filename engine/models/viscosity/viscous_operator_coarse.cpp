@@ -15,36 +15,21 @@ using Vec4 = Eigen::Matrix<Real, 4, 1>;
 /// Columns: xx, yy, zz, xy, xz, yz of a strain, the last three times sqrt 2; rows: the six motions and two of nothing, a vector register.
 using Strains = Eigen::Matrix<Real, 8, 6>;
 
-/// Strain rates of the unit motions of one group as one particle sees them: G = A M^+ with A = sum w u r^T of that group.
-Strains strains(const Moments& T) {
-    const Real h = Real(0.70710678118654752);
-    const auto t = T.row(0), x = T.row(1), y = T.row(2), z = T.row(3);
-    Strains F = Strains::Zero();
-    // Translations: G has the one row t.
-    F(0, 0) = t[0], F(0, 3) = h * t[1], F(0, 4) = h * t[2];
-    F(1, 1) = t[1], F(1, 3) = h * t[0], F(1, 5) = h * t[2];
-    F(2, 2) = t[2], F(2, 4) = h * t[0], F(2, 5) = h * t[1];
-    // Rotations: u = e_x x arm = (0, -z, y), and so on.
-    F(3, 1) = -z[1], F(3, 2) = y[2], F(3, 3) = -h * z[0], F(3, 4) = h * y[0], F(3, 5) = h * (y[1] - z[2]);
-    F(4, 0) = z[0], F(4, 2) = -x[2], F(4, 3) = h * z[1], F(4, 4) = h * (z[2] - x[0]), F(4, 5) = -h * x[1];
-    F(5, 0) = -y[0], F(5, 1) = x[1], F(5, 3) = h * (x[0] - y[1]), F(5, 4) = -h * y[2], F(5, 5) = h * x[2];
-    return F;
-}
-
-/// strains() if not all directions are resolved: D = sym(P G).
-Strains strains(const Moments& T, const Mat3& P) {
+/// Strain rates sym(P G) of the unit motions of one group as one particle sees them: G = A M^+ with A = sum w u r^T of that group.
+/// @param P null: 1
+Strains strains(const Moments& T, const Mat3* P) {
     const Real h = Real(0.70710678118654752);
     Strains F = Strains::Zero();
     for (int mode = 0; mode < 6; ++mode) {
-        Mat3 G = Mat3::Zero();
+        Mat3 D = Mat3::Zero();
         if (mode < 3) {
-            G.row(mode) = T.row(0);
+            D.row(mode) = T.row(0);
         } else {
             const int p = (mode - 2) % 3, q = (mode - 1) % 3;  // e_n x arm: component n + 1 is -arm_(n+2), component n + 2 is arm_(n+1)
-            G.row(p) = -T.row(1 + q);
-            G.row(q) = T.row(1 + p);
+            D.row(p) = -T.row(1 + q);
+            D.row(q) = T.row(1 + p);
         }
-        const Mat3 D = P * G;
+        if (P) D = *P * D;
         F.row(mode) << D(0, 0), D(1, 1), D(2, 2), h * (D(0, 1) + D(1, 0)), h * (D(0, 2) + D(2, 0)), h * (D(1, 2) + D(2, 1));
     }
     return F;
@@ -130,9 +115,10 @@ void ViscousOperator::CoarseRows::find_shares(Index i) {
 
 void ViscousOperator::CoarseRows::add_strains(Index i) {
     const Real c = 2 * A.c_[i], root = std::sqrt(2 * A.K_[i]);
+    const Mat3 P = A.P_[i].matrix();
     for (Share& s : shares) {
         s.T = s.S * A.M_[i].matrix();
-        s.F = root * (A.whole_[i] ? strains(s.T) : strains(s.T, A.P_[i].matrix()));
+        s.F = root * strains(s.T, A.whole_[i] ? nullptr : &P);
     }
     for (const Share& a : shares)
         for (const Share& b : shares) {
