@@ -1,12 +1,12 @@
 #include "engine/models/coupled/coupled_solve.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/bodies/reaction.h"
+#include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/particles/step_context.h"
 
 namespace whorl {
@@ -26,45 +26,6 @@ struct Unknowns {
         parallel_for(static_cast<Index>(v.size()), [&](Index i) { v[i] = part(i, v[i]); });
     }
 };
-
-struct Momentum {
-    Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero();
-    Momentum& operator+=(const Momentum& o) {
-        linear += o.linear, angular += o.angular;
-        return *this;
-    }
-};
-struct Inertia {
-    Vec3d first = Vec3d::Zero();
-    Mat3d second = Mat3d::Zero();
-    Inertia& operator+=(const Inertia& o) {
-        first += o.first, second += o.second;
-        return *this;
-    }
-};
-
-/// If nothing holds the fluid, all forces are internal: removes the momentum error of the unfinished solve as a rigid motion.
-/// @param turning also the angular momentum (it has no meaning along a periodic axis)
-void restore_momentum(Span<const Vec3> x, Span<const Vec3> wanted, bool turning, Span<Vec3> u) {
-    const auto n = static_cast<Index>(x.size());
-    const auto inertia = parallel_sum(n, Inertia{}, [&](Index i) {
-        const Vec3d a = x[i].cast<double>();
-        return Inertia{a, a * a.transpose()};
-    });
-    const Vec3d centre = inertia.first / n;
-    const Mat3d second = inertia.second - n * centre * centre.transpose();
-    const Mat3d theta = second.trace() * Mat3d::Identity() - second;
-    const auto missing = parallel_sum(n, Momentum{}, [&](Index i) {
-        const Vec3d du = wanted[i].cast<double>() - u[i].cast<double>();
-        return Momentum{du, (x[i].cast<double>() - centre).cross(du)};
-    });
-    const Vec3d shift = missing.linear / n;
-    // A single file of particles has no inertia about its own line.
-    Vec3d turn = (theta + 1e-9 * theta.trace() * Mat3d::Identity()).ldlt().solve(missing.angular);
-    if (!turning) turn.setZero();
-    if (!shift.allFinite() || !turn.allFinite()) return;
-    parallel_for(n, [&](Index i) { u[i] += (shift + turn.cross(x[i].cast<double>() - centre)).cast<Real>(); });
-}
 
 }  // namespace
 
@@ -386,10 +347,11 @@ struct CoupledStep {
         }
     }
 
+    /// If nothing holds the fluid, all forces are internal: removes the momentum error of the unfinished solve as a rigid motion.
     void keep_momentum() {
         if (!nothing_held) return;
-        parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]); });
-        restore_momentum(x.values, work, !step.domain.any_periodic(), solved);
+        parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]) - solved[i]; });
+        RigidMotions(x.values, !step.domain.any_periodic()).add(work, solved);
     }
 
     /// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched

@@ -102,19 +102,6 @@ void PoissonPressure::carry(const Kernel& kernel, const Surroundings& around, Re
     });
 }
 
-/// Room for the unknown neighbours of each unknown.
-void PoissonPressure::lay_out_rows(const FluidPairs& pairs) {
-    const Index n = pairs.size();
-    for (Index i = 0; i < n; ++i) {
-        Index unknowns = 0;
-        if (class_[i] == PressureClass::poisson)
-            for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) unknowns += class_[pairs.other[k]] == PressureClass::poisson;
-        matrix_.first[i + 1] = matrix_.first[i] + static_cast<std::size_t>(unknowns);
-    }
-    matrix_.other.resize(matrix_.first[n]);
-    matrix_.c.resize(matrix_.first[n]);
-}
-
 /// Right-hand side of a row. @param factor of the row @param error of the density over rho_0 @param rate of the relative density [1/s]
 Real PoissonPressure::source(const StepContext& step, Real factor, Real error, Real rate) const {
     const Real share = static_cast<Real>(options_.correction.value_or(0.1));
@@ -132,9 +119,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
     parallel_for(rho.size(), [&](Index i) {
         const PressureClass mine = class_[i];
         const bool unknown = mine == PressureClass::poisson;
-        matrix_.unknown[i] = unknown;
-        matrix_.diagonal[i] = 1;
-        matrix_.pin[i] = b_[i] = 0;
+        b_[i] = 0;
         touches_surface_[i] = 0;
         if (!unknown && mine != PressureClass::separated) return;
 
@@ -268,23 +253,17 @@ void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Rea
     });
 }
 
-void PoissonPressure::resize(const Surroundings& around) {
-    const Index n = around.pairs.size();
-    class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), weight_.resize(n), fill_.resize(n), spread_.resize(n);
-    matrix_.first.assign(static_cast<std::size_t>(n) + 1, 0);
-    matrix_.diagonal.resize(n), matrix_.pin.resize(n), matrix_.unknown.resize(n);
-    matrix_.x = around.pairs.x_own;
-    matrix_.spacing = around.step.spacing;
-}
-
 void PoissonPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
                                  Update<field::velocity> u, Update<field::pressure> p) {
-    resize(around);
+    const Index n = around.pairs.size();
+    class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), weight_.resize(n), fill_.resize(n), spread_.resize(n);
+    matrix_.unknown.resize(n);
     with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
         weigh(kernel, around, rho);
         classify(kernel, around, role, rho);
         carry(kernel, around, role, u);
-        lay_out_rows(around.pairs);
+        parallel_for(n, [&](Index i) { matrix_.unknown[i] = class_[i] == PressureClass::poisson; });
+        matrix_.lay_out(around.pairs, around.step.spacing);
         if (options_.printed) set_rows<true>(kernel, around, rho, u, p);
         else set_rows<false>(kernel, around, rho, u, p);
         closed_.find(matrix_, touches_surface_, options_.printed ? untied : weakly_tied);

@@ -31,7 +31,6 @@ public:
 private:
     template <class Kernel>
     void classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho);
-    void resize(const Surroundings& around);
     template <class Kernel>
     void weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho);
     template <class Kernel>
@@ -41,7 +40,6 @@ private:
     Real between(Index i, Index j) const { return 2 * std::min(fill_[i], fill_[j]) / (spread_[i] + spread_[j]); }
     template <class Kernel>
     Vec3 of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const;
-    void lay_out_rows(const FluidPairs& pairs);
     template <bool printed, class Kernel>
     void set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
                   Update<field::pressure> p);

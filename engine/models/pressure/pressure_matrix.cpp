@@ -7,6 +7,18 @@
 
 namespace whorl {
 
+void PressureMatrix::lay_out(const FluidPairs& pairs, Real d) {
+    const Index n = pairs.size();
+    x = pairs.x_own, spacing = d;
+    diagonal.assign(n, 1), pin.assign(n, 0);
+    first.assign(static_cast<std::size_t>(n) + 1, 0);
+    parallel_for(n, [&](Index i) {
+        for (std::size_t k = pairs.first[i]; unknown[i] && k < pairs.first[i + 1]; ++k) first[i + 1] += unknown[pairs.other[k]] != 0;
+    });
+    for (Index i = 0; i < n; ++i) first[i + 1] += first[i];
+    other.resize(first[n]), c.resize(first[n]);
+}
+
 void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
     parallel_for(size(), [&](Index i) {
         Real sum = diagonal[i] * p[i];

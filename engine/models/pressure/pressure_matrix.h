@@ -5,6 +5,7 @@
 #include "engine/core/column.h"
 #include "engine/math/solve.h"
 #include "engine/models/pressure/preconditioner.h"
+#include "engine/particles/pairs.h"
 
 namespace whorl {
 
@@ -22,6 +23,8 @@ struct PressureMatrix {
     Real spacing = 0;
 
     Index size() const { return static_cast<Index>(diagonal.size()); }
+    /// Rows with a unit diagonal, with room for the unknown neighbours of each unknown; `unknown` is given. @param d spacing [m]
+    void lay_out(const FluidPairs& pairs, Real d);
     void multiply(Span<const Real> p, Span<Real> Ap) const;
 };
 

@@ -1,19 +1,15 @@
 #pragma once
 /// Momentum and angular momentum of a single body in open space, which nothing pushes: a step of the projection leaves them as they are.
-#include "engine/models/projection/projection_system.h"
+#include <memory>
+
+#include "engine/models/viscosity/implicit_viscosity.h"
 
 namespace whorl {
 
-/// Sums over equal particles: of u, and of x cross u.
-struct Momenta {
-    Vec3d momentum = Vec3d::Zero(), turning = Vec3d::Zero();
-    void operator+=(const Momenta& o) { momentum += o.momentum, turning += o.turning; }
-};
-
 /// First stage of a step.
 struct TakeMomenta {
-    std::shared_ptr<Momenta> before;
-    void operator()(Read<field::position> x, Read<field::velocity> u) const;
+    std::shared_ptr<Momenta> before;  ///< about the origin
+    void operator()(Read<field::position> x, Read<field::velocity> u) const { *before = momenta_of(x.values, u.values, Vec3d::Zero()); }
 };
 
 /// Last stage of a step. Corrected gradients are not pairwise opposite, and an implicit viscosity acts where the flow takes the particles:
@@ -22,7 +18,11 @@ struct TakeMomenta {
 struct KeepMomenta {
     std::shared_ptr<Momenta> before;
     bool turning = true;  ///< not of particles that spin, whose exchange with the flow is a torque
-    void operator()(Read<field::position> x, Update<field::velocity> u) const;
+    void operator()(Read<field::position> x, Update<field::velocity> u) const {
+        Momenta missing = -momenta_of(x.values, u.values, Vec3d::Zero());
+        missing += *before;
+        RigidMotions(x.values, turning).add(missing, u.values);
+    }
 };
 
 }  // namespace whorl

@@ -72,10 +72,19 @@ private:
     std::vector<char> free_;
 };
 
-/// Removes the mean translation and rotation from a velocity field: the rest has no momentum and no angular momentum.
+/// Momentum and angular momentum of equal particles, over the mass of one.
+struct Momenta {
+    Vec3d momentum = Vec3d::Zero(), turning = Vec3d::Zero();
+    void operator+=(const Momenta& o) { momentum += o.momentum, turning += o.turning; }
+    Momenta operator-() const { return {-momentum, -turning}; }
+};
+/// About a centre [m].
+Momenta momenta_of(Span<const Vec3> x, Span<const Vec3> u, const Vec3d& centre);
+
+/// The mean translation and rotation of a velocity field: the rest has no momentum and no angular momentum.
 class RigidMotions {
 public:
-    /// Removes nothing.
+    /// None.
     RigidMotions() = default;
     /// @param turning false if the domain is periodic: there a rotation is not a rigid motion
     /// @param bodies with two entries each behind the particles'; null: none
@@ -84,11 +93,14 @@ public:
     void remove(Span<Vec3> u) const;
     /// Removes from forces (over m) the part that makes a rigid motion: mass times rigid motion.
     void remove_force(Span<Vec3> f) const;
+    /// Adds to u the rigid motion of another velocity field.
+    void add(Span<const Vec3> v, Span<Vec3> u) const;
+    /// Adds to u the rigid motion with these momenta, about the origin.
+    void add(const Momenta& momenta, Span<Vec3> u) const;
 
 private:
-    struct Motion;
-    Motion sum(Span<const Vec3> u, bool masses) const;
-    void take_off(Span<Vec3> u, const Motion& momenta, bool masses) const;
+    Momenta sum(Span<const Vec3> u, bool masses) const;
+    void add(Span<Vec3> u, const Momenta& momenta, bool masses) const;
 
     Span<const Vec3> x_;
     const ViscousBodies* bodies_ = nullptr;

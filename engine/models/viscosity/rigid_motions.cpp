@@ -5,13 +5,12 @@
 
 namespace whorl {
 
-struct RigidMotions::Motion {
-    Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero();
-    Motion& operator+=(const Motion& other) {
-        momentum += other.momentum, spin += other.spin;
-        return *this;
-    }
-};
+Momenta momenta_of(Span<const Vec3> x, Span<const Vec3> u, const Vec3d& centre) {
+    return parallel_sum(static_cast<Index>(x.size()), Momenta{}, [&](Index i) {
+        const Vec3d v = u[i].cast<double>();
+        return Momenta{v, (x[i].cast<double>() - centre).cross(v)};
+    });
+}
 
 RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies* bodies) : x_(x), bodies_(bodies) {
     const auto n = static_cast<Index>(x.size());
@@ -35,39 +34,39 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
 
 /// Momentum and angular momentum. @param masses the bodies' entries are velocities, which their masses weigh; else they are forces and
 /// torques
-RigidMotions::Motion RigidMotions::sum(Span<const Vec3> u, bool masses) const {
-    Motion all = parallel_sum(static_cast<Index>(x_.size()), Motion{}, [&](Index i) {
-        const Vec3d v = u[i].cast<double>();
-        return Motion{v, (x_[i].cast<double>() - centre_).cross(v)};
-    });
+Momenta RigidMotions::sum(Span<const Vec3> u, bool masses) const {
+    Momenta all = momenta_of(x_, u, centre_);
     if (bodies_)
         for (std::size_t b = 0; b < bodies_->body.size(); ++b) {
             const auto& body = bodies_->body[b];
             Vec3d p = u[x_.size() + 2 * b].cast<double>(), spin = u[x_.size() + 2 * b + 1].cast<double>();
             if (masses) p = body.mass * p, spin = body.turning * spin;
-            all += Motion{p, spin + (body.centre - centre_).cross(p)};
+            all += Momenta{p, spin + (body.centre - centre_).cross(p)};
         }
     return all;
 }
 
-void RigidMotions::take_off(Span<Vec3> u, const Motion& momenta, bool masses) const {
-    const Vec3d mean = momenta.momentum / mass_, turn = inverse_inertia_ * momenta.spin;
-    parallel_for(static_cast<Index>(x_.size()), [&](Index i) { u[i] -= (mean + turn.cross(x_[i].cast<double>() - centre_)).cast<Real>(); });
+void RigidMotions::add(Span<Vec3> u, const Momenta& momenta, bool masses) const {
+    if (x_.empty()) return;
+    const Vec3d mean = momenta.momentum / mass_, turn = inverse_inertia_ * momenta.turning;
+    parallel_for(static_cast<Index>(x_.size()), [&](Index i) { u[i] += (mean + turn.cross(x_[i].cast<double>() - centre_)).cast<Real>(); });
     if (bodies_)
         for (std::size_t b = 0; b < bodies_->body.size(); ++b) {
             const auto& body = bodies_->body[b];
             const Vec3d v = mean + turn.cross(body.centre - centre_);
-            u[x_.size() + 2 * b] -= (masses ? v : Vec3d(body.mass * v)).cast<Real>();
-            u[x_.size() + 2 * b + 1] -= (masses ? turn : Vec3d(body.turning * turn)).cast<Real>();
+            u[x_.size() + 2 * b] += (masses ? v : Vec3d(body.mass * v)).cast<Real>();
+            u[x_.size() + 2 * b + 1] += (masses ? turn : Vec3d(body.turning * turn)).cast<Real>();
         }
 }
 
-void RigidMotions::remove(Span<Vec3> u) const {
-    if (!x_.empty()) take_off(u, sum(u, true), true);
-}
+void RigidMotions::remove(Span<Vec3> u) const { add(u, -sum(u, true), true); }
 
-void RigidMotions::remove_force(Span<Vec3> f) const {
-    if (!x_.empty()) take_off(f, sum(f, false), false);
+void RigidMotions::remove_force(Span<Vec3> f) const { add(f, -sum(f, false), false); }
+
+void RigidMotions::add(Span<const Vec3> v, Span<Vec3> u) const { add(u, sum(v, true), true); }
+
+void RigidMotions::add(const Momenta& momenta, Span<Vec3> u) const {
+    add(u, {momenta.momentum, momenta.turning - centre_.cross(momenta.momentum)}, true);
 }
 
 }  // namespace whorl
