@@ -13,28 +13,16 @@ namespace whorl {
 
 /// c_ij = V 2 V |W'|/r among the unknowns; neighbours on the surface have p = 0; prescribed ones go with the particle, as walls do.
 template <class Kernel>
-void Projection::build(const Kernel& W, const Surroundings& around, Read<field::role> role) {
+void Projection::build(const Kernel& W, const Fields& f) {
     const ProjectionSystem& s = *system_;
-    const FluidPairs& pairs = around.pairs;
+    const FluidPairs& pairs = f.around.pairs;
     const Index n = pairs.size();
-    of_air_.assign(n, 0);
-    matrix_.unknown.resize(n), matrix_.diagonal.resize(n), matrix_.pin.resize(n), touches_surface_.assign(n, 0);
-    matrix_.first.assign(static_cast<std::size_t>(n) + 1, 0);
-    matrix_.x = pairs.x_own;
-    matrix_.spacing = around.step.spacing;
-    parallel_for(n, [&](Index i) { matrix_.unknown[i] = role[i] == 0 && !s.surface[i] && pairs.count(i) > 0; });
+    of_air_.assign(n, 0), touches_surface_.assign(n, 0);
+    matrix_.unknown.resize(n);
+    parallel_for(n, [&](Index i) { matrix_.unknown[i] = f.role[i] == 0 && !s.surface[i] && pairs.count(i) > 0; });
+    matrix_.lay_out(pairs, f.step.spacing);
+    const Real V = f.step.volume;
     parallel_for(n, [&](Index i) {
-        std::size_t count = 0;
-        if (matrix_.unknown[i])
-            for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k) count += matrix_.unknown[pairs.other[k]] != 0;
-        matrix_.first[i + 1] = count;
-    });
-    for (Index i = 0; i < n; ++i) matrix_.first[i + 1] += matrix_.first[i];
-    matrix_.other.resize(matrix_.first[n]);
-    matrix_.c.resize(matrix_.first[n]);
-    const Real V = around.step.volume;
-    parallel_for(n, [&](Index i) {
-        matrix_.diagonal[i] = 1, matrix_.pin[i] = 0;
         if (!matrix_.unknown[i]) return;
         std::size_t k = matrix_.first[i];
         Real row = 0, pin = V * s.air[i], of_air = pin * s.pressure_outside(i);
@@ -61,16 +49,19 @@ void ExpectPressure::operator()(const StepContext& step, Read<field::role> role,
     });
 }
 
-void Projection::find_held(const FluidPairs& pairs, Read<field::role> role) {
+void Projection::find_held(const Fields& f) {
+    const Read<field::role> role = f.role;
     beside_held_.assign(role.size(), 0);
     if (parallel_sum(role.size(), [&](Index i) { return role[i] != 0 ? 1 : 0; }) == 0) return;
-    parallel_for(role.size(), [&](Index i) { pairs.of(i, [&](Index j, const Vec3&, Real) { beside_held_[i] |= role[j] != 0; }); });
+    parallel_for(role.size(), [&](Index i) { f.around.pairs.of(i, [&](Index j, const Vec3&, Real) { beside_held_[i] |= role[j] != 0; }); });
 }
 
 template <class Kernel>
-void Projection::set_source(const Kernel& W, const Surroundings& around, const Vec3* u, Real dt) {
+void Projection::set_source(const Kernel& W, const Fields& f, Real dt) {
     const ProjectionSystem& s = *system_;
-    const StepContext& step = around.step;
+    const StepContext& step = f.step;
+    const Surroundings& around = f.around;
+    const Vec3* const u = f.u.data();
     parallel_for(s.size(), [&](Index i) {
         b_[i] = 0;
         if (!matrix_.unknown[i]) return;
@@ -87,9 +78,9 @@ void Projection::set_source(const Kernel& W, const Surroundings& around, const V
 
 /// Damps the deviation from a linear flow of the velocities between particles near the surface, which no pressure resolves, at eight times
 /// the frequency of the shortest waves. With half of that gaps that a stretching surface opens grow, and a steep slosh diverges.
-void Projection::damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
+void Projection::damp_surface(const Fields& f) const {
     const ProjectionSystem& s = *system_;
-    const StepContext& step = around.step;
+    const auto& [around, step, role, u, p, solved, a] = f;
     const Real share = std::min(Real(0.5), 8 * step.dt * s.shortest_waves(step)) * step.volume;
     if (!s.options.free_surface || !(share > 0)) return;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
@@ -111,9 +102,8 @@ void Projection::damp_surface(const Surroundings& around, Read<field::role> role
 
 /// u -= share dt g, g the last step's grad p/rho; p begins with the share of the last one. What an impact does in a step must not be done
 /// again in the next.
-void Projection::take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u,
-                                Update<field::pressure> p, Read<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
-    const StepContext& step = around.step;
+void Projection::take_old_share(const Fields& f, Real share) {
+    const auto& [around, step, role, u, p, solved, a] = f;
     const Real most = system_->most_carried(step);
     parallel_for(u.size(), [&](Index i) {
         const bool goes_on = role[i] == 0 && a[i].norm() < most;
@@ -127,8 +117,9 @@ void Projection::take_old_share(const Surroundings& around, Real share, Read<fie
 
 /// grad phi/rho_0 at i. Held particles have no pressure: near them over the free ones alone, as near walls.
 template <class Kernel>
-Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const {
-    const StepContext& step = around.step;
+Vec3 Projection::push_of(const Kernel& W, const Fields& f, Index i) const {
+    const Surroundings& around = f.around;
+    const StepContext& step = f.step;
     if (system_->options.bare_surface && (system_->surface[i] || touches_surface_[i])) {
         const Column<Mat3>& L = system_->whole.correction;
         Vec3 sum = Vec3::Zero();
@@ -141,7 +132,7 @@ Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field
     Mat3d moment = Mat3d::Zero();
     Vec3 sum = Vec3::Zero();
     around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-        if (role[j] != 0) return;
+        if (f.role[j] != 0) return;
         const Vec3 weight = step.volume * W.slope(distance) * r;
         sum += (phi_[j] - phi_[i]) * weight;
         moment -= weight.cast<double>() * r.cast<double>().transpose();
@@ -152,15 +143,14 @@ Vec3 Projection::push_of(const Kernel& W, const Surroundings& around, Read<field
 /// One solve: p and g for the divergence of u.
 /// @param M of matrix_
 template <class Kernel>
-SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
-                              Read<field::role> role, Update<field::velocity> u, Update<field::solved_pressure> solved,
-                              Update<field::pressure_acceleration> a) {
+SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, const Fields& f, Real dt, bool first) {
     const ProjectionSystem& s = *system_;
+    const auto& [around, step, role, u, p, solved, a] = f;
     const auto A = [&](Span<const Real> in, Span<Real> out) {
         matrix_.multiply(in, out);
         on_bodies_.add_product(in, out);
     };
-    set_source(W, around, u.data(), dt);
+    set_source(W, f, dt);
     if (first && !s.surface_pressure.empty()) parallel_for(u.size(), [&](Index i) { b_[i] += of_air_[i]; });
     closed_.take_means_away(b_);
     SolveLimits limits = s.options.limits;
@@ -178,7 +168,7 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     parallel_for(u.size(), [&](Index i) {
         solved[i] = (first ? Real(0) : solved[i]) + phi_[i];
         if (role[i] != 0) return;
-        const Vec3 push = push_of(W, around, role, i);
+        const Vec3 push = push_of(W, f, i);
         a[i] += push;
         u[i] -= dt * push;
     });
@@ -190,6 +180,7 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
                             Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
     const ProjectionSystem& s = *system_;
     const StepContext& step = around.step;
+    const Fields f{around, step, role, u, p, solved, a};
     const Index n = u.size();
     // The first step has no earlier pressure.
     const bool any_before = parallel_sum(n, [&](Index i) { return a[i] != Vec3::Zero() ? 1 : 0; }) > 0;
@@ -199,19 +190,19 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     all.converged = true;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const double start = wall_seconds();
-        build(W, around, role);
-        find_held(around.pairs, role);
+        build(W, f);
+        find_held(f);
         on_bodies_.build(s, around, role, matrix_.unknown);
         closed_.find(matrix_, touches_surface_, 0.01);
         closed_.take_pins_away(matrix_);
         const PressurePreconditioner M = s.options.preconditioner(matrix_);
-        begin_ledgers(around, role, u, a);
+        begin_ledgers(f);
         all.levels = M.levels;
         all.set_up_seconds = wall_seconds() - start;
-        take_old_share(around, 1 - theta, role, u, p, Read<field::solved_pressure>{solved.values}, a);
-        damp_surface(around, role, u);
+        take_old_share(f, 1 - theta);
+        damp_surface(f);
         for (int k = 0; k < s.options.solves; ++k) {
-            const SolveReport one = solve(W, M, around, theta * step.dt, k == 0, role, u, solved, a);
+            const SolveReport one = solve(W, M, f, theta * step.dt, k == 0);
             all.solve_seconds += one.solve_seconds;
             all.iterations += one.iterations;
             if (k == 0) all.first_residual = one.first_residual, all.last_residual = one.last_residual;
@@ -219,29 +210,28 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
         }
     });
     parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
-    write_ledgers(around, role, p, a);
+    write_ledgers(f);
     report.solves.push_back({"pressure", all});
 }
 
 /// Velocities without the last step's pressure, which ExpectPressure may have taken already.
-void Projection::begin_ledgers(const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
-                               Update<field::pressure_acceleration> a) {
+void Projection::begin_ledgers(const Fields& f) {
     ProjectionSystem& s = *system_;
+    const auto& [around, step, role, u, p, solved, a] = f;
     s.before.clear();
     if (!around.solids.any_probed()) return;
     s.remainder = Remainder(around.solids, Push::pressure);
     s.before.assign(u.values.begin(), u.values.end());
-    const Real most = s.most_carried(around.step);
+    const Real most = s.most_carried(step);
     parallel_for(u.size(), [&](Index i) {
-        if (s.expected && role[i] == 0 && a[i].norm() < most) s.before[i] += around.step.dt * a[i];
+        if (s.expected && role[i] == 0 && a[i].norm() < most) s.before[i] += step.dt * a[i];
     });
 }
 
 /// A particle at the pressure p pushes each wall by V flux p n.
-void Projection::write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p,
-                               Update<field::pressure_acceleration> a) {
+void Projection::write_ledgers(const Fields& f) {
     ProjectionSystem& s = *system_;
-    const StepContext& step = around.step;
+    const auto& [around, step, role, u, p, solved, a] = f;
     if (s.before.empty() || !s.any_walls) return;
     // The surface is half a spacing above the particles that have its pressure.
     const Real above = s.options.free_surface ? step.rest_density * step.spacing / 2 : 0, g = step.gravity.norm();

@@ -100,24 +100,29 @@ public:
                     Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a);
 
 private:
+    /// What the stage works on.
+    struct Fields {
+        const Surroundings& around;
+        const StepContext& step;
+        Read<field::role> role;
+        Update<field::velocity> u;
+        Update<field::pressure> p;
+        Update<field::solved_pressure> solved;
+        Update<field::pressure_acceleration> a;
+    };
     template <class Kernel>
-    void build(const Kernel& W, const Surroundings& around, Read<field::role> role);
-    void find_held(const FluidPairs& pairs, Read<field::role> role);
+    void build(const Kernel& W, const Fields& f);
+    void find_held(const Fields& f);
     template <class Kernel>
-    void set_source(const Kernel& W, const Surroundings& around, const Vec3* u, Real dt);
-    void take_old_share(const Surroundings& around, Real share, Read<field::role> role, Update<field::velocity> u,
-                        Update<field::pressure> p, Read<field::solved_pressure> solved, Update<field::pressure_acceleration> a);
+    void set_source(const Kernel& W, const Fields& f, Real dt);
+    void take_old_share(const Fields& f, Real share);
     template <class Kernel>
-    Vec3 push_of(const Kernel& W, const Surroundings& around, Read<field::role> role, Index i) const;
+    Vec3 push_of(const Kernel& W, const Fields& f, Index i) const;
     template <class Kernel>
-    SolveReport solve(const Kernel& W, const PressurePreconditioner& M, const Surroundings& around, Real dt, bool first,
-                      Read<field::role> role, Update<field::velocity> u, Update<field::solved_pressure> solved,
-                      Update<field::pressure_acceleration> a);
-    void begin_ledgers(const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
-                       Update<field::pressure_acceleration> a);
-    void write_ledgers(const Surroundings& around, Read<field::role> role, Update<field::pressure> p,
-                       Update<field::pressure_acceleration> a);
-    void damp_surface(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
+    SolveReport solve(const Kernel& W, const PressurePreconditioner& M, const Fields& f, Real dt, bool first);
+    void begin_ledgers(const Fields& f);
+    void write_ledgers(const Fields& f);
+    void damp_surface(const Fields& f) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     PressureMatrix matrix_;
