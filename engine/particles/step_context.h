@@ -67,9 +67,20 @@ struct EnergyBudget : EnergyWork {
     }
 };
 
+/// The linear solves of a step, and `crowding`: particles that stayed too dense (models/pressure/crowding.h).
+enum class SolveKind { pressure, viscosity, coupled, crowding };
+inline const char* name_of(SolveKind kind) {
+    switch (kind) {
+        case SolveKind::pressure: return "pressure";
+        case SolveKind::viscosity: return "viscosity";
+        case SolveKind::coupled: return "coupled";
+        default: return "crowding";
+    }
+}
+
 struct StepReport {
     struct Solve {
-        std::string name;  ///< "pressure", "viscosity"
+        SolveKind kind;
         SolveReport report;
     };
     std::vector<Solve> solves;

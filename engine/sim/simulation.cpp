@@ -11,7 +11,6 @@
 #include "engine/core/binary_io.h"
 #include "engine/core/parallel.h"
 #include "engine/models/ink/ink.h"
-#include "engine/models/pressure/crowding.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/particles/step_context.h"
@@ -297,15 +296,15 @@ struct Simulation::State {
 
     void count_solves() {
         for (const StepReport::Solve& solve : world.report.solves) {
-            if (solve.name == "pressure" || solve.name == "coupled") {
+            if (solve.kind == SolveKind::pressure || solve.kind == SolveKind::coupled) {
                 totals.pressure_iterations += solve.report.iterations;
                 totals.pressure_levels = std::max(totals.pressure_levels, solve.report.levels);
                 totals.pressure_residual = solve.report.last_residual;
                 totals.pressure_set_up += solve.report.set_up_seconds;
                 totals.pressure_solve += solve.report.solve_seconds;
             }
-            if (solve.name == "viscosity") totals.viscosity_iterations += solve.report.iterations;
-            if (!solve.report.converged && solve.name != RelieveCrowding::name) ++totals.unconverged_solves;
+            if (solve.kind == SolveKind::viscosity) totals.viscosity_iterations += solve.report.iterations;
+            if (!solve.report.converged && solve.kind != SolveKind::crowding) ++totals.unconverged_solves;
         }
     }
 

@@ -9,7 +9,6 @@
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
 #include "engine/io/checkpoint.h"
-#include "engine/models/pressure/crowding.h"
 #include "engine/scene/scene.h"
 #include "tools/process/process.h"
 
@@ -110,13 +109,13 @@ bool Incidents::add(Incident incident) {
 std::string Incidents::add(const StepReport& report, const Scene& scene, double time, long step) {
     std::string news;
     for (const StepReport::Solve& solve : report.solves)
-        if (const SolveReport& r = solve.report; solve.name == RelieveCrowding::name) add(Incident{"crowded", time, step, r.why_not});
+        if (const SolveReport& r = solve.report; solve.kind == SolveKind::crowding) add(Incident{"crowded", time, step, r.why_not});
         else if (!r.converged) {
-            const bool viscous = solve.name == "viscosity";
+            const bool viscous = solve.kind == SolveKind::viscosity;
             const bool limited = r.iterations >= (viscous ? scene.viscosity.limits.max_iterations : scene.pressure.limits.max_iterations);
             const std::string what =
-                fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}{}", solve.name, r.last_residual, r.first_residual,
-                            r.iterations, r.why_not.empty() ? "" : ", " + r.why_not,
+                fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}{}", name_of(solve.kind), r.last_residual,
+                            r.first_residual, r.iterations, r.why_not.empty() ? "" : ", " + r.why_not,
                             limited ? fmt::format("; raise {}.max_iterations", viscous ? "viscosity" : "pressure") : "");
             if (add(Incident{"unconverged", time, step, what})) news = fmt::format("unfinished solve at {:.4g} s: {}", time, what);
         }

@@ -447,7 +447,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     now.balance();
     const double reference = now.set_load();
     now.let_go();
-    report.solves.push_back({"coupled", now.solve(reference)});
+    report.solves.push_back({SolveKind::coupled, now.solve(reference)});
     now.keep_momentum();
     now.keep_volume(report.solves.back().report);
     now.take_over();

@@ -374,7 +374,7 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
     matrix.push(q);
     if (filled || has_free_surface(q, step)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
-    report.solves.push_back({"pressure", filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
+    report.solves.push_back({SolveKind::pressure, filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
     if (!filled && !has_free_surface(q, step) && limit_level(q, step)) {
         matrix.push(q);
         Eigen::AlignedBox3f box;

@@ -142,7 +142,7 @@ void RelieveCrowding::operator()(const Surroundings& around, FluidPairs& pairs, 
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         SolveReport left;
         left.why_not = relieve(wall, W, around, role, rho.values, x.values, u.values, find);
-        if (!left.why_not.empty()) report.solves.push_back({std::string(name), left});
+        if (!left.why_not.empty()) report.solves.push_back({SolveKind::crowding, left});
     });
     search = {};  // its scratch is a twentieth of a step's memory, which the solve needs more
 }

@@ -15,13 +15,12 @@ namespace whorl {
 /// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
 /// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
 /// energy of motion is gained; the centre of mass is fixed except for pushes by solids and moves that are cut off. Up to a hundred
-/// sweeps; if they are not enough, the step reports a solve with the name `RelieveCrowding::name` that says so. Full periodic domains
+/// sweeps; if they are not enough, the step reports a solve of the kind `crowding` that says so. Full periodic domains
 /// are left alone, and so are particles near bodies lighter than the fluid, and scenes with bodies and without weight: there the bodies
 /// would have to give way. Writes the densities
 /// of the places where the step ends.
 class RelieveCrowding {
 public:
-    static constexpr std::string_view name = "crowding";  ///< of the solve that is reported; not counted with the linear ones
     /// @param most relative density error that is left
     RelieveCrowding(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
     /// @param pairs, solid_pairs those of `around`, which become the neighbours of the places where the step ends, found with `search` a

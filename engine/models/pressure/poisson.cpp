@@ -222,7 +222,7 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
         x[i] = unknown ? p[i] : 0;
         return static_cast<double>(unknown);
     });
-    report.solves.push_back({"pressure", solve_rows(step, unknowns, x)});
+    report.solves.push_back({SolveKind::pressure, solve_rows(step, unknowns, x)});
     if (options_.clamp) choose_zero(step, x);
     parallel_for(n, [&](Index i) {
         if (class_[i] != PressureClass::separated) p[i] = options_.clamp ? std::max(Real(0), x[i]) : x[i];

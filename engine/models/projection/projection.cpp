@@ -211,7 +211,7 @@ void Projection::operator()(const Surroundings& around, StepReport& report, Read
     });
     parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
     write_ledgers(f);
-    report.solves.push_back({"pressure", all});
+    report.solves.push_back({SolveKind::pressure, all});
 }
 
 /// Velocities without the last step's pressure, which ExpectPressure may have taken already.

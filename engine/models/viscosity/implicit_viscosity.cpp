@@ -101,7 +101,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
                                : bicgstab<Vec3>(product, precondition, Span<Vec3>(b), Span<Vec3>(z), of_step, size);
         parallel_for(static_cast<Index>(all), [&](Index i) { change[i] += z[i]; });
     }
-    s.report.solves.push_back({"viscosity", solved});
+    s.report.solves.push_back({SolveKind::viscosity, solved});
     parallel_for(n, [&](Index i) {
         s.last[i] = s.around.step.dt > 0 ? Vec3(change[i] / s.around.step.dt) : Vec3(Vec3::Zero());
         s.u[i] += change[i];
