@@ -167,11 +167,8 @@ struct CoupledStep {
         TwoLevel& M = system.preconditioner;
         const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
         if (!coarse) M.clear();
-        else if (step.at_frame_time || M.unknowns() == 0 || system.steps_since_refresh >= options.refresh_every) {
+        else if (M.due(step.at_frame_time, options.refresh_every))
             M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
-            system.steps_since_refresh = 0;
-        }
-        ++system.steps_since_refresh;
         M.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
         if (!options.diagonal) M.be_identity();
     }

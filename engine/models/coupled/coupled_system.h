@@ -50,7 +50,6 @@ struct CoupledSystem {
     StrainForm form;
     ContactFriction friction;
     TwoLevel preconditioner;
-    int steps_since_refresh = 0;
     bool no_way_out = false;  ///< since the last frame time no pressure could keep the volume of fluid that solids enclose
     /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();

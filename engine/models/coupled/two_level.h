@@ -15,6 +15,7 @@ public:
     /// @param aggregate field::aggregate, written
     void refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
                  const Domain& domain, Real spacing, Span<std::int32_t> aggregate);
+    bool due(bool at_frame_time, int every) { return coarse_.due(at_frame_time, every); }
     /// Drops the coarse level.
     void clear() { coarse_.clear(); }
 
@@ -31,8 +32,6 @@ public:
 
     /// R Ac^-1 R^T r of particle i, r the residual of the last application.
     Vec3 coarse(Index i) const { return coarse_.correction(i); }
-
-    int unknowns() const { return 6 * coarse_.groups(); }
 
 private:
     CoarseLevel coarse_;

@@ -11,6 +11,13 @@ class CoarseLevel {
 public:
     void clear() { groups_ = 0; }
     int groups() const { return groups_; }
+    /// Whether this step forms new groups: at a frame time, so that a resumed run has the set-up of the uninterrupted one, where there are
+    /// no groups, and every few steps. Called once per step.
+    bool due(bool at_frame_time, int every) {
+        const bool now = at_frame_time || groups_ == 0 || steps_ >= every;
+        steps_ = now ? 1 : steps_ + 1;
+        return now;
+    }
     /// Updates the positions of the groups' members. @param group as aggregate_by() leaves it: groups travel with their particles
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
@@ -25,7 +32,7 @@ public:
     Vec3 correction(Index i) const { return groups_ > 0 ? motions_.motion_of(load_, i) : Vec3(Vec3::Zero()); }
 
 private:
-    int groups_ = 0;
+    int groups_ = 0, steps_ = 0;  ///< steps_: since the groups were formed
     RigidAggregates motions_;
     BlockCholesky factor_;
     mutable std::vector<Real> load_;

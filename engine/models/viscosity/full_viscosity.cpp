@@ -20,16 +20,11 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
         std::fill(aggregate.begin(), aggregate.end(), 0);
         return;
     }
-    // A resumed run starts at a frame time: its set-up equals that of the uninterrupted run.
-    const bool fresh = step.at_frame_time || coarse_.groups() == 0 || steps_since_refresh_ >= options_.refresh_every;
+    const bool fresh = coarse_.due(step.at_frame_time, options_.refresh_every);
     const int groups =
         fresh ? form_aggregates(pairs, x.values, role.values, step.domain, step.support, options_.aggregate, aggregate) : coarse_.groups();
     coarse_.place(x.values, role.values, aggregate, groups, step.domain, step.spacing);
-    if (fresh) {
-        steps_since_refresh_ = 0;
-        if (groups > 0) coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
-    }
-    ++steps_since_refresh_;
+    if (fresh && groups > 0) coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
     if (coarse_.groups() > 0) operator_.use_coarse(&coarse_);
 }
 

@@ -29,7 +29,6 @@ private:
     ViscosityOptions options_;
     ViscousOperator operator_;
     CoarseLevel coarse_;
-    int steps_since_refresh_ = 0;  ///< of the coarse level
 };
 
 /// The stage of the uncorrected form, which weights by the density.
