@@ -4,7 +4,7 @@
 /// Stages of a step, in order: Density (if the viscosity needs one), Gravity, (forces), Kick, (viscosity; an implicit one between
 /// ExpectForce and ForgetForce), DampUnresolved, ConstraintPressure, (TakeForce), Move, KeepOutside.
 #include "engine/models/pressure/body_rows.h"
-#include "engine/models/pressure/preconditioner.h"
+#include "engine/models/pressure/pressure_matrix.h"
 #include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/surroundings.h"
 

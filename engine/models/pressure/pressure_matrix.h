@@ -1,13 +1,22 @@
 #pragma once
 /// The symmetric matrix of a pressure equation over particles, and its preconditioners.
+#include <functional>
 #include <vector>
 
 #include "engine/core/column.h"
 #include "engine/math/solve.h"
-#include "engine/models/pressure/preconditioner.h"
 #include "engine/particles/pairs.h"
 
 namespace whorl {
+
+/// z is near A^-1 r, symmetric and positive definite on the unknowns; z = 0 elsewhere.
+struct PressurePreconditioner {
+    std::function<void(Span<const Real> r, Span<Real> z)> apply;
+    int levels = 1;
+    std::size_t bytes = 0;  ///< its memory
+
+    void operator()(Span<const Real> r, Span<Real> z) const { apply(r, z); }
+};
 
 /// Rows of the pressure equation over the unknown (Poisson) particles, made symmetric by the factor V_i:
 ///   (A p)_i = sum_j c_ij (p_i - p_j) + d_i p_i,  c_ij = V_i a_ij = c_ji,  d_i = V_i (alpha_i + sum over Dirichlet neighbours a_ij).

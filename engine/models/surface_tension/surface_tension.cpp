@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
-#include "engine/models/surface_tension/skin.h"
 
 namespace whorl {
 
@@ -37,6 +36,23 @@ double Cohesion::bulk_energy(double d) const {
                 if (a != 0 || b != 0 || c != 0)
                     sum += static_cast<double>(potential(static_cast<Real>(d * std::sqrt(double(a * a + b * b + c * c)))));
     return density * sum;
+}
+
+double Skin::flat_tension() {
+    const Cohesion cohesion(1, 1);
+    const double inside = cohesion.bulk_energy(1), dz = 0.01;
+    double sum = 0;
+    for (double z = dz / 2; z < Cohesion::range; z += dz) {
+        const double lacking = static_cast<double>(cohesion.half_space_potential(static_cast<Real>(z))) / inside;
+        sum += static_cast<double>(share(static_cast<Real>(1 - lacking))) * z *
+               static_cast<double>(cohesion.half_space_pull(static_cast<Real>(z))) * dz;
+    }
+    return sum / 2;
+}
+
+double Skin::strength(bool spread) {
+    static const double flat = flat_tension();
+    return 1 / ((spread ? packed_spread : packed) * flat);
 }
 
 Real SurfaceTension::potential(const Cohesion& cohesion, Index i) const {
@@ -118,20 +134,13 @@ void SurfaceTension::operator()(const Surroundings& around, Read<field::position
         change_[i].setZero();
         if (role[i] != 0) return;
         Real sum[3] = {0, 0, 0};
-        const auto add = [&](const Pairs::Group& group, Index l, Real share) {
-            const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p * share;
-            sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
-        };
-        if (skin_pulls()) {
-            const Real own = share_[i];
-            pairs_.groups_of(i, [&](const Pairs::Group& group) {
-                for (Index l = 0; l < group.count; ++l) add(group, l, (own + share_[group.other[l]]) / 2);
-            });
-        } else {
-            pairs_.groups_of(i, [&](const Pairs::Group& group) {
-                for (Index l = 0; l < group.count; ++l) add(group, l, 1);
-            });
-        }
+        pairs_.groups_of(i, [&](const Pairs::Group& group) {
+            for (Index l = 0; l < group.count; ++l) {
+                const Real share = skin_pulls() ? (share_[i] + share_[group.other[l]]) / 2 : 1;
+                const Real p = std::max(Real(0), 1 - group.distance[l] * over_length), pull = p * p * share;
+                sum[0] -= pull * group.r[0][l], sum[1] -= pull * group.r[1][l], sum[2] -= pull * group.r[2][l];
+            }
+        });
         change_[i] = slope * Vec3(sum[0], sum[1], sum[2]);
         for (std::size_t k = 0; k < solids.all.size(); ++k) change_[i] += wetted(i, k);
     });

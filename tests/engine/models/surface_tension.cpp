@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "engine/models/surface_tension/skin.h"
 #include "engine/particles/sample.h"
 #include "tests/support/world.h"
 
