@@ -139,15 +139,4 @@ void CorrectedMicropolar::operator()(const Surroundings& around, StepReport& rep
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }
 
-void CarrySpin::operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const {
-    const ProjectionSystem& s = *system;
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
-        parallel_for(w.size(), [&](Index i) {
-            change[i].setZero();
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
-        });
-    });
-    parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
-}
-
 }  // namespace whorl

@@ -45,7 +45,16 @@ private:
 /// After ProjectionMove: the shift carries the spin along, as it does the velocity.
 struct CarrySpin {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const;
+    void operator()(const Surroundings& around, Write<field::spin_change> change, Update<field::spin> w) const {
+        const ProjectionSystem& s = *system;
+        with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
+            parallel_for(w.size(), [&](Index i) {
+                change[i].setZero();
+                if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, around.pairs, i, around.step.volume, w.data(), s.shift[i]);
+            });
+        });
+        parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
+    }
 };
 
 }  // namespace whorl

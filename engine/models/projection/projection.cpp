@@ -40,15 +40,6 @@ void Projection::build(const Kernel& W, const Fields& f) {
     });
 }
 
-void ExpectPressure::operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
-                                Update<field::velocity> u) const {
-    const Real most = system->most_carried(step);
-    system->expected = true;
-    parallel_for(u.size(), [&](Index i) {
-        if (role[i] == 0 && a[i].norm() < most) u[i] -= step.dt * a[i];
-    });
-}
-
 void Projection::find_held(const Fields& f) {
     const Read<field::role> role = f.role;
     beside_held_.assign(role.size(), 0);
@@ -323,15 +314,6 @@ void ProjectionShift::operator()(const Surroundings& around, Read<field::role> r
         });
     });
     parallel_for(n, [&](Index i) { x[i] += s.shift[i], u[i] += change[i], s.start_velocity[i] += change[i]; });
-}
-
-void ProjectionMove::operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u,
-                                Update<field::position> x) const {
-    const ProjectionSystem& s = *system;
-    parallel_for(x.size(), [&](Index i) { x[i] += around.step.dt / 2 * (u[i] - s.start_velocity[i]); });
-    if (!s.before.empty())
-        share_rest(
-            s.remainder, around, role, x.values, [&](Index i) { return Vec3(u[i] - s.before[i]); }, s.closed);
 }
 
 }  // namespace whorl

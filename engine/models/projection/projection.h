@@ -144,7 +144,13 @@ struct ProjectionShift {
 /// The end of the step: x += dt/2 (u - u_start), both including the velocity transported by the shift.
 struct ProjectionMove {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Update<field::position> x) const;
+    void operator()(const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Update<field::position> x) const {
+        const ProjectionSystem& s = *system;
+        parallel_for(x.size(), [&](Index i) { x[i] += around.step.dt / 2 * (u[i] - s.start_velocity[i]); });
+        if (!s.before.empty())
+            share_rest(
+                s.remainder, around, role, x.values, [&](Index i) { return Vec3(u[i] - s.before[i]); }, s.closed);
+    }
 };
 
 }  // namespace whorl

@@ -9,11 +9,6 @@
 
 namespace whorl {
 
-void ProjectionDrift::operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
-    system->start_velocity.assign(u.values.begin(), u.values.end());
-    parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i] + step.dt * u[i]); });
-}
-
 namespace {
 
 /// Sums of a full lattice, the reference for those of a particle.

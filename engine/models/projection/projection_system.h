@@ -10,6 +10,7 @@
 #include <memory>
 #include <type_traits>
 
+#include "engine/core/parallel.h"
 #include "engine/math/kernel.h"
 #include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
@@ -292,13 +293,23 @@ Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, I
 /// does anyway, as to keep a body together that turns, it would else take the first part. Projection gives the rest of g back.
 struct ExpectPressure {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a, Update<field::velocity> u) const;
+    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
+                    Update<field::velocity> u) const {
+        const Real most = system->most_carried(step);
+        system->expected = true;
+        parallel_for(u.size(), [&](Index i) {
+            if (role[i] == 0 && a[i].norm() < most) u[i] -= step.dt * a[i];
+        });
+    }
 };
 
 /// x* = x + dt u: the projection takes the step's forces where the particles come to.
 struct ProjectionDrift {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const;
+    void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
+        system->start_velocity.assign(u.values.begin(), u.values.end());
+        parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i] + step.dt * u[i]); });
+    }
 };
 
 /// Moments of the neighbourhoods, walls, free surface; the density is the kernel sum, which measures how even the particles are.

@@ -58,10 +58,4 @@ void AgeingViscosityByPlace::operator()(const StepContext& step, StepReport& rep
     grow_older(of_source, step, report, role, x, source, at_start, age, mu);
 }
 
-void GrowOlder::operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const {
-    parallel_for(age.size(), [&](Index i) {
-        if (role[i] >= 0) age[i] += step.dt;
-    });
-}
-
 }  // namespace whorl

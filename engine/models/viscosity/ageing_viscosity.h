@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/parallel.h"
 #include "engine/math/expression.h"
 #include "engine/particles/field.h"
 #include "engine/particles/step_context.h"
@@ -52,7 +53,11 @@ struct AgeingViscosityByPlace {
 
 /// age_i += dt as above, where no viscosity asks for the age but an export does.
 struct GrowOlder {
-    void operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const;
+    void operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const {
+        parallel_for(age.size(), [&](Index i) {
+            if (role[i] >= 0) age[i] += step.dt;
+        });
+    }
 };
 
 }  // namespace whorl

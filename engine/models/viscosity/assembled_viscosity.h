@@ -82,7 +82,10 @@ public:
     explicit AssembledViscosity(ViscosityOptions options) : options_(options) {}
     void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
-                    Update<field::viscous_acceleration> last);
+                    Update<field::viscous_acceleration> last) {
+        operator_.set_up(options_, around, role, rho, mu, options_.printed ? Span<const Mat3>() : Span<const Mat3>(before.values));
+        solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
+    }
 
 private:
     ViscosityOptions options_;

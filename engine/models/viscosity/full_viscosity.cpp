@@ -28,11 +28,4 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
     if (coarse_.groups() > 0) operator_.use_coarse(&coarse_);
 }
 
-void UncorrectedViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
-                                      Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before,
-                                      Update<field::velocity> u, Update<field::viscous_acceleration> last) {
-    operator_.set_up(options_, around, role, mu, rho.values, before.values);
-    solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
-}
-
 }  // namespace whorl
