@@ -47,7 +47,7 @@ Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const D
     const Vec3d half(opening.slot || opening.plane ? opening.width / 2 : 0, 0, opening.slot && !opening.plane ? opening.thickness / 2 : 0);
     keys.kind = opening.slot || opening.plane ? "box" : "cylinder";
     keys.cut = opening.plane;
-    keys.to = -static_cast<double>(depth + Real(0.45) * spacing) * Vec3d::UnitY();
+    keys.to = -static_cast<double>(depth + static_cast<Real>(least_clearance) * spacing) * Vec3d::UnitY();
     keys.from = Vec3d::Zero();
     keys.min = keys.to - half, keys.max = half;
     keys.radius = opening.radius;
@@ -80,7 +80,7 @@ struct Emitter::State {
     std::vector<Vec3> places;  ///< of the particles that fill it first, not yet in the store
     double ahead = 0;          ///< m, of the pipe that they fill: the column begins behind them
 
-    Real apart() const { return Real(0.45) * spacing; }  ///< nearest that free fluid comes to the pipe
+    Real apart() const { return static_cast<Real>(least_clearance) * spacing; }  ///< nearest that free fluid comes to the pipe
     /// Whether a place in the opening's frame is in the part of the pipe that moves.
     bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < Real(0.3) * spacing && q.z() > -depth - spacing / 20; }
 

@@ -41,7 +41,8 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
 /// opening is so wide that these hold a hundred thousand. @param area of the opening [m^2], in 2D its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
-/// The pipe behind an opening: `depth` [m] of fluid, and an end of .45 spacings, so that fluid behind it is not where particles come in.
+/// The pipe behind an opening: `depth` [m] of fluid, and an end of least_clearance spacings, so that fluid behind it is not where particles
+/// come in.
 /// @param domain whose periodic axes repeat it
 Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
 /// Wider and longer end of that pipe, at which new particles appear: from there other fluid is too far away to feel a jump of its density.

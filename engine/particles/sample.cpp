@@ -132,7 +132,8 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
             if (length > Real(0.2) * spacing) push *= Real(0.2) * spacing / length;
             Vec3 p = domain.wrapped(x[i] + push);
             if (obstacle)
-                if (const Real near = Real(0.45) * spacing - obstacle(p); near > 0) p += near * slope(obstacle, p, Real(0.05) * spacing);
+                if (const Real near = static_cast<Real>(least_clearance) * spacing - obstacle(p); near > 0)
+                    p += near * slope(obstacle, p, Real(0.05) * spacing);
             const Real d = distance(p);
             if (d > -shell) p -= (d + shell) * slope(distance, p, Real(0.05) * spacing);
             moved[i] = domain.wrapped(p);

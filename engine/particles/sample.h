@@ -9,9 +9,12 @@
 
 namespace whorl {
 
+/// In spacings: no particle is placed closer than this to a solid or a pipe.
+inline constexpr double least_clearance = 0.45;
+
 enum class Sampling { lattice, jittered, blue_noise };
 /// Number of a lattice's layers along an axis: nearest to the shape's length, or as many as fit half a spacing within it
-/// (0.45 at least).
+/// (least_clearance).
 enum class Layers { nearest, within };
 
 /// Signed distance [m], negative inside.
@@ -29,7 +32,7 @@ std::vector<Vec3> sample_shape(const Shape& shape, Sampling sampling, Real spaci
 /// Relaxes points towards blue noise: each is pushed away from neighbours nearer than 1.6 spacings, and from their mirror images behind the
 /// surface, so that the density stays even up to it.
 /// @param domain only its periodic axes are used @param fixed neighbours that stay where they are @param obstacle distance [m] from what
-/// no point comes nearer to than .45 spacings; `fixed` represents its inside
+/// no point comes nearer to than least_clearance spacings; `fixed` represents its inside
 void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const Domain& domain, int sweeps,
            const std::vector<Vec3>& fixed = {}, const Distance& obstacle = {});
 

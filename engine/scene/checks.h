@@ -26,7 +26,8 @@ private:
 void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
                      std::vector<Problem>& problems);
 
-/// The part of a block, 0 to 1, that lies inside solids, or nearer to them than `margin` [m]: no particle is placed within .45 spacings.
+/// The part of a block, 0 to 1, that lies inside solids, or nearer to them than `margin` [m]: no particle is placed within least_clearance
+/// spacings.
 double part_inside_solids(const SceneShapes& shapes, std::size_t block, double margin);
 /// The part of a block, 0 to 1, that lies deeper than `depth` [m] inside another block, and in no solid.
 double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size_t other, double depth);

@@ -358,7 +358,7 @@ private:
                                     "= \"projection\" does not hold it, and \"constraint\" does",
                                     k));
         if (!plan_.facts.pressure.has_sound) return;
-        if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > 0.02)
+        if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
             add_warning("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
         if (scene_.pressure.gradient == GradientForm::difference && plan_.shifting == ShiftingModel::none)
             add_warning(
@@ -392,7 +392,7 @@ private:
 
     void warn_of_room(const ClosedRoom& room) {
         const double excess = room.fluid + room.coming - room.volume, volume = plan_.particle_volume();
-        if (excess < std::max(volume, 0.02 * room.volume)) return;
+        if (excess < std::max(volume, next_to_nothing * room.volume)) return;
         add_warning(
             fmt::format("more comes than fits: {} takes {:.3g} m^{}, {:.3g} are in it at the start, and {} brings {:.3g} until the end, "
                         "{:.3g} ({:.0f} particles) too much: set a stop, or give the room a drain or a way out",

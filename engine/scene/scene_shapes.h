@@ -29,7 +29,7 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape);
 EmitterShape opening_of(const EmitterKeys& keys, int dimensions);
 /// Appends to `problems` where a mesh cannot be used; the shapes are complete only where it added none.
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);
-/// Is x inside a solid, or nearer to one than `margin` [m]? No particle of a block is placed within .45 spacings.
+/// Is x inside a solid, or nearer to one than `margin` [m]? No particle of a block is placed within least_clearance spacings.
 bool in_solids(const SceneShapes& shapes, const Vec3& x, double margin);
 
 }  // namespace whorl

@@ -145,7 +145,7 @@ namespace {
 /// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
 void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
     // Particles of a lattice that touches a wall are at 0.5 d.
-    const auto nearest = static_cast<Real>(std::min(0.45, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
+    const auto nearest = static_cast<Real>(std::min(least_clearance, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
                                            static_cast<double>(world.step.spacing));
     RandomNumbers random(seed);
     for (Vec3& x : points) {
@@ -190,7 +190,8 @@ Real distance_from_solids(const World& world, const Vec3& x) {
 
 /// Takes away the particles that solids leave no room. @return how many
 std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
-    return std::erase_if(points, [&](const Vec3& x) { return distance_from_solids(world, x) < Real(0.45) * world.step.spacing; });
+    return std::erase_if(
+        points, [&](const Vec3& x) { return distance_from_solids(world, x) < static_cast<Real>(least_clearance) * world.step.spacing; });
 }
 
 /// Distance from the nearest solid, if fluid sticks to it and its surface cuts through the layers of a lattice, as round and slanted ones
@@ -207,8 +208,8 @@ Real distance_from_slanted(const World& world, const Vec3& x) {
 }
 
 /// Gives the block as many particles near slanted and round solids as there is volume: a lattice without the points that are too near to
-/// such a surface lacks .45 spacings of fluid there. A point of a lattice counts by the share of its cell outside, .5 + distance/spacing,
-/// of blue noise if it is outside; those farthest from the solids stay, and all near by relax.
+/// such a surface lacks least_clearance spacings of fluid there. A point of a lattice counts by the share of its cell outside, .5 +
+/// distance/spacing, of blue noise if it is outside; those farthest from the solids stay, and all near by relax.
 /// @param all points of the block; on a lattice also those within half a spacing of it
 void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all, bool on_lattice, const Shape& shape, const World& world) {
     const Real d = world.step.spacing;
