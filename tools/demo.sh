@@ -11,4 +11,4 @@ if [ $# -eq 0 ] && [ "$video" -nt build/release/whorl ] && [ "$video" -nt scenes
   echo "Already poured with this program and scene: $PWD/$video"
   exit 0
 fi
-build/release/whorl render scenes/honey_coil.toml "$@"
+build/release/whorl render scenes/honey_coil.toml --overwrite "$@"

@@ -148,7 +148,6 @@ class Faults:
 
             self.case(f"SIGKILL after {moment:.2f} s", work)
             shutil.rmtree(out, ignore_errors=True)
-            shutil.rmtree(f"{out}.1", ignore_errors=True)
 
     def two(self):
         """Two programs in one folder: the second is refused, the first is not disturbed."""

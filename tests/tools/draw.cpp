@@ -70,7 +70,7 @@ TEST_CASE("draw makes the pictures that render made, to the bit, and others with
     CHECK(picture(other, 3) != third);
 }
 
-TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps another existing film") {
+TEST_CASE("drawing a range into its run keeps the film's exports, and elsewhere replaces another film") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
@@ -87,14 +87,12 @@ TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps
 
     REQUIRE(test::whorl({"render", scene.string(), "--out", other.string(), "--frames", "1", "--quiet"}).code == 0);
     for (const char* frames : {"1-2", "3"}) {
-        const Outcome drawn = test::whorl({"draw", run.string(), "--frames", frames, "--out", other.string(), "--quiet"});
-        CHECK(drawn.code == 0);
-        CHECK((drawn.err.find("is now in " + other.string() + ".1") != std::string::npos) == (frames[0] == '1'));
+        const std::vector<std::string> words{"draw", run.string(), "--frames", frames, "--out", other.string(), "--quiet", "--overwrite"};
+        CHECK(test::whorl(words).code == 0);
     }
+    CHECK_FALSE(fs::exists(other / "diagnostics.csv"));
     CHECK(fs::exists(other / "frames/000001.png"));
     CHECK(fs::exists(other / "frames/000003.png"));
-    CHECK(fs::exists(folder / "other.1/diagnostics.csv"));
-    CHECK_FALSE(fs::exists(folder / "other.2"));
     CHECK(test::whorl({"video", other.string()}).code == 0);
     CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("holds pictures that were drawn of another run; continue"));
     {
@@ -111,11 +109,12 @@ TEST_CASE("drawing a range into its run keeps the film's exports, and draw keeps
     CHECK(test::whorl({"draw", run.string(), "--frames", "2", "--out", other.string(), "--quiet"}).code == 2);
 }
 
-TEST_CASE("pictures of a run are kept aside where another one has taken its folder") {
+TEST_CASE("images of a run that was replaced are replaced with --overwrite only") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", drawn = folder / "drawn";
     std::ofstream(scene) << puddle;
-    const auto draw = [&] { return test::whorl({"draw", run.string(), "--out", drawn.string(), "--quiet"}); };
+    std::vector<std::string> words{"draw", run.string(), "--out", drawn.string(), "--quiet"};
+    const auto draw = [&] { return test::whorl(words); };
     REQUIRE(test::whorl({"render", scene.string(), "--frames", "2", "--no-draw", "--out", run.string(), "--quiet"}).code == 0);
     REQUIRE(draw().code == 0);
     REQUIRE(test::whorl({"resume", run.string(), "--frames", "3", "--no-draw", "--quiet"}).code == 0);
@@ -123,10 +122,11 @@ TEST_CASE("pictures of a run are kept aside where another one has taken its fold
     REQUIRE(test::whorl({"render", scene.string(), "--frames", "1", "--no-draw", "--overwrite", "--out", run.string(), "--quiet"}).code ==
             0);
     const Outcome other = draw();
-    CHECK(other.code == 0);
-    CHECK_THAT(other.err, Catch::Contains("the existing run in " + drawn.string() + " is now in " + drawn.string() + ".1"));
+    CHECK(other.code == 2);
+    CHECK_THAT(other.err, Catch::Contains(drawn.string() + ": the folder holds a run already"));
+    words.emplace_back("--overwrite");
+    CHECK(draw().code == 0);
     CHECK_FALSE(fs::exists(drawn / "frames/000003.png"));
-    CHECK(fs::exists(folder / "drawn.1/frames/000003.png"));
 }
 
 TEST_CASE("a film with gaps gets its video and contact sheet, and existing files are reported") {

@@ -77,10 +77,12 @@ delay = 0.1
     CHECK(some_left);
 
     // Files of particles cannot begin half-way.
-    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
-    text = read_whole(scratch / "run/scene.resolved.toml");
-    std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
-    const Outcome refused = test::whorl({"resume", scratch.run()});
+    const std::vector<std::string> other{"render", scratch.scene(), "--no-images", "--until",
+                                         "0.05",   "--quiet",       "--out",       scratch.run("other")};
+    REQUIRE(test::whorl(other).code == 0);
+    text = read_whole(scratch / "other/scene.resolved.toml");
+    std::ofstream(scratch / "other/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
+    const Outcome refused = test::whorl({"resume", scratch.run("other")});
     CHECK(refused.code == 2);
     CHECK(refused.err.find("know their number and age") != std::string::npos);
 }

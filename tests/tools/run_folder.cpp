@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "engine/io/csv.h"
 #include "tests/support/film_runs.h"
@@ -19,7 +18,7 @@ namespace run_folder_test {
 using test::files_in;
 using Scratch = test::FilmScratch;
 
-TEST_CASE("a run's folder is kept under another name, or replaced on request, and other folders are kept", "[tools][render]") {
+TEST_CASE("a run in the folder is replaced with --overwrite only, and other files stay", "[tools][render]") {
     const Scratch scratch;
     std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", scratch.run() + "/"};
     fs::create_directories(scratch / "run");
@@ -31,28 +30,20 @@ TEST_CASE("a run's folder is kept under another name, or replaced on request, an
 
     fs::remove(scratch / "run/thesis.txt");
     REQUIRE(test::whorl(arguments).code == 0);
-    std::ofstream(scratch / "run/notes.txt") << "of the first";
-    const std::string first = read_whole(scratch / "run/diagnostics.csv");
-    const Outcome second = test::whorl(arguments);
-    CHECK(second.code == 0);
-    CHECK(second.err.find("is now in " + scratch.run() + ".1\n") != std::string::npos);
-    CHECK(test::whorl(arguments).code == 0);
-    CHECK(read_whole(scratch / "run.1/notes.txt") == "of the first");
-    CHECK(read_whole(scratch / "run.1/diagnostics.csv") == first);
-    CHECK(fs::exists(scratch / "run.2/diagnostics.csv"));
-    CHECK_FALSE(fs::exists(scratch / "run/notes.txt"));
-
     for (const char* own : {"run/notes.txt", "run/talk.gif"}) std::ofstream(scratch / own) << "keep";
-    arguments.emplace_back("--overwrite");
-    const Outcome replaced = test::whorl(arguments);
-    CHECK(replaced.err.find("is replaced\n") != std::string::npos);
-    for (const char* own : {"run/notes.txt", "run/talk.gif"}) CHECK(fs::exists(scratch / own));
-    CHECK_FALSE(fs::exists(scratch / "run.3"));
+    const std::string first = read_whole(scratch / "run/log.txt");
+    const Outcome second = test::whorl(arguments);
+    CHECK(second.code == 2);
+    CHECK_THAT(second.err, Catch::Contains("the folder holds a run already; choose another folder with --out, or replace the run with"));
+    CHECK(read_whole(scratch / "run/log.txt") == first);
+
     fs::create_directory_symlink(scratch / "run", scratch / "link");
-    CHECK(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", (scratch / "link/").string()}).code == 0);
+    arguments.back() = (scratch / "link/").string();
+    arguments.emplace_back("--overwrite");
+    CHECK(test::whorl(arguments).code == 0);
     CHECK(fs::is_symlink(scratch / "link"));
-    CHECK(read_whole(scratch / "run.3/notes.txt") == "keep");
-    CHECK(fs::exists(scratch / "run/diagnostics.csv"));
+    CHECK(read_whole(scratch / "run/log.txt") != first);
+    for (const char* own : {"run/notes.txt", "run/talk.gif"}) CHECK(read_whole(scratch / own) == "keep");
     CHECK(test::whorl({"resume", (scratch / "nowhere").string()}).code == 2);
     CHECK_THAT(test::whorl({"resume", scratch.run() + "/scene.resolved.toml"}).err,
                Catch::EndsWith("is a file, not a folder; its run is " + scratch.run() + "; the folder of a run, as in out/honey_coil\n"));
@@ -73,8 +64,8 @@ TEST_CASE("a video without ffmpeg is refused before an earlier run is touched", 
     for (const auto& [command, way_out] : std::vector<std::pair<std::string, std::string>>{
              {"render '" + scratch.scene() + "'" + over_it, no_video},
              {"render '" + (scratch / "panels.toml").string() + "'" + over_it, no_video},
-             {"farm '" + scratch.scene() + "' --on local --out '" + scratch.run() + "'", no_video},
-             {"resume '" + scratch.run() + "' --frames 3", ", or set output.video = false in scene.resolved.toml"},
+             {"farm '" + scratch.scene() + "' --on local --overwrite --out '" + scratch.run() + "'", no_video},
+             {"resume '" + scratch.run() + "' --frames 3", no_video},
              {"video '" + scratch.run() + "'", ""}}) {
         const Outcome no_encoder = Program({"-c", "PATH=/nowhere exec " WHORL_PROGRAM " " + command}, "bash").wait();
         INFO(command);
@@ -84,18 +75,6 @@ TEST_CASE("a video without ffmpeg is refused before an earlier run is touched", 
         CHECK(read_whole(scratch / "run/little_honey.mp4") == video);
         CHECK(files_in(scratch / "run").size() == first.size());
     }
-}
-
-TEST_CASE("the fate of an existing run is reported also with --quiet, and as an event with --json", "[tools][render]") {
-    const Scratch scratch;
-    std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--frames", "1", "--out", scratch.run(), "--quiet"};
-    REQUIRE(test::whorl(arguments).err.empty());
-    CHECK(test::whorl(arguments).err == "the existing run in " + scratch.run() + " is now in " + scratch.run() + ".1\n");
-    arguments.back() = "--json";
-    const Outcome json = test::whorl(arguments);
-    const auto note = nlohmann::json::parse(json.out.substr(0, json.out.find('\n')));
-    CHECK(note["event"] == "note");
-    CHECK(note["text"] == "the existing run in " + scratch.run() + " is now in " + scratch.run() + ".2");
 }
 
 TEST_CASE("a folder in which another process is at work is left alone by all that write into it", "[tools][render]") {

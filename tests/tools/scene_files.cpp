@@ -112,7 +112,7 @@ TEST_CASE("a run in a folder whose name is not UTF-8 goes well, and its report i
     const fs::path run = scratch / "gr\xfcn";
     REQUIRE(test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "1", "--quiet", "--out", run.string()}).code == 0);
     const test::Outcome outcome =
-        test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "2", "--json", "--out", run.string()});
+        test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "2", "--json", "--overwrite", "--out", run.string()});
     CHECK(outcome.code == 0);
     CHECK_THAT(outcome.out, Catch::Contains("gr\xEF\xBF\xBDn\",\"frames\":2"));
 }

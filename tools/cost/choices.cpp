@@ -41,19 +41,17 @@ std::array<float, 2> estimated_range(const LookOptions& look, const Simulation& 
     return range_up_to(first > 0 ? first : speed / (8 * scene.fluid.spacing), look);
 }
 
+/// [s]
+float estimated_streak_time(const LookOptions& look, const Simulation& simulation) {
+    const Scene& scene = simulation.scene();
+    const double size = (scene.domain.max - scene.domain.min).maxCoeff();
+    const double speed = simulation.plan().expected_speed;
+    if (!(speed > 0)) return 0;
+    if (!look.streaks) return static_cast<float>(arrow_reach * size / look.arrows / speed);
+    return static_cast<float>(std::clamp(scene.time.frame_interval(), size / 45 / speed, size / 16 / speed));
+}
+
 }  // namespace
-
-void Seen::add(const Frame& frame) {
-    if (!start_) start_ = frame;
-    if (shows_field(look_)) size_ = std::max(size_, usual_size(field_values(frame, look_)));
-    add_seen(extent_, frame, *start_);
-}
-
-SeenBox Seen::extent() const {
-    SeenBox all = extent_;
-    if (start_) add_still_solids(all, *start_);
-    return all;
-}
 
 bool measures_range(const LookOptions& look) { return wants_range(look) && look.field != "density" && look.field != "ink"; }
 
@@ -69,6 +67,7 @@ SceneFile with_estimates(SceneFile file, const Simulation& start) {
     choose(file, {}, 0);
     if (wants_range(file.look)) file.look.range = estimated_range(file.look, start);
     if (wants_extent(file)) look_at(file.camera, foreseen_extent(start));
+    if (wants_streak_time(file.look)) file.look.streak_time = estimated_streak_time(file.look, start);
     return file;
 }
 
@@ -83,16 +82,6 @@ bool wants_range(const LookOptions& look) { return shows_field(look) && look.ran
 
 bool wants_streak_time(const LookOptions& look) {
     return look.style == "slice" && (look.streaks || look.arrows > 0) && !(look.streak_time > 0);
-}
-
-float film_streak_time(const LookOptions& look, const Simulation& simulation) {
-    const Scene& scene = simulation.scene();
-    if (!wants_streak_time(look)) return look.streak_time;
-    const double size = (scene.domain.max - scene.domain.min).maxCoeff();
-    const double speed = simulation.plan().expected_speed;
-    if (!(speed > 0)) return 0;
-    if (!look.streaks) return static_cast<float>(arrow_reach * size / look.arrows / speed);
-    return static_cast<float>(std::clamp(scene.time.frame_interval(), size / 45 / speed, size / 16 / speed));
 }
 
 namespace {
@@ -163,8 +152,8 @@ Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
 
 SeenBox around(const Vec3d& x, const Vec3d& reach) { return {(x - reach).cast<float>(), (x + reach).cast<float>()}; }
 
-}  // namespace
-
+/// Grows by the solids that reach into it if that makes it less than half larger: the plate under honey is seen whole, a floor is not.
+/// @param frame the start
 void add_still_solids(SeenBox& extent, const Frame& frame) {
     constexpr float most = 1.5f;
     const SeenBox domain = domain_of(frame);
@@ -177,6 +166,8 @@ void add_still_solids(SeenBox& extent, const Frame& frame) {
     }
 }
 
+}  // namespace
+
 void add_seen(SeenBox& extent, const Frame& frame, const Frame& start) {
     const auto add = [&](const SeenBox& part) { extend_inside(extent, part, domain_of(frame)); };
     add(usual_extent(frame.position, frame.spacing));
@@ -187,6 +178,18 @@ void add_seen(SeenBox& extent, const Frame& frame, const Frame& start) {
         add(of_solid(*now.mesh, now.rotation, now.translation));
         add(of_solid(*then.mesh, then.rotation, then.translation));
     }
+}
+
+void Seen::add(const Frame& frame) {
+    if (!start_) start_ = frame;
+    if (shows_field(look_)) size_ = std::max(size_, usual_size(field_values(frame, look_)));
+    add_seen(extent_, frame, *start_);
+}
+
+SeenBox Seen::extent() const {
+    SeenBox all = extent_;
+    if (start_) add_still_solids(all, *start_);
+    return all;
 }
 
 SeenBox foreseen_extent(const Simulation& start) {

@@ -16,10 +16,6 @@ using SeenBox = Eigen::AlignedBox3f;  ///< m, in the world's axes
 /// comes from; the solids that have moved since the start. Nothing outside of the domain counts.
 void add_seen(SeenBox& extent, const Frame& frame, const Frame& start);
 
-/// Grows by the solids that reach into it, where that makes it less than half larger: the plate under honey is seen whole, a floor is not.
-/// @param frame the start
-void add_still_solids(SeenBox& extent, const Frame& frame);
-
 /// All of this for a whole film, from its scene alone: the fluid at the start and in the openings, where it lands when it falls or flies
 /// freely until a solid or the domain stops it, and the way of solids with a motion of their own. Fluid that lands spreads about as far as
 /// the edge of a cube that holds all of it.
@@ -39,12 +35,10 @@ double round_number_above(double value);
 
 /// Whether the look has streaks or arrows and leaves open what time they show.
 bool wants_streak_time(const LookOptions& look);
-/// The way that streaks and arrows of a slice show [s], the same for every frame of the film: as the look says, else as long as a frame
-/// lasts, or what the fastest fluid takes for a few hundredths of the domain.
-float film_streak_time(const LookOptions& look, const Simulation& simulation);
 
-/// The scene with what it leaves open for a whole film, as estimated from the scene alone: the range of its colour map and the box of an
-/// automatic camera. @param start the run at its beginning
+/// The scene with what it leaves open for a whole film, as estimated from the scene alone: the range of its colour map, the box of an
+/// automatic camera, and the time that streaks and arrows show, which is as long as a frame lasts, or what the fastest fluid takes for a
+/// few hundredths of the domain. @param start the run at its beginning
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
 /// Extent and ranges of a film's frames, in order.

@@ -95,26 +95,14 @@ private:
         const View view = view_at(f.camera, frame.time, frame.domain_min, frame.domain_max);
         const bool exr = f.scene.output.format == "exr";
         Image image;
-        PictureLayers layers;
         picture.draw = usual_seconds(last.draw, [&] {
-            if (exr) layers = renderer_->draw_layers(frame, surface, f.look, view, {view, 0});
-            else image = renderer_->draw(frame, surface, f.look, view);
+            image = exr ? shown(renderer_->draw_layers(frame, surface, f.look, view, {view, 0}))
+                        : renderer_->draw(frame, surface, f.look, view);
         });
         run.pictures.push_back(picture);
         const double cpu = cpu_seconds();
-        if (exr) pack(layers);
-        else encode_png(image);
+        encode_png(image);
         run.write = cpu_seconds() - cpu;
-    }
-
-    /// EXR files can be packed on disk only.
-    static void pack(const PictureLayers& layers) {
-        std::error_code gone;
-        fs::path folder = fs::temp_directory_path(gone);
-        if (gone) folder = "/tmp";  // $TMPDIR is that of a job that is over, say
-        const fs::path packed = folder / fmt::format("whorl-{}.exr", getpid());
-        write_exr(packed, layers, {});
-        fs::remove(packed);
     }
 
     const SceneFile& file_;

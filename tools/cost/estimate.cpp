@@ -113,8 +113,6 @@ Estimate estimate(const SceneFile& file) {
     return estimate(file, plan, simulation, coarse_run(file, simulation));
 }
 
-double shared_bytes(const Scene& scene) { return bytes_without_pictures + (scene.output.images ? 70e6 : 0); }
-
 std::string memory_warning(const Estimate& estimate, double free_bytes) {
     if (estimate.memory <= free_bytes) return "";
     return fmt::format("the run needs about {:.3g} GB of memory at its end, and {:.3g} GB are free", estimate.memory / 1e9,

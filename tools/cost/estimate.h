@@ -30,8 +30,6 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
 /// The same, from a coarse run that is made now if there is none.
 Estimate estimate(const SceneFile& file);
 
-/// Bytes that runs in one process share, of those that estimate() counts.
-double shared_bytes(const Scene& scene);
 /// A warning where the run needs more memory than there is, pictures included; "" where it does not.
 std::string memory_warning(const Estimate& estimate, double free_bytes);
 

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <limits>
 
-namespace whorl {
+#include "render/look/overlay.h"
 
+namespace whorl {
+namespace {
+
+/// sRGB, distinguishable for readers who do not see red or green. @param dark on black they are lifted
 Vec3f curve_colour(std::size_t k, bool dark) {
     static const std::vector<Vec3f> colours{{0.12f, 0.31f, 0.59f}, {0.80f, 0.25f, 0.12f}, {0.16f, 0.53f, 0.40f},
                                             {0.55f, 0.35f, 0.62f}, {0.45f, 0.35f, 0.15f}, {0.35f, 0.40f, 0.45f}};
@@ -13,21 +17,31 @@ Vec3f curve_colour(std::size_t k, bool dark) {
     return dark ? Vec3f(Vec3f::Constant(0.35f) + 0.65f * colour) : colour;
 }
 
-void CurveAxes::hold(const Curve& curve) {
-    for (std::size_t k = 0; k < curve.x.size(); ++k) {
-        if (!std::isfinite(curve.y[k])) continue;
-        low_x = std::min(low_x, curve.x[k]), high_x = std::max(high_x, curve.x[k]);
-        low_y = std::min(low_y, curve.y[k]), high_y = std::max(high_y, curve.y[k]);
+struct CurveAxes {
+    struct Box {
+        double left, right, top, bottom;
+    } box;                                                ///< pixels
+    double low_x = 0, high_x = 0, low_y = 0, high_y = 0;  ///< values at its sides
+    double x(double v) const { return box.left + (v - low_x) / (high_x - low_x) * (box.right - box.left); }
+    double y(double v) const { return box.bottom - (v - low_y) / (high_y - low_y) * (box.bottom - box.top); }
+    /// The ranges grow by the curve's.
+    void hold(const Curve& curve) {
+        for (std::size_t k = 0; k < curve.x.size(); ++k) {
+            if (!std::isfinite(curve.y[k])) continue;
+            low_x = std::min(low_x, curve.x[k]), high_x = std::max(high_x, curve.x[k]);
+            low_y = std::min(low_y, curve.y[k]), high_y = std::max(high_y, curve.y[k]);
+        }
     }
-}
+    /// No range is empty.
+    void finish() {
+        if (!(low_x <= high_x)) low_x = 0, high_x = 1;
+        if (!(low_y <= high_y)) low_y = 0, high_y = 1;
+        if (low_x == high_x) high_x = low_x + 1;
+        if (low_y == high_y) high_y = low_y + std::max(1e-300, std::abs(low_y) > 0 ? std::abs(low_y) : 1);
+    }
+};
 
-void CurveAxes::finish() {
-    if (!(low_x <= high_x)) low_x = 0, high_x = 1;
-    if (!(low_y <= high_y)) low_y = 0, high_y = 1;
-    if (low_x == high_x) high_x = low_x + 1;
-    if (low_y == high_y) high_y = low_y + std::max(1e-300, std::abs(low_y) > 0 ? std::abs(low_y) : 1);
-}
-
+/// Lines across the axes with their numbers, and the numbers below. @param text size of the font [pixels]
 void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ticks& along, double text, const Vec3f& ink,
                 const Vec3f& pale) {
     for (std::size_t k = 0; k < up.place.size(); ++k) {
@@ -38,6 +52,7 @@ void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ti
         canvas.words(axes.x(along.place[k]), axes.box.bottom + 1.4 * text, along.label[k], ink, text, 0);
 }
 
+/// The part of the curve up to x = `until`; of points within half a pixel one.
 void draw_curve(Canvas& canvas, const CurveAxes& axes, const Curve& curve, double until, const Vec3f& colour, double width) {
     std::vector<std::array<double, 2>> path;
     const auto end_path = [&] {
@@ -53,6 +68,8 @@ void draw_curve(Canvas& canvas, const CurveAxes& axes, const Curve& curve, doubl
     }
     end_path();
 }
+
+}  // namespace
 
 Canvas draw_plots(const std::string& title, const std::vector<CurvePlot>& plots) {
     constexpr double text = 13, wide = 560, high = 340, head = 40, infinite = std::numeric_limits<double>::infinity();

@@ -20,22 +20,27 @@ struct PictureOptions {
     LookOptions look;
 };
 
-struct ExportOptions {
-    std::filesystem::path folder;    ///< the run folder
-    std::string name;                ///< the scene's: files are KIND/NAME.0001.SUFFIX
-    std::vector<std::string> kinds;  ///< points, mesh, obj, vdb, scene, vtk, raw
+struct FilmOptions {
+    std::filesystem::path folder;      ///< the run folder
+    std::filesystem::path video;       ///< empty: none
+    bool images = true;                ///< false: no surface is drawn, EGL is not touched
+    std::string name;                  ///< the scene's: exported files are KIND/NAME.0001.SUFFIX
+    std::vector<std::string> exports;  ///< points, mesh, obj, vdb, scene, vtk, raw
+    std::string format = "png";        ///< of the pictures: png | exr
+    int width = 1280, height = 720;    ///< pixels of a picture
     double fps = 24;
-    double interval = 0;             ///< s, simulated, from frame to frame
-    int width = 1280, height = 720;  ///< pixels of a picture
-    int frames_before = 0;           ///< frames whose files already exist (a resumed run)
+    double interval = 0;    ///< s, simulated, from frame to frame
+    int frames_before = 0;  ///< frames whose files already exist (a resumed run): their images begin the video
 };
+/// A film of the scene with everything that it asks for.
+FilmOptions film_options(const Scene& scene, const std::filesystem::path& folder);
 
 class Exports {
 public:
     /// Calls its second argument and notes the time that this kind of file took.
     using Timer = std::function<void(const std::string& kind, const std::function<void()>& write)>;
 
-    explicit Exports(ExportOptions options);
+    explicit Exports(FilmOptions options);
     bool wants(const char* kind) const;
     /// Whether a frame's surface is needed, and the distance to it.
     bool wants_surface() const { return wants("mesh") || wants("obj") || wants("vdb") || wants("vtk"); }
@@ -55,7 +60,7 @@ private:
     void write_vtk(const Frame& frame, const TriangleMesh& mesh, const std::function<const VertexFields&()>& carried);
     std::filesystem::path scene_file() const { return options_.folder / "scene" / (options_.name + ".glb"); }
 
-    ExportOptions options_;
+    FilmOptions options_;
     SceneExport scene_;
     std::vector<TimedFile> timed_;  ///< of the .pvd
 };

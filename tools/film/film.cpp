@@ -9,9 +9,7 @@
 #include "tools/process/process.h"
 
 namespace whorl {
-Film::Film(FilmOptions options)
-    : options_(std::move(options)), exports_({options_.folder, options_.name, options_.exports, options_.fps, options_.interval,
-                                              options_.width, options_.height, options_.frames_before}) {
+Film::Film(FilmOptions options) : options_(std::move(options)), exports_(options_) {
     share_threads_with_software_driver();
     try {
         start("surface", &Film::make_surfaces);
@@ -128,7 +126,6 @@ void Film::write() {
             if (encoder) encoder->add(options_.format == "exr" ? shown((*shot)->layers) : (*shot)->image);
             if ((*shot)->write_state) write_checkpoint(options_.folder, *(*shot)->state);
         });
-        if (options_.images && first_picture_ == 0) first_picture_ = wall_seconds();
         written_ = (*shot)->frame->number;
         const std::lock_guard lock(mutex_);
         newest_state_ = (*shot)->state;

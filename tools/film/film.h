@@ -23,19 +23,6 @@
 
 namespace whorl {
 
-struct FilmOptions {
-    std::filesystem::path folder;      ///< the run folder
-    std::filesystem::path video;       ///< empty: none
-    bool images = true;                ///< false: no surface is drawn, EGL is not touched
-    std::string name;                  ///< the scene's, in the names of exported files
-    std::vector<std::string> exports;  ///< points, mesh, obj, vdb, scene, vtk, raw
-    std::string format = "png";        ///< of the pictures: png | exr
-    int width = 1280, height = 720;
-    double fps = 24;
-    double interval = 0;    ///< s, simulated, from frame to frame
-    int frames_before = 0;  ///< existing images in the folder already (a resumed run): they begin the video
-};
-
 class Film {
 public:
     explicit Film(FilmOptions options);
@@ -53,8 +40,6 @@ public:
     /// The state of the last frame that is completely written; null before the first.
     std::shared_ptr<const Checkpoint> newest_state() const;
     int frames_written() const { return written_; }
-    /// When the first picture was on disk (wall_seconds()); 0 before.
-    double first_picture() const { return first_picture_; }
     /// Wall and CPU seconds of surface, draw, export, write (threads that these start included) and encode (the encoder's process, once it
     /// has ended).
     StageTimes times() const;
@@ -95,7 +80,6 @@ private:
     std::string device_;
     bool complete_ = false;
     std::atomic<int> written_{0};
-    std::atomic<double> first_picture_{0};
 };
 
 }  // namespace whorl

@@ -7,6 +7,22 @@
 #include <utility>
 
 namespace whorl {
+namespace {
+
+/// The scene with every automatic choice of `plan`: later changes cannot change the models.
+Scene with_models_of(const Plan& plan, const Scene& scene) {
+    Scene s = scene;
+    s.models = plan.chosen_models(scene.models);
+    s.fluid.kernel = plan.kernel.kind;
+    s.fluid.support = plan.support / plan.spacing;
+    if (plan.facts.pressure.has_sound)
+        s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;
+    if (plan.facts.micropolar.spins)
+        s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
+    return s;
+}
+
+}  // namespace
 
 FrameLoop::FrameLoop(FrameLoopHost& host, Simulation& simulation, const SceneFile& file, int frames, TheorySearch search)
     : host_(host), simulation_(simulation), probes_(make_probes(simulation, search)), governor_(file, frames),
@@ -43,21 +59,18 @@ FrameSummary FrameLoop::measure_frame() {
     return summary;
 }
 
-void FrameLoop::hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent) {
-    BudgetRow row;
-    row.given_up = governor_.now();
-    governed_ = governor_.after_frame(seconds, frame, spent);
-    row.frame = frame, row.time = simulation_.time();
-    row.seconds = seconds, row.allowed = governor_.allowed();
-    row.largest_residual = largest_residual_;
-    row.unconverged = simulation_.totals().unconverged_solves - summary.before.unconverged_solves;
-    row.density_error_mean = summary.measures.density_error_mean, row.density_error_max = summary.measures.density_error_max;
-    if (governor_.has_budget()) host_.add_budget(row);
+std::string FrameLoop::hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent) {
+    const Sacrifice given_up = governor_.now();
+    decided_ = governor_.after_frame(seconds, frame, spent);
+    if (!governor_.has_budget()) return "";
+    return fmt::format("{},{:.6g},{:.4g},{:.4g},{:.3f},{:.4g},{:.4g},{:.4g},{},{:.3g},{},{:.4g},{:.4g}\n", frame, simulation_.time(),
+                       seconds, governor_.allowed(), given_up.amount, given_up.tolerance, given_up.cfl, given_up.voxel, given_up.samples,
+                       largest_residual_, simulation_.totals().unconverged_solves - summary.before.unconverged_solves,
+                       summary.measures.density_error_mean, summary.measures.density_error_max);
 }
 
 void FrameLoop::apply_governor() {
-    if (governed_) apply(*governed_);
-    governed_.reset();
+    if (std::exchange(decided_, false)) apply(governor_.governed());
 }
 
 void FrameLoop::scene_changed(const SceneFile& file) {
@@ -70,18 +83,6 @@ void FrameLoop::apply(const SceneFile& file) {
     const Scene scene = with_models_of(simulation_.plan(), file.scene);
     simulation_.change(scene, make_plan(scene));
     host_.set_pictures(file);
-}
-
-Scene with_models_of(const Plan& plan, const Scene& scene) {
-    Scene s = scene;
-    s.models = plan.chosen_models(scene.models);
-    s.fluid.kernel = plan.kernel.kind;
-    s.fluid.support = plan.support / plan.spacing;
-    if (plan.facts.pressure.has_sound)
-        s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;
-    if (plan.facts.micropolar.spins)
-        s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
-    return s;
 }
 
 namespace {
@@ -102,12 +103,12 @@ void Governor::set_scene(const SceneFile& given) { given_ = given; }
 Sacrifice Governor::now() const {
     const BudgetKeys& most = given_.scene.budget;
     Sacrifice s;
-    s.amount = applied_;
-    s.tolerance = between(1, std::max(1.0, most.tolerance), applied_, 0);
-    s.cfl = between(given_.scene.time.cfl, std::max(given_.scene.time.cfl, most.cfl), applied_, 1);
+    s.amount = amount_;
+    s.tolerance = between(1, std::max(1.0, most.tolerance), amount_, 0);
+    s.cfl = between(given_.scene.time.cfl, std::max(given_.scene.time.cfl, most.cfl), amount_, 1);
     const double coarsest = std::min(most.voxel, 0.95 * given_.surface.radius);  // a voxel must be finer than the kernel
-    s.voxel = between(given_.surface.voxel, std::max(given_.surface.voxel, coarsest), applied_, 2);
-    s.samples = static_cast<int>(std::lround(between(given_.look.samples, std::min(given_.look.samples, most.samples), applied_, 3)));
+    s.voxel = between(given_.surface.voxel, std::max(given_.surface.voxel, coarsest), amount_, 2);
+    s.samples = static_cast<int>(std::lround(between(given_.look.samples, std::min(given_.look.samples, most.samples), amount_, 3)));
     return s;
 }
 
@@ -123,32 +124,23 @@ SceneFile Governor::governed() const {
     return file;
 }
 
-std::optional<SceneFile> Governor::after_frame(double seconds, int frame, double spent) {
+bool Governor::after_frame(double seconds, int frame, double spent) {
     const BudgetKeys& keys = given_.scene.budget;
-    if (!keys.any()) {
-        if (applied_ == 0) return std::nullopt;
-        amount_ = applied_ = 0;
-        return governed();
+    const double before = amount_;
+    if (!keys.any()) amount_ = 0;
+    else {
+        allowed_ = keys.seconds_per_frame > 0 ? keys.seconds_per_frame : 1e300;
+        if (keys.seconds > 0) allowed_ = std::min(allowed_, std::max(1e-3, keys.seconds - spent) / std::max(1, frames_ - frame));
+        const double ratio = seconds / allowed_;
+        if (ratio > 1 || ratio < slack)
+            amount_ = std::clamp(amount_ + answer * std::log(std::clamp(ratio > 1 ? ratio : ratio / slack, 0.3, 3.0)), 0.0, 4.0);
     }
-    allowed_ = keys.seconds_per_frame > 0 ? keys.seconds_per_frame : 1e300;
-    if (keys.seconds > 0) allowed_ = std::min(allowed_, std::max(1e-3, keys.seconds - spent) / std::max(1, frames_ - frame));
-    const double ratio = seconds / allowed_;
-    if (ratio > 1 || ratio < slack)
-        amount_ = std::clamp(amount_ + answer * std::log(std::clamp(ratio > 1 ? ratio : ratio / slack, 0.3, 3.0)), 0.0, 4.0);
-    if (std::abs(amount_ - applied_) < 0.03 && !(amount_ == 0 && applied_ > 0)) return std::nullopt;
-    applied_ = amount_;
-    return governed();
+    return amount_ != before;
 }
 
 std::string budget_header() {
     return "frame,time,wall_seconds,allowed_seconds,given_up,tolerance_factor,cfl,voxel,samples,largest_residual,unconverged_solves,"
            "density_error_mean,density_error_max";
-}
-
-std::string budget_row(const BudgetRow& r) {
-    return fmt::format("{},{:.6g},{:.4g},{:.4g},{:.3f},{:.4g},{:.4g},{:.4g},{},{:.3g},{},{:.4g},{:.4g}\n", r.frame, r.time, r.seconds,
-                       r.allowed, r.given_up.amount, r.given_up.tolerance, r.given_up.cfl, r.given_up.voxel, r.given_up.samples,
-                       r.largest_residual, r.unconverged, r.density_error_mean, r.density_error_max);
 }
 
 }  // namespace whorl

@@ -1,7 +1,6 @@
 #pragma once
 /// Common loop of a film and a live run: advances a simulation from frame to frame. Probes see every step, the solvers' residuals are
 /// recorded, accuracy is reduced for the budget, and changes of the scene are applied.
-#include <optional>
 #include <string>
 
 #include "engine/io/diagnostics.h"
@@ -28,33 +27,23 @@ public:
     /// The user's scene is another one from now on.
     void set_scene(const SceneFile& given);
     /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
-    /// @return the scene to continue with, if it changed
-    std::optional<SceneFile> after_frame(double seconds, int frame, double spent);
+    /// @return whether the reductions changed
+    bool after_frame(double seconds, int frame, double spent);
     /// The scene with the current reductions.
     SceneFile governed() const;
 
     bool has_budget() const { return given_.scene.budget.any(); }
     double allowed() const { return allowed_; }  ///< s, of the last frame
     Sacrifice now() const;
-    void set(double amount) { amount_ = applied_ = amount; }
 
 private:
     SceneFile given_;
     int frames_;
-    double amount_ = 0, applied_ = 0, allowed_ = 0;
+    double amount_ = 0, allowed_ = 0;
 };
 
-/// The columns of budget.csv, and a row: what the frame took and was allowed, what was given up, and what that did to what can be measured.
+/// The columns of budget.csv: what the frame took and was allowed, what was given up, and what that did to what can be measured.
 std::string budget_header();
-struct BudgetRow {
-    int frame = 0;
-    double time = 0, seconds = 0, allowed = 0;
-    Sacrifice given_up;
-    double largest_residual = 0;  ///< relative, that a solve of the frame ended with
-    long unconverged = 0;         ///< solves of the frame
-    double density_error_mean = 0, density_error_max = 0;
-};
-std::string budget_row(const BudgetRow& row);
 
 /// Who runs the loop: a film, or a live run.
 class FrameLoopHost {
@@ -64,8 +53,6 @@ public:
     virtual bool stop_wanted() = 0;
     /// May change the scene for the next step. @param began s, at the step's start
     virtual void after_step(const StepReport& /*report*/, double /*began*/) {}
-    /// The row of budget.csv for the frame that was reached.
-    virtual void add_budget(const BudgetRow& row) = 0;
     /// From now on pictures are made as `file` says.
     virtual void set_pictures(const SceneFile& file) = 0;
 };
@@ -87,16 +74,15 @@ public:
     bool step_to(double time);
     /// Measures the frame that was reached.
     FrameSummary measure_frame();
-    /// Holds what the frame took against the budget, and hands the host its row where there is one.
-    /// @param seconds it took, wall @param spent s, wall, over the whole run
-    void hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent);
-    /// Goes on as the last hold_to_budget() decided.
+    /// Compares what the frame took with the budget.
+    /// @param seconds it took, wall @param spent s, wall, over the whole run @return the row of budget.csv; "" without a budget
+    std::string hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent);
+    /// Continues as the last hold_to_budget() decided.
     void apply_governor();
     /// The user's scene is another one now; the simulation knows it already.
     void scene_changed(const SceneFile& file);
 
     const NamedProbes& probes() const { return probes_; }
-    Governor& governor() { return governor_; }
     const Governor& governor() const { return governor_; }
     /// Relative; of the solves since the last frame.
     double largest_residual() const { return largest_residual_; }
@@ -108,12 +94,9 @@ private:
     Simulation& simulation_;
     NamedProbes probes_;
     Governor governor_;
-    std::optional<SceneFile> governed_;  ///< the governor's last decision
+    bool decided_ = false;  ///< the governor has reductions that were not applied
     RunTotals totals_at_frame_;
     double largest_residual_ = 0;
 };
-
-/// The scene with every automatic choice of `plan`: later changes cannot change the models.
-Scene with_models_of(const Plan& plan, const Scene& scene);
 
 }  // namespace whorl

@@ -31,44 +31,34 @@ using Json = nlohmann::ordered_json;
 /// Whether they are to be drawn now.
 bool wants_pictures(const RunRequest& request) { return request.file.scene.output.images && !request.no_draw; }
 
-fs::path panel_folder(const fs::path& run_folder, std::size_t run) { return run_folder / "panels" / std::to_string(run + 1); }
-
 class PanelFilm {
 public:
-    PanelFilm(const RunRequest& request, PanelRuns how)
+    PanelFilm(const RunRequest& request, bool resumed)
         : request_(request), scene_(request.file.scene), scenes_(panel_scenes(request.file, choice())), cells_(panel_cells(request.file)),
-          folder_(how == PanelRuns::fresh ? RunFolder::fresh(request.folder, request.earlier) : RunFolder::existing(request.folder)) {
-        if (how == PanelRuns::resumed) {
-            for (std::size_t k = 0; k < scenes_.size(); ++k) check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
-            restarts_ = lacks_frames_of_differences();
-            check_resumed();
-            check_made_pictures();
-        }
+          folder_(resumed ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.overwrite)) {
+        for (std::size_t k = 0; resumed && k < scenes_.size(); ++k) check_resumed(k);
         write_text(folder_.path() / "scene.resolved.toml", resolved_toml(with_choices_of(request.file, scenes_)));
-        if (!folder_.note().empty()) tell_note(folder_.note(), request.json);
     }
 
-    int go() {
+    int make() {
+        const InterruptGuard guard;
         write_report("running", "");
-        if (const std::optional<std::size_t> stopped = run_all()) {
-            const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
-            write_report("interrupted", "continue with: " + go_on);
-            std::fprintf(stderr, "whorl: panel %zu of %zu was interrupted; continue all of them with:  %s\n", *stopped + 1, scenes_.size(),
-                         go_on.c_str());
-            return exit_interrupted;
+        std::string failed;
+        for (std::size_t k = 0; k < scenes_.size(); ++k) {
+            const int code = run_panel(k);
+            if (code == exit_failed) failed = name_of(k);
+            if (code == exit_interrupted) return conclude_interrupted(k);
         }
         const int frames = least_frames();
         const bool filmed = wants_pictures(request_) && frames > 0;
-        if (filmed) film(1, frames, true);
-        const std::string status = failed_ ? "diverged" : "done";
-        write_report(status, failed_ ? "panel " + name_of(*failed_) + " diverged" : "");
-        if (!request_.quiet && !request_.json)
-            std::fprintf(stderr, "%s of %zu panels: %s\n", counted(frames, "frame").c_str(), scenes_.size(),
-                         (filmed && scene_.output.video ? video() : folder_.path()).c_str());
-        if (!request_.quiet && !request_.json && request_.no_draw && scene_.output.images && frames > 0)
-            std::fprintf(stderr, "draw each panel (whorl draw %s), then put them together: whorl resume %s\n",
-                         panel_folder(folder_.path(), 0).c_str(), folder_.path().c_str());
-        return failed_ ? exit_failed : exit_done;
+        if (filmed) film(frames);
+        write_report(failed.empty() ? "done" : "diverged", failed.empty() ? "" : "panel " + failed + " diverged");
+        say(fmt::format("{} of {} panels: {}", counted(frames, "frame"), scenes_.size(),
+                        (filmed && scene_.output.video ? video() : folder_.path()).string()));
+        if (request_.no_draw && scene_.output.images && frames > 0)
+            say(fmt::format("draw each panel (whorl draw {}), then put them together: whorl resume {}", panel(0).string(),
+                            folder_.path().string()));
+        return failed.empty() ? exit_done : exit_failed;
     }
 
 private:
@@ -78,56 +68,34 @@ private:
             return with_choices(run, start, watch);
         };
     }
+    void say(const std::string& text) const {
+        if (!request_.quiet && !request_.json) fmt::print(stderr, "{}\n", text);
+    }
 
+    fs::path panel(std::size_t run) const { return folder_.path() / "panels" / std::to_string(run + 1); }
     fs::path video() const { return folder_.path() / (scene_.name + ".mp4"); }
-    int frames_of(std::size_t k) const { return report_of(panel_folder(folder_.path(), k)).value("frames", 0); }
+    int frames_of(std::size_t k) const { return report_of(panel(k)).value("frames", 0); }
     int frames_wanted() const { return request_.frames.value_or(frame_count(scene_)); }
+    std::string status_of(std::size_t k) const { return report_of(panel(k)).value("status", "waiting"); }
 
-    /// Whether the panel is complete.
-    bool is_done(std::size_t k) const {
-        const nlohmann::json run = report_of(panel_folder(folder_.path(), k));
-        return run.value("status", "") == "done" && run.value("frames", 0) >= frames_wanted();
-    }
-
-    bool has_raw(std::size_t k) const { return fs::exists(frame_file(panel_folder(folder_.path(), k), 1)); }
-
-    /// Whether a longer film needs missing frames: the colours of a difference depend on all frames of both runs.
-    bool lacks_frames_of_differences() const {
-        if (!has_differences() || !scene_.output.images) return false;
-        for (std::size_t k = 0; k < scenes_.size(); ++k)
-            if (report_of(panel_folder(folder_.path(), k)).value("status", "") == "done" && !is_done(k) && !has_raw(k)) return true;
-        return false;
-    }
-
-    enum class Next { nothing, begins, goes_on };
+    enum class Next { nothing, begins, restarts, goes_on };
     /// Next action for a panel.
     Next next_of(std::size_t k) const {
-        const fs::path folder = panel_folder(folder_.path(), k);
-        const std::string status = report_of(folder).value("status", "");
-        if (restarts_ && !has_raw(k)) return Next::begins;
-        if (is_done(k) || status == "diverged") return Next::nothing;
+        const std::string status = status_of(k);
+        if ((status == "done" && frames_of(k) >= frames_wanted()) || status == "diverged") return Next::nothing;
+        // The colours of a difference depend on all frames of both runs, which are only kept if they are exported.
+        if (has_differences() && scene_.output.images && frames_of(k) > 0 && !fs::exists(frame_file(panel(k), 1))) return Next::restarts;
         // If all checkpoints are damaged, resuming is refused: the panel is left untouched for repair.
-        return has_checkpoint(folder) ? Next::goes_on : Next::begins;
+        return has_checkpoint(panel(k)) ? Next::goes_on : Next::begins;
     }
 
-    /// @throws InputError with the reason that a panel cannot continue
-    void check_resumed() const {
-        for (std::size_t k = 0; k < scenes_.size(); ++k)
-            if (next_of(k) == Next::goes_on) {
-                RunRequest panel = request_of(k);
-                resume_from_newest(panel);
-            }
-    }
-
-    /// Images may be left to draw, and a panel may have been drawn again in another size. @throws InputError
-    void check_made_pictures() const {
-        for (std::size_t k = 0; k < scenes_.size() && wants_pictures(request_); ++k) {
-            const std::array<int, 2>& size = scenes_[k].scene.output.size;
-            if (frames_of(k) == 0 || next_of(k) == Next::begins) continue;
-            const fs::path folder = panel_folder(folder_.path(), k);
-            check_pictures(folder, frames_of(k));
-            read_picture(folder, 1, size[0], size[1]);
-        }
+    /// @throws InputError with the reason that a panel cannot continue; images may be left to draw, or drawn again in another size
+    void check_resumed(std::size_t k) const {
+        check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
+        const Next next = next_of(k);
+        RunRequest panel = request_of(k);
+        if (next == Next::goes_on) resume_from_newest(panel);
+        if (next == Next::nothing && wants_pictures(request_)) check_pictures(panel.folder, scenes_[k].scene, frames_of(k));
     }
 
     /// Name of the run's panel.
@@ -144,81 +112,73 @@ private:
     }
 
     RunRequest request_of(std::size_t k) const {
-        RunRequest panel;
-        panel.file = scenes_[k];
-        panel.folder = panel_folder(folder_.path(), k);
-        panel.frames = request_.frames;
-        panel.no_draw = request_.no_draw, panel.force = request_.force;
-        panel.quiet = request_.quiet, panel.json = request_.json;
-        return panel;
+        return {.file = scenes_[k],
+                .folder = panel(k),
+                .frames = request_.frames,
+                .no_draw = request_.no_draw,
+                .quiet = request_.quiet,
+                .json = request_.json,
+                .force = request_.force,
+                .overwrite = true};
     }
 
-    /// Makes panel k's request one to begin or to resume. @return whether there is anything to do
-    bool prepare(std::size_t k, RunRequest& panel) {
+    /// @return as run_scene()
+    int run_panel(std::size_t k) const {
         const Next next = next_of(k);
-        if (next == Next::nothing) {
-            if (!is_done(k)) failed_ = k;
-            return false;
-        }
-        const bool again = restarts_ && next == Next::begins;
-        if (!request_.quiet && !request_.json)
-            std::fprintf(stderr, "panel %zu of %zu: %s%s\n", k + 1, scenes_.size(), name_of(k).c_str(),
-                         again ? ", from the start: the difference needs all its frames, which --export raw would have kept" : "");
-        panel.earlier = RunFolder::Earlier::replaced;
+        if (next == Next::nothing) return status_of(k) == "done" ? exit_done : exit_failed;
+        const char* const why = ", from the start: the difference needs all its frames, which --export raw would have kept";
+        say(fmt::format("panel {} of {}: {}{}", k + 1, scenes_.size(), name_of(k), next == Next::restarts ? why : ""));
+        RunRequest panel = request_of(k);
         if (next == Next::goes_on) resume_from_newest(panel);
-        return true;
+        return run_scene(panel);
     }
 
-    /// Simulates the frames of all panels in turn, and films those that all panels have. @return the first panel that was interrupted
-    std::optional<std::size_t> run_all() {
-        const InterruptGuard guard;
-        const std::size_t count = scenes_.size();
-        std::vector<RunRequest> requests;
-        for (std::size_t k = 0; k < count; ++k) requests.push_back(request_of(k));
-        std::vector<std::unique_ptr<FramedRun>> runs(count);
-        for (std::size_t k = 0; k < count; ++k)
-            if (prepare(k, requests[k])) runs[k] = begin_run(requests[k]);
-        std::optional<std::size_t> stopped;
-        for (int frame = 0; std::any_of(runs.begin(), runs.end(), [](const auto& run) { return run != nullptr; }); ++frame) {
-            for (std::size_t k = 0; k < count; ++k) {
-                if (!runs[k] || runs[k]->frame() > frame || runs[k]->next()) continue;
-                const int code = runs[k]->finish();
-                runs[k].reset();
-                if (code == exit_failed) failed_ = k;
-                if (code == exit_interrupted && !stopped) stopped = k;
-            }
-            if (wants_pictures(request_)) film_ready(runs);
-        }
-        return stopped;
-    }
-
-    bool goes_by_whole_film() const { return has_differences() || !scene_.output.chart.empty(); }
-
-    /// Frames whose pictures all panels have; those that are made again at the end at intervals of 2 s.
-    void film_ready(const std::vector<std::unique_ptr<FramedRun>>& runs) {
-        int ready = std::numeric_limits<int>::max();
-        for (std::size_t k = 0; k < runs.size(); ++k) ready = std::min(ready, runs[k] ? runs[k]->frames_written() : frames_of(k));
-        if (ready <= filmed_ || (goes_by_whole_film() && filmed_ > 0 && wall_seconds() - filmed_at_ < 2)) return;
-        film(filmed_ + 1, ready, false);
-        filmed_ = ready, filmed_at_ = wall_seconds();
+    int conclude_interrupted(std::size_t k) const {
+        const std::string go_on = "whorl resume " + folder_.path().string() + (request_.no_draw ? " --no-draw" : "");
+        write_report("interrupted", "continue with: " + go_on);
+        fmt::print(stderr, "whorl: panel {} of {} was interrupted; continue all of them with:  {}\n", k + 1, scenes_.size(), go_on);
+        return exit_interrupted;
     }
 
     /// Frames that every panel has.
     int least_frames() const {
-        int least = 1 << 30;
+        int least = std::numeric_limits<int>::max();
         for (std::size_t k = 0; k < scenes_.size(); ++k) least = std::min(least, frames_of(k));
         return least;
     }
 
-    /// Folder of a panel's images; those of a difference are drawn first.
-    fs::path pictures_of(std::size_t panel, int first, int last) const {
-        const PanelCell& cell = cells_[panel];
-        if (cell.run >= 0) return panel_folder(folder_.path(), static_cast<std::size_t>(cell.run));
-        const fs::path folder = folder_.path() / "panels" / ("difference-" + std::to_string(panel + 1));
-        const auto run_folder = [&](int n) { return panel_folder(folder_.path(), static_cast<std::size_t>(cell.between[n])); };
-        const std::string& label = scene_.panels[panel].label;
-        draw_differences(scenes_[cell.between[0]], label.empty() ? "difference" : label, run_folder(0), run_folder(1), folder, first, last);
-        return folder;
+    /// Folder of a cell's images.
+    fs::path pictures_of(std::size_t k) const {
+        const int run = cells_[k].run;
+        return run >= 0 ? panel(static_cast<std::size_t>(run)) : folder_.path() / "panels" / fmt::format("difference-{}", k + 1);
+    }
+
+    /// Draws the difference of two panels from the frames that they exported. The colour map's range holds 99 % of the fluid in every frame
+    /// of the film. If the frames were removed, existing images are kept. @throws InputError if a frame is missing or damaged
+    void draw_difference(std::size_t k, int frames) const {
+        const PanelCell& cell = cells_[k];
+        const fs::path one = panel(static_cast<std::size_t>(cell.between[0])), other = panel(static_cast<std::size_t>(cell.between[1]));
+        const fs::path folder = pictures_of(k);
+        if (!fs::exists(frame_file(one, frames)) && fs::exists(picture_file(folder, frames))) return;
+        const auto pair_of = [&](int number) {
+            return std::pair{read_frame(frame_file(one, number)), read_frame(frame_file(other, number))};
+        };
+        const SceneFile& file = scenes_[static_cast<std::size_t>(cell.between[0])];
+        constexpr int looked_at = 24;  // frames
+        float most = 0;
+        for (int n = 0; n < std::min(frames, looked_at); ++n) {
+            const auto [a, b] = pair_of(frames <= looked_at ? n + 1 : 1 + n * (frames - 1) / (looked_at - 1));
+            most = std::max(most, usual_difference(a, b, file.look));
+        }
+        const float high = most > 0 ? static_cast<float>(round_number_above(most)) : 1;
+        LookOptions look = file.look;
+        look.title = scene_.panels[k].label.empty() ? "difference" : scene_.panels[k].label;
+        fs::create_directories(folder / "frames");
+        for (int number = 1; number <= frames; ++number) {
+            const auto [a, b] = pair_of(number);
+            const auto& size = file.scene.output.size;
+            write_png(picture_file(folder, number), draw_difference_plate(a, b, look, {-high, high}, size[0], size[1]));
+        }
     }
 
     /// Chart of the curves up to now. Without a chart: empty.
@@ -230,7 +190,7 @@ private:
         std::replace(chart.title.begin(), chart.title.end(), '_', ' ');
         chart.dark = scenes_[0].look.background == "dark";
         for (std::size_t k = 0; !of.empty() && k < scenes_.size(); ++k) {
-            const CsvTable table = read_csv(panel_folder(folder_.path(), k) / "probes" / (of.substr(0, dot) + ".csv"));
+            const CsvTable table = read_csv(panel(k) / "probes" / (of.substr(0, dot) + ".csv"));
             Curve curve;
             curve.label = name_of(k);
             for (const std::vector<double>& row : table.rows)
@@ -240,42 +200,36 @@ private:
         return chart;
     }
 
-    /// @param whole all frames, for the video; existing ones are kept if nothing in them depends on the whole film
-    void film(int first, int last, bool whole) const {
+    /// Puts the panels' images of each frame side by side.
+    void film(int frames) const {
         fs::create_directories(folder_.path() / "frames");
         const int width = scene_.output.size[0], height = scene_.output.size[1];
         const std::array<int, 2>& panel_size = scenes_[0].scene.output.size;
-        std::vector<fs::path> folders;
-        for (std::size_t k = 0; k < cells_.size(); ++k) folders.push_back(pictures_of(k, first, last));
+        for (std::size_t k = 0; k < cells_.size(); ++k)
+            if (cells_[k].run < 0) draw_difference(k, frames);
         const PanelChart chart = this->chart();
         std::optional<VideoEncoder> encoder;
-        if (whole && scene_.output.video) encoder.emplace(video(), width, height, VideoOptions{scene_.time.fps, 18});
-        for (int frame = first; frame <= last; ++frame) {
-            if (frame <= filmed_ && !goes_by_whole_film()) {
-                if (encoder) encoder->add(read_picture(folder_.path(), frame, width, height));
-                continue;
-            }
+        if (scene_.output.video) encoder.emplace(video(), width, height, VideoOptions{scene_.time.fps, 18});
+        for (int frame = 1; frame <= frames; ++frame) {
             std::vector<Image> images;
-            for (const fs::path& folder : folders) images.push_back(read_picture(folder, frame, panel_size[0], panel_size[1]));
+            for (std::size_t k = 0; k < cells_.size(); ++k)
+                images.push_back(read_picture(pictures_of(k), frame, panel_size[0], panel_size[1]));
             Image picture = side_by_side(images, panel_columns(scene_), panel_gap, width, height - chart.height);
             if (chart.height > 0) picture = one_above_other(picture, chart.at(frame_time(scene_, frame)));
             write_png(picture_file(folder_.path(), frame), picture);
             if (encoder) encoder->add(picture);
         }
-        if (!whole) return;
         if (encoder) encoder->finish();
-        write_contact_sheet(folder_.path(), last);
-        for (std::size_t k = 0; has_differences() && !scene_.exported("raw") && k < scenes_.size(); ++k)
-            fs::remove_all(panel_folder(folder_.path(), k) / "raw");
+        write_contact_sheet(folder_.path(), frames);
+        for (std::size_t k = 0; has_differences() && !scene_.exported("raw") && k < scenes_.size(); ++k) fs::remove_all(panel(k) / "raw");
     }
 
     void write_report(const std::string& status, const std::string& message) const {
         Json panels = Json::array();
         double wall = 0, cpu = 0;
         for (std::size_t k = 0; k < scenes_.size(); ++k) {
-            const nlohmann::json run = report_of(panel_folder(folder_.path(), k));
-            // They run side by side, and each counts the process.
-            wall = std::max(wall, run.value("wall_seconds", 0.0)), cpu = std::max(cpu, run.value("cpu_seconds", 0.0));
+            const nlohmann::json run = report_of(panel(k));
+            wall += run.value("wall_seconds", 0.0), cpu += run.value("cpu_seconds", 0.0);
             panels.push_back({{"label", scene_.panels[panel_of(k)].label},
                               {"folder", "panels/" + std::to_string(k + 1)},
                               {"status", run.value("status", "waiting")},
@@ -292,40 +246,14 @@ private:
     std::vector<SceneFile> scenes_;  ///< of the runs
     std::vector<PanelCell> cells_;
     RunFolder folder_;
-    bool restarts_ = false;  ///< restart panels whose frames a difference lacks
-    std::optional<std::size_t> failed_;
-    int filmed_ = 0;        ///< frames whose panels are joined
-    double filmed_at_ = 0;  ///< s, wall
 };
 
 }  // namespace
 
-int run_panels(const RunRequest& request, PanelRuns how) {
-    if (how == PanelRuns::fresh) RunFolder::check_fresh(request.folder);  // not only after the coarse runs
-    if (wants_pictures(request) && request.file.scene.output.video)
-        check_video_rate(request.file.scene), check_encoder(without_video(how == PanelRuns::resumed));
-    return PanelFilm(request, how).go();
-}
-
-void draw_differences(const SceneFile& file, const std::string& title, const fs::path& one, const fs::path& other, const fs::path& folder,
-                      int first, int last) {
-    if (!fs::exists(frame_file(one, last)) && fs::exists(picture_file(folder, last))) return;
-    const auto pair_of = [&](int number) { return std::pair{read_frame(frame_file(one, number)), read_frame(frame_file(other, number))}; };
-    constexpr int looked_at = 24;  // frames
-    float most = 0;
-    for (int n = 0; n < std::min(last, looked_at); ++n) {
-        const auto [a, b] = pair_of(last <= looked_at ? n + 1 : 1 + n * (last - 1) / (looked_at - 1));
-        most = std::max(most, usual_difference(a, b, file.look));
-    }
-    const float high = most > 0 ? static_cast<float>(round_number_above(most)) : 1;
-    LookOptions look = file.look;
-    look.title = title;
-    fs::create_directories(folder / "frames");
-    for (int number = first; number <= last; ++number) {
-        const auto [a, b] = pair_of(number);
-        const auto& size = file.scene.output.size;
-        write_png(picture_file(folder, number), draw_difference_plate(a, b, look, {-high, high}, size[0], size[1]));
-    }
+int run_panels(const RunRequest& request, bool resumed) {
+    if (!resumed) RunFolder::check_fresh(request.folder, request.overwrite);  // not only after the coarse runs
+    if (wants_pictures(request) && request.file.scene.output.video) check_video(request.file.scene);
+    return PanelFilm(request, resumed).make();
 }
 
 }  // namespace whorl

@@ -49,22 +49,17 @@ void StatusLine::clear() {
     open_ = false;
 }
 
-PartProgress::PartProgress(std::string what, bool quiet) : what_(std::move(what)), line_(quiet, wall_seconds()), began_(wall_seconds()) {}
-
-void PartProgress::done(double part) {
-    const double spent = wall_seconds() - began_;
-    if (part > 0 && line_.due()) line_.show(fmt::format("{}: {:.0f} %  {} left", what_, 100 * part, duration(spent * (1 - part) / part)));
-}
-
 std::function<void(double)> watch_coarse_run(bool quiet) {
-    return [quiet, progress = std::shared_ptr<PartProgress>()](double part) mutable {
-        if (!progress) {
+    return [quiet, line = std::shared_ptr<StatusLine>(), began = 0.0](double part) mutable {
+        if (!line) {
             if (!quiet)
                 fmt::print(stderr,
                            "coarse run of the whole film with larger particles: where the fluid goes, and what steps and images cost\n");
-            progress = std::make_shared<PartProgress>("coarse run", quiet);
+            began = wall_seconds();
+            line = std::make_shared<StatusLine>(quiet, began);
         }
-        progress->done(part);
+        const double left = (wall_seconds() - began) * (1 - part) / part;
+        if (part > 0 && line->due()) line->show(fmt::format("coarse run: {:.0f} %  {} left", 100 * part, duration(left)));
     };
 }
 

@@ -58,19 +58,6 @@ private:
     double iterations_ = 0;
 };
 
-/// Progress of work without frames: "coarse run: 40 %  12 s left".
-class PartProgress {
-public:
-    PartProgress(std::string what, bool quiet);
-    /// May be called any number of times. @param part completed fraction, 0 to 1
-    void done(double part);
-
-private:
-    std::string what_;
-    StatusLine line_;
-    double began_;
-};
-
 /// Callback for the completed part of a coarse run (tools/cost/coarse_run.h): prints its purpose at the start, then the progress.
 std::function<void(double)> watch_coarse_run(bool quiet);
 

@@ -24,18 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 
 FilmOptions film_options(const RedrawRequest& request, bool whole) {
-    const Scene& scene = request.file.scene;
-    FilmOptions options;
-    options.folder = request.out, options.name = scene.name, options.format = scene.output.format;
-    if (whole && scene.output.video) options.video = request.out / (scene.name + ".mp4");
+    FilmOptions options = film_options(request.file.scene, request.out);
+    if (!whole) options.video.clear();
     // Some exports have a file of the whole film, which a range must not replace.
-    const auto keeps = [&](const std::string& what) {
-        return (what == "scene" || what == "vtk") && std::find(request.made.begin(), request.made.end(), what) != request.made.end();
-    };
-    for (const std::string& what : scene.output.exports)
-        if (what == "raw" ? request.out != request.run : whole || !keeps(what)) options.exports.push_back(what);
-    options.width = scene.output.size[0], options.height = scene.output.size[1];
-    options.fps = scene.time.fps, options.interval = scene.time.frame_interval();
+    std::erase_if(options.exports, [&](const std::string& what) {
+        const bool made = std::find(request.made.begin(), request.made.end(), what) != request.made.end();
+        return what == "raw" ? request.out == request.run : !whole && made && (what == "scene" || what == "vtk");
+    });
     return options;
 }
 
@@ -76,8 +71,8 @@ public:
         const std::string raw = (request.run / "raw").string();
         if (all_.empty()) throw InputError({raw, 0, 0}, "the run has no frames to draw from", "render the scene with --export raw");
         if (!ready().empty()) return;
-        throw InputError({raw, 0, 0}, fmt::format("missing frames {} to {}", request.first, last()), "",
-                         fmt::format("{} to {}{}", all_.front(), all_.back(), has_gaps() ? ", with gaps" : ""));
+        throw InputError({raw, 0, 0}, fmt::format("missing frames {} to {}", request.first, request.last > 0 ? request.last : all_.back()),
+                         "", fmt::format("{} to {}", all_.front(), all_.back()));
     }
     const std::vector<int>& all() const { return all_; }
     /// Numbers of those in the range that are there and that next() has not returned.
@@ -105,25 +100,12 @@ public:
     }
 
 private:
-    int last() const { return request_.last > 0 ? request_.last : all_.back(); }
-    bool has_gaps() const { return all_.back() - all_.front() >= static_cast<int>(all_.size()); }
-
     const RedrawRequest& request_;
     bool over_;
     std::vector<int> all_;
     int newest_ = 0;  ///< that next() returned
     std::optional<RunFolder> held_;
 };
-
-/// Sets the values that the look leaves open. The existing frames of an unfinished run do not show the whole film: then a coarse run is
-/// used.
-SceneFile with_choices_for(const RedrawRequest& request, const std::vector<int>& exported) {
-    if (!request.goes_on) return with_choices_from(request.file, request.run, exported);
-    const Simulation start(request.file.scene, make_plan(request.file.scene));
-    SceneFile file = with_choices(request.file, start, watch_coarse_run(request.quiet));
-    file.look.streak_time = film_streak_time(file.look, start);
-    return file;
-}
 
 }  // namespace
 
@@ -150,9 +132,7 @@ SceneFile with_choices_from(SceneFile file, const fs::path& run, const std::vect
     choose(file, seen.extent(), seen.size());
     if (!wants_range(file.look) && !wants_extent(file) && !wants_streak_time(file.look)) return file;
     try {
-        const Simulation start(file.scene, make_plan(file.scene));
-        file.look.streak_time = film_streak_time(file.look, start);
-        return with_estimates(file, start);
+        return with_estimates(file, Simulation(file.scene, make_plan(file.scene)));
     } catch (const InputError&) {  // this machine can draw the film but has too little memory to simulate it: each frame uses its own range
         return file;
     }
@@ -167,7 +147,11 @@ void check_images_free(const fs::path& run, const fs::path& out) {
 
 int redraw(const RedrawRequest& request) {
     Exported frames(request);
-    const SceneFile file = with_choices_for(request, frames.all());
+    // The existing frames of an unfinished run do not show the whole film.
+    const Scene& scene = request.file.scene;
+    const SceneFile file = request.goes_on
+                               ? with_choices(request.file, Simulation(scene, make_plan(scene)), watch_coarse_run(request.quiet))
+                               : with_choices_from(request.file, request.run, frames.all());
     Replay replay(file);
     const auto options_now = [&] {
         const SceneFile& now = replay.now();
@@ -175,13 +159,11 @@ int redraw(const RedrawRequest& request) {
     };
     const bool whole = frames.whole();
     const FilmOptions options = film_options(request, whole);
-    if (!options.video.empty()) check_video_rate(file.scene), check_encoder(without_video(false));
+    if (!options.video.empty()) check_video(file.scene);
     std::optional<RunFolder> held;
-    if (request.out != request.run) {
-        held.emplace(
-            RunFolder::drawing(request.out, request.run, resolved_toml(file), whole ? RunFolder::Hold::alone : RunFolder::Hold::shared));
-        if (!held->note().empty()) tell_note(held->note(), false);
-    }
+    if (request.out != request.run)
+        held.emplace(RunFolder::drawing(request.out, request.run, resolved_toml(file),
+                                        whole ? RunFolder::Hold::alone : RunFolder::Hold::shared, request.overwrite));
     check_size_of_others(request);
     const std::vector<int> ready = frames.ready();
     const auto replaced = std::count_if(ready.begin(), ready.end(), [&](int n) { return has_picture(request.out, n); });
@@ -191,6 +173,7 @@ int redraw(const RedrawRequest& request) {
     auto how = options_now();
     std::vector<FrameSolid> before;
     std::vector<fs::path> pictures;
+    StatusLine line(request.quiet);
     while (const int number = frames.next()) {
         Frame frame = exported_frame(request.run, number);
         share_meshes(frame.solids, before);
@@ -198,13 +181,13 @@ int redraw(const RedrawRequest& request) {
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
         film.add(std::move(frame), how, nullptr, false);
         pictures.push_back(picture_file(request.out, number, options.format));
-        if (!request.quiet)
-            fmt::print(stderr, "\r{} of {} frames ", film.frames_written(), pictures.size() + frames.ready().size()), std::fflush(stderr);
+        if (line.due()) line.show(fmt::format("{} of {} frames", film.frames_written(), pictures.size() + frames.ready().size()));
     }
     film.finish(!pictures.empty());
     if (whole && !pictures.empty()) write_contact_sheet(request.out, pictures);
+    line.clear();
     if (!request.quiet)
-        fmt::print(stderr, "\r{} drawn: {}\n", counted(static_cast<int>(pictures.size()), "frame"),
+        fmt::print(stderr, "{} drawn: {}\n", counted(static_cast<int>(pictures.size()), "frame"),
                    whole && !options.video.empty() ? options.video.string() : request.out.string());
     return exit_done;
 }

@@ -62,7 +62,6 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
             {"wall_seconds", report.wall},
             {"predicted_wall_seconds", report.predicted_wall > 0 ? Json(report.predicted_wall) : Json()},
             {"cpu_seconds", report.cpu},
-            {"first_picture_seconds", report.first_picture},
             {"resumed", report.resumed},
             {"stages", stages},
             {"peak_memory_bytes", peak_memory()}};
@@ -80,21 +79,18 @@ double RunTimes::wall() const { return earlier_wall_ + wall_seconds() - began_; 
 double RunTimes::cpu() const { return earlier_cpu_ + process_cpu_seconds() - cpu_before_; }
 
 StageTimes RunTimes::stages(const StageTimes& simulation, const StageTimes& film) const {
-    StageTimes all = with_shared_cpu(simulation, simulation_cpu_);
-    StageTimes of_film = film;
+    StageTimes all = simulation, of_film = film;
+    // The CPU time of the simulation's threads, shared out by the stages' wall time: measured stage by stage, the threads that draw
+    // meanwhile would count too.
+    double wall = 0;
+    for (const auto& [name, t] : all) wall += t.wall;
+    for (auto& [name, t] : all) t.cpu = wall > 0 ? simulation_cpu_ * t.wall / wall : 0;
     all.merge(of_film);
     for (const auto& [name, t] : earlier_stages_) {
         StageTime& sum = all[name];
         sum.wall += t.wall, sum.cpu += t.cpu, sum.calls += t.calls;
     }
     return all;
-}
-
-StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu) {
-    double wall = 0;
-    for (const auto& [name, t] : stages) wall += t.wall;
-    for (auto& [name, t] : stages) t.cpu = wall > 0 ? simulation_cpu * t.wall / wall : 0;
-    return stages;
 }
 
 bool Incidents::add(Incident incident) {

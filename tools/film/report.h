@@ -44,8 +44,7 @@ struct RunReport {
     double wall = 0, cpu = 0;            ///< s, over all parts of the run
     double predicted_wall = 0;           ///< s, for the whole run, before it began; 0: its costs were not known
     int resumed = 0;
-    bool draws = false;        ///< whether it draws images now
-    double first_picture = 0;  ///< s after the start of this part
+    bool draws = false;  ///< whether it draws images now
     std::string gl_device, encoder;
     StageTimes stages;  ///< over all parts of the run
     Incidents incidents;
@@ -68,9 +67,8 @@ public:
     /// The run is the next part of another one.
     void add_earlier(const Checkpoint& checkpoint);
 
-    double began() const { return began_; }  ///< wall_seconds(), of this part
-    double wall() const;                     ///< s
-    double cpu() const;                      ///< s
+    double wall() const;  ///< s
+    double cpu() const;   ///< s
     int resumed() const { return resumed_; }
     /// @param simulation,film of this part
     StageTimes stages(const StageTimes& simulation, const StageTimes& film) const;
@@ -81,9 +79,5 @@ private:
     StageTimes earlier_stages_;
     int resumed_ = 0;
 };
-
-/// CPU seconds of the simulation's stages: the simulation's threads' CPU time, shared out by the stages' wall time (measured stage by
-/// stage, the threads that draw meanwhile would count too).
-StageTimes with_shared_cpu(StageTimes stages, double simulation_cpu);
 
 }  // namespace whorl

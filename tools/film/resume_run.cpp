@@ -92,7 +92,7 @@ void begin_again(RunRequest& request) {
     const int all = frame_count(request.file.scene), planned = report.value("frames_planned", all);
     const bool cut = planned > 0 && planned < all && report.value("frames_of_scene", all) == all;
     request.frames = request.frames.value_or(cut ? planned : all);
-    request.earlier = RunFolder::Earlier::begun_again;
+    request.overwrite = true;
     tell_note("no checkpoint yet: the run begins again from the start", request.json);
 }
 
@@ -104,7 +104,7 @@ void check_end(const std::filesystem::path& folder, const Scene& scene, int made
                          "an end after that; render the scene again for a shorter film");
 }
 
-void check_pictures(const std::filesystem::path& folder, int made) {
+void check_pictures(const std::filesystem::path& folder, const Scene& scene, int made) {
     for (int frame = 1; frame <= made; ++frame) {
         if (has_picture(folder, frame)) continue;
         const bool exported = std::filesystem::exists(frame_file(folder, frame));
@@ -112,6 +112,7 @@ void check_pictures(const std::filesystem::path& folder, int made) {
                          exported ? fmt::format("draw it first: whorl draw {}; or continue with --no-draw", folder.string())
                                   : "continue without images: --no-draw");
     }
+    if (made > 0) read_picture(folder, 1, scene.output.size[0], scene.output.size[1]);
 }
 
 void resume_from_newest(RunRequest& request) {
@@ -136,7 +137,7 @@ void resume_from_newest(RunRequest& request) {
     const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
     request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
     check_end(request.folder, before, checkpoint->frame, *request.frames);
-    if (request.file.scene.output.images && !request.no_draw) check_pictures(request.folder, checkpoint->frame);
+    if (request.file.scene.output.images && !request.no_draw) check_pictures(request.folder, request.file.scene, checkpoint->frame);
     request.from = std::move(checkpoint);
 }
 

@@ -35,23 +35,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-FilmOptions film_options(const RunRequest& request, const SceneFile& file, int frames_before) {
-    const Scene& scene = file.scene;
-    FilmOptions options;
-    options.folder = request.folder;
-    options.images = scene.output.images && !request.no_draw;
-    if (options.images && scene.output.video) options.video = request.folder / (scene.name + ".mp4");
-    options.name = scene.name;
-    options.exports = scene.output.exports;
-    options.format = scene.output.format;
-    options.width = scene.output.size[0];
-    options.height = scene.output.size[1];
-    options.fps = scene.time.fps;
-    options.interval = scene.time.frame_interval();
-    options.frames_before = frames_before;
-    return options;
-}
-
 /// Fields that a frame needs in addition to positions and velocities.
 std::vector<std::string> snapshot_fields(const SceneFile& file, const World& world) {
     std::vector<std::string> fields = shown_fields(file.look);
@@ -60,29 +43,24 @@ std::vector<std::string> snapshot_fields(const SceneFile& file, const World& wor
     return fields;
 }
 
-class Run : public FrameLoopHost, public FramedRun {
+class Run : public FrameLoopHost {
 public:
     Run(const RunRequest& request, const Plan& plan, std::string encoder);
-    bool next() override;
-    int frame() const override { return frame_; }
-    int frames_written() const override { return std::max(first_ - 1, film_->frames_written()); }
-    int finish() override;
+    int make();
 
 private:
+    int frames_written() const { return std::max(first_ - 1, film_->frames_written()); }
     SceneFile chosen() const;
+    FilmOptions film_options() const;
     void make_folders();
     void resume();
     void greet(const Plan& plan);
-    std::optional<Estimate> foreseen(SceneFile file, const Plan& plan) const;
     std::vector<double> foreseen_frames(const Plan& plan) const;
 
     bool stop_wanted() override { return interrupt_.interrupted(); }
     void after_step(const StepReport& report, double began) override;
-    void add_budget(const BudgetRow& row) override { tables_->add_budget(row); }
     void set_pictures(const SceneFile& file) override;
 
-    template <class Work>
-    auto keeping(const Work& work);
     bool simulate();
     void add_frame();
     std::shared_ptr<Checkpoint> state() const;
@@ -106,15 +84,13 @@ private:
     Replay replay_;             ///< changes during the run
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
-    std::string scene_text_, encoder_;
+    std::string scene_text_;
     std::optional<FrameLoop> loop_;
     std::optional<RunTables> tables_;
     std::optional<Snapshots> snapshots_;
     std::shared_ptr<const PictureOptions> pictures_;  ///< how they are made now
-    Incidents incidents_;
     double frame_done_at_ = wall_seconds(), saved_at_ = wall_seconds();
-    std::vector<double> foreseen_;  ///< s, of each frame, where costs were measured before
-    double predicted_ = 0;          ///< s, wall time of the whole run where costs were measured before (whorl plan); else 0
+    RunReport report_;
     InterruptGuard interrupt_;
     std::optional<Progress> progress_;
     std::optional<Film> film_;
@@ -123,18 +99,19 @@ private:
 Run::Run(const RunRequest& request, const Plan& plan, std::string encoder)
     : request_(request), scene_(request.file.scene), last_(request.frames.value_or(frame_count(scene_))), simulation_(scene_, plan),
       file_(chosen()), replay_(file_),
-      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.earlier)),
-      scene_text_(resolved_toml(file_)), encoder_(std::move(encoder)) {
+      folder_(request.from ? RunFolder::existing(request.folder) : RunFolder::fresh(request.folder, request.overwrite)),
+      scene_text_(resolved_toml(file_)) {
     make_folders();
-    foreseen_ = foreseen_frames(plan);
+    report_.encoder = std::move(encoder);
+    report_.draws = film_options().images;
+    report_.frames_planned = last_;
     if (request.from) resume();
     frame_ = first_ - 1;
     loop_.emplace(*this, simulation_, replay_.now(), last_, TheorySearch::wait);
     tables_.emplace(folder_.path(), simulation_, loop_->probes(), scene_.budget.any(), request.from ? &*request.from : nullptr);
-    if (request.from) loop_->governor().set(tables_->last_given_up());
     loop_->scene_changed(replay_.now());
     greet(plan);
-    film_.emplace(film_options(request, file_, first_ - 1));
+    film_.emplace(film_options());
     write_report("running", "");
 }
 
@@ -144,39 +121,39 @@ void Run::greet(const Plan& plan) {
     for (const Choice& c : plan.choices) log_->info("{} = {}{}: {}", c.key, c.value, c.automatic ? " (auto)" : "", c.reason);
     for (const std::string& warning : plan.warnings) log_->warn("{}", warning);
     progress_.emplace(first_, last_, request_.quiet, request_.json);
-    if (!folder_.note().empty()) progress_->note(folder_.note());
     for (const std::string& warning : plan.warnings) progress_->say("warning: " + warning);
-    if (foreseen_.empty()) return;
-    predicted_ = std::accumulate(foreseen_.begin(), foreseen_.begin() + last_, 0.0);
-    const double before = std::accumulate(foreseen_.begin(), foreseen_.begin() + first_ - 1, 0.0);
-    progress_->foresee(foreseen_);
-    progress_->say(fmt::format("about {} expected", duration(predicted_ - before)));
+    std::vector<double> foreseen = foreseen_frames(plan);
+    if (foreseen.empty()) return;
+    report_.predicted_wall = std::accumulate(foreseen.begin(), foreseen.begin() + last_, 0.0);
+    const double before = std::accumulate(foreseen.begin(), foreseen.begin() + first_ - 1, 0.0);
+    progress_->say(fmt::format("about {} expected", duration(report_.predicted_wall - before)));
+    progress_->foresee(std::move(foreseen));
 }
 
-/// Predicted cost of the scene, if the machine's costs were measured.
-std::optional<Estimate> Run::foreseen(SceneFile file, const Plan& plan) const {
+/// Seconds that each frame will take; empty if the machine's costs were not measured.
+std::vector<double> Run::foreseen_frames(const Plan& plan) const {
+    SceneFile file = request_.file;
     const auto costs = find_coarse_run(file);
-    if (!costs) return std::nullopt;
+    if (!costs) return {};
     // When the film is resumed its scene is this one.
     if (!request_.from) keep_coarse_run(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
     if (request_.no_draw) file.scene.output.images = false;
-    return estimate(file, plan, simulation_, *costs);
+    std::vector<double> frames = estimate(file, plan, simulation_, *costs).frames_seconds;
+    frames.resize(std::max(frames.size(), static_cast<std::size_t>(last_)), frames.back());
+    return frames;
 }
 
-/// Seconds that each frame will take; empty if costs were not measured.
-std::vector<double> Run::foreseen_frames(const Plan& plan) const {
-    const auto e = foreseen(request_.file, plan);
-    std::vector<double> frames = e ? e->frames_seconds : std::vector<double>();
-    if (!frames.empty()) frames.resize(std::max(frames.size(), static_cast<std::size_t>(last_)), frames.back());
-    return frames;
+FilmOptions Run::film_options() const {
+    FilmOptions options = whorl::film_options(scene_, request_.folder);
+    if (request_.no_draw) options.images = false, options.video.clear();
+    options.frames_before = first_ - 1;
+    return options;
 }
 
 /// Choices for the whole film are stored in scene.resolved.toml and thus in every checkpoint: a resumed film keeps them.
 SceneFile Run::chosen() const {
     check_probes(simulation_);
-    SceneFile file = with_choices(request_.file, simulation_, watch_coarse_run(request_.quiet || request_.json));
-    file.look.streak_time = film_streak_time(file.look, simulation_);
-    return file;
+    return with_choices(request_.file, simulation_, watch_coarse_run(request_.quiet || request_.json));
 }
 
 void Run::make_folders() {
@@ -199,7 +176,7 @@ void Run::resume() {
     first_ = from.frame + 1;
     std::ifstream report(folder_.path() / "run.json");
     if (const auto earlier = nlohmann::json::parse(report, nullptr, false); earlier.is_object() && earlier.contains("first_troubles"))
-        incidents_.add_earlier(earlier["first_troubles"]);
+        report_.incidents.add_earlier(earlier["first_troubles"]);
     times_.add_earlier(from);
 }
 
@@ -226,7 +203,7 @@ void Run::set_pictures(const SceneFile& file) {
 
 void Run::after_step(const StepReport& report, double began) {
     const long step = simulation_.totals().steps + (report.diverged ? 1 : 0);
-    if (const std::string news = incidents_.add(report, scene_, began, step); !news.empty()) progress_->note(news);
+    if (const std::string news = report_.incidents.add(report, scene_, began, step); !news.empty()) progress_->note(news);
     if (report.diverged) return;
     progress_->step(simulation_, frame_);
     if (replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double when) { simulation_.change(s, p, when); }))
@@ -249,7 +226,8 @@ void Run::add_frame() {
     if ((frame_ - 1) % frames_a_volume == 0) summary.measures.volume = coupled_volume(simulation_.world());
     tables_->add_frame(frame_, summary, times_.wall(), times_.cpu());
     const double now = wall_seconds(), seconds = now - std::exchange(frame_done_at_, now);
-    if (scene_.budget.any() && summary.steps > 0) loop_->hold_to_budget(summary, frame_, seconds, times_.wall());
+    if (scene_.budget.any() && summary.steps > 0)
+        if (const std::string row = loop_->hold_to_budget(summary, frame_, seconds, times_.wall()); !row.empty()) tables_->add_budget(row);
     const bool due = frame_ == last_ || wall_seconds() - saved_at_ >= scene_.output.checkpoint_every;
     film_->add(snapshots_->take(simulation_, frame_), pictures_, state(), due);
     if (due) {
@@ -261,18 +239,12 @@ void Run::add_frame() {
 }
 
 void Run::write_report(const std::string& status, const std::string& message) {
-    RunReport report;
-    report.status = status, report.message = message;
-    report.frames = frames_written();
-    report.draws = film_options(request_, file_, 0).images;
-    report.frames_planned = last_;
-    report.wall = times_.wall(), report.cpu = times_.cpu(), report.resumed = times_.resumed(), report.predicted_wall = predicted_;
-    report.first_picture = film_->first_picture() > 0 ? film_->first_picture() - times_.began() : 0;
-    report.gl_device = film_->device();
-    report.encoder = encoder_;
-    report.stages = stages();
-    report.incidents = incidents_;
-    write_text(folder_.path() / "run.json", json_text(run_json(simulation_, report), 2) + "\n");
+    report_.status = status, report_.message = message;
+    report_.frames = frames_written();
+    report_.wall = times_.wall(), report_.cpu = times_.cpu(), report_.resumed = times_.resumed();
+    report_.gl_device = film_->device();
+    report_.stages = stages();
+    write_text(folder_.path() / "run.json", json_text(run_json(simulation_, report_), 2) + "\n");
 }
 
 /// Saves the state of the last frame whose row and image are on disk.
@@ -284,11 +256,10 @@ void Run::say_done(double wall) {
     if (const RunTotals& totals = simulation_.totals(); totals.unconverged_solves > 0)
         progress_->note(fmt::format("{} solves of {} steps ended before their tolerance (run.json: first_troubles)",
                                     totals.unconverged_solves, totals.steps));
-    const bool video = scene_.output.images && scene_.output.video && !request_.no_draw;
-    const std::string folder = folder_.path().string();
-    const std::string expected = predicted_ > 0 ? fmt::format(" ({} expected)", duration(predicted_)) : "";
+    const fs::path video = film_options().video;
+    const std::string expected = report_.predicted_wall > 0 ? fmt::format(" ({} expected)", duration(report_.predicted_wall)) : "";
     progress_->say(fmt::format("{}, done in {}{}: {}", counted(frames_written(), "frame"), duration(wall), expected,
-                               video ? folder + "/" + scene_.name + ".mp4" : folder));
+                               (video.empty() ? folder_.path() : video).string()));
 }
 
 void Run::print_result(const std::string& status, const std::string& message, double wall) const {
@@ -304,7 +275,7 @@ void Run::print_result(const std::string& status, const std::string& message, do
 }
 
 int Run::conclude(const std::string& status, const std::string& message) {
-    if (film_options(request_, file_, 0).images) write_contact_sheet(folder_.path(), frames_written());
+    if (report_.draws) write_contact_sheet(folder_.path(), frames_written());
     tables_->draw_plots();
     write_report(status, message);
     const double wall = times_.wall();
@@ -341,10 +312,10 @@ int Run::complete() {
                                                last_, folder, request_.no_draw ? " --no-draw" : ""));
 }
 
-/// Does a part of the run. What was made stays where it throws.
-template <class Work>
-auto Run::keeping(const Work& work) try {
-    return work();
+/// Makes the frames. What was made stays where it throws.
+int Run::make() try {
+    while (frame_ < last_ && simulate()) {}
+    return complete();
 } catch (const std::exception& error) {
     log_->error("{}", error.what());
     try {
@@ -359,40 +330,20 @@ auto Run::keeping(const Work& work) try {
     throw;
 }
 
-bool Run::next() {
-    return keeping([&] { return frame_ < last_ && simulate(); });
-}
-int Run::finish() {
-    return keeping([&] { return complete(); });
-}
-
 }  // namespace
 
-const char* without_video(bool goes_on) {
-    return goes_on ? "or set output.video = false in scene.resolved.toml" : "or run with --no-video";
-}
-
-void check_video_rate(const Scene& scene) {
+std::string check_video(const Scene& scene, bool here) {
     if (scene.time.fps < least_video_fps)
         throw InputError(scene.place("time.fps"), fmt::format("time.fps = {:g}: too few frames a second for a video", scene.time.fps),
                          "set output.video = false", fmt::format("allowed: at least {:g}", least_video_fps));
-}
-
-std::unique_ptr<FramedRun> begin_run(const RunRequest& request) {
-    const Plan plan = make_plan(request.file);
-    if (!request.from) RunFolder::check_fresh(request.folder);  // not only after a coarse run
-    std::string encoder;
-    if (!film_options(request, request.file, 0).video.empty()) {
-        check_video_rate(request.file.scene);
-        encoder = check_encoder(without_video(request.from || request.earlier == RunFolder::Earlier::begun_again));
-    } else if (request.file.scene.output.images && request.file.scene.output.video) encoder = encoder_version();
-    return std::make_unique<Run>(request, plan, std::move(encoder));
+    return here ? check_encoder("or run with --no-video") : "";
 }
 
 int run_scene(const RunRequest& request) {
-    const std::unique_ptr<FramedRun> run = begin_run(request);
-    while (run->next()) {}
-    return run->finish();
+    const Plan plan = make_plan(request.file);
+    if (!request.from) RunFolder::check_fresh(request.folder, request.overwrite);  // not only after a coarse run
+    const OutputKeys& output = request.file.scene.output;
+    return Run(request, plan, output.images && output.video && !request.no_draw ? check_video(request.file.scene) : "").make();
 }
 
 }  // namespace whorl

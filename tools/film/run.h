@@ -1,7 +1,6 @@
 #pragma once
 /// A run from its scene to its run folder: common part of `whorl render` and `whorl resume`.
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,29 +17,14 @@ struct RunRequest {
     std::optional<int> frames;  ///< end with this frame, whatever time.end says
     bool no_draw = false;       ///< frames are exported (raw) and drawn later, by whorl draw
     bool quiet = false, json = false;
-    bool force = false;                                     ///< resume although a file that the scene names was edited
-    RunFolder::Earlier earlier = RunFolder::Earlier::kept;  ///< treatment of a run that is already in the folder
-    std::optional<Checkpoint> from;                         ///< where to resume; nothing: a new run
+    bool force = false;                   ///< resume although a file that the scene names was edited
+    bool overwrite = false;               ///< a run that is already in the folder is replaced
+    std::optional<Checkpoint> from = {};  ///< where to resume; nothing: a new run
 };
 
-/// Advice for a film without ffmpeg. @param goes_on whether it is resumed
-const char* without_video(bool goes_on);
-/// Before a film is begun that is to have a video. @throws InputError if a video cannot have so few frames a second
-void check_video_rate(const Scene& scene);
-
-/// A run that is made frame by frame, so that several can go side by side.
-class FramedRun {
-public:
-    virtual ~FramedRun() = default;
-    /// Simulates the next frame and hands it on. @return false if none is left, the run diverged or is interrupted: then finish()
-    virtual bool next() = 0;
-    virtual int frame() const = 0;           ///< the last that next() started
-    virtual int frames_written() const = 0;  ///< whose pictures and exports are on disk
-    /// Completes the frames on their way. @return as run_scene()
-    virtual int finish() = 0;
-};
-/// @param request outlives the run @throws as run_scene()
-std::unique_ptr<FramedRun> begin_run(const RunRequest& request);
+/// Before a film is begun that is to have a video. @param here whether this machine encodes it @return the encoder's version
+/// @throws InputError if a video cannot have so few frames a second; EnvironmentError if there is no ffmpeg
+std::string check_video(const Scene& scene, bool here = true);
 
 /// Simulates, measures, draws, writes; the scene's panels are left out (run_panels() runs them). Interrupted by SIGINT or SIGTERM it
 /// completes the frames in progress, saves the state of the last one and prints how to resume.
@@ -51,23 +35,14 @@ int run_scene(const RunRequest& request);
 
 /// Several runs of one scene, with keys of their own, side by side in one film ([[panel]]).
 ///
-/// Each panel is a normal run, in panels/1, panels/2, ... of the run folder, frame by frame with the others; their images of
-/// one time, with their labels, make one image, over a chart if the scene has one. Images with a chart or a difference of
-/// two panels, whose axes and colours depend on the whole film, are drawn again at its end.
-enum class PanelRuns { fresh, resumed };
+/// Each panel is a normal run, in panels/1, panels/2, ... of the run folder, one after the other. Then their images of one time, with their
+/// labels, make one image, over a chart if the scene has one.
+/// @param resumed completes the film in its folder: panels that are not done are resumed, or begun
 /// @return as run_scene(); where a panel diverged the film ends with its last picture
-int run_panels(const RunRequest& request, PanelRuns how);
-
-/// Draws into `folder` (frames/) from the frames that both runs exported (raw/). The colour map's range holds 99 % of the fluid in every
-/// frame of the film. If raw/ was removed, existing images are kept.
-/// @param file of the first run @param title of the pictures @param first,last frames that are drawn; `last` are there
-/// @throws InputError if a frame is missing or damaged
-void draw_differences(const SceneFile& file, const std::string& title, const std::filesystem::path& one, const std::filesystem::path& other,
-                      const std::filesystem::path& folder, int first, int last);
+int run_panels(const RunRequest& request, bool resumed);
 
 /// Completes a request for the run in its folder, whose current scene is request.file: the last valid checkpoint, and the
-/// end (request.frames; by default that of the run). Without a checkpoint, the run restarts;
-/// existing frames are kept under another name. Reports damaged checkpoints on standard error.
+/// end (request.frames; by default that of the run). Without a checkpoint, the run restarts. Reports damaged checkpoints on standard error.
 /// @throws InputError if no checkpoint is valid, if a finished run has none, or if it is of another build or of other settings (all
 /// listed)
 void resume_from_newest(RunRequest& request);
@@ -75,8 +50,9 @@ void resume_from_newest(RunRequest& request);
 /// @param made frames that the run has @throws InputError if it is wanted to end before them
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted);
 
-/// Checks the existing images, with which the video and the contact sheet begin. @throws InputError if one of the `made` is missing
-void check_pictures(const std::filesystem::path& folder, int made);
+/// Checks the existing images, with which the video and the contact sheet begin.
+/// @throws InputError if one of the `made` is missing, or the first has not the scene's size
+void check_pictures(const std::filesystem::path& folder, const Scene& scene, int made);
 
 struct RedrawRequest {
     SceneFile file;                 ///< the run's own, with other looks, cameras or sizes put in
@@ -85,6 +61,7 @@ struct RedrawRequest {
     std::vector<std::string> made;  ///< exports that already exist for all frames
     int first = 1, last = 0;        ///< frames; last 0: all that there are
     bool goes_on = false;           ///< another process still makes frames: each is drawn once it is there
+    bool overwrite = false;         ///< replaces another run in `out`, or images of another
     bool quiet = false;
 };
 

@@ -56,37 +56,12 @@ bool has_files(const fs::path& folder) {
     return false;
 }
 
-/// Whether the run has results or a checkpoint. A divergence is also a result.
-bool has_begun(const fs::path& path) {
-    std::vector<std::string> folders = export_kinds();
-    folders.insert(folders.end(), {"frames", "checkpoints"});
-    if (std::any_of(folders.begin(), folders.end(), [&](const std::string& name) { return has_files(path / name); })) return true;
-    const nlohmann::json report = report_of(path);
-    if (report.value("frames", 0) > 0 || report.value("status", "") == "diverged") return true;
-    std::error_code none;
-    const fs::directory_iterator panels(path / "panels", none);
-    return std::any_of(begin(panels), end(panels), [](const auto& panel) { return has_begun(panel.path()); });
-}
-
 /// Identifies the run among others in the same folder: the time when it began, the first line of its log.
 std::string beginning_of(const fs::path& path) {
     std::string line;
     std::ifstream log(path / "log.txt");
     std::getline(log, line);
     return line.substr(0, line.find(']') + 1);
-}
-
-/// Without the last slash in "out/honey/".
-fs::path plain(const fs::path& path) {
-    const fs::path normal = path.lexically_normal();
-    return normal.has_filename() ? normal : normal.parent_path();
-}
-
-/// NAME.1, or the first number that is free.
-fs::path free_name(const fs::path& path) {
-    fs::path kept;
-    for (int k = 1; kept.empty() || fs::exists(kept); ++k) kept = plain(path).string() + "." + std::to_string(k);
-    return kept;
 }
 
 /// Slurm jobs that a farm started in the folder and that have not ended; "" if there are none.
@@ -96,30 +71,9 @@ std::string living_jobs(const fs::path& path) {
     return in >> jobs && slurm_jobs_live(jobs) ? jobs : "";
 }
 
-/// @return the folder's new name
-fs::path set_aside(const fs::path& path) {
-    const fs::path kept = free_name(path);
-    std::error_code error;
-    fs::rename(plain(path), kept, error);
-    if (error)
-        throw EnvironmentError("cannot rename the existing run in " + path.string() + " to " + kept.string() + ": " + error.message(), "",
-                               "choose another folder with --out, or replace the run with --overwrite");
-    return kept;
-}
-
-void refuse_file(const fs::path& path) {
+void make_folder(const fs::path& path) {
     if (fs::exists(path) && !fs::is_directory(path))
         throw InputError({path.string(), 0, 0}, "is a file, not a folder", "choose another folder with --out");
-}
-
-void refuse_other_files(const fs::path& path) {
-    if (fs::is_directory(path) && !fs::is_empty(path) && !is_run_folder(path))
-        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
-                         "choose another folder with --out");
-}
-
-void make_folder(const fs::path& path) {
-    refuse_file(path);
     std::error_code error;
     fs::create_directories(path, error);
     if (error) throw EnvironmentError("cannot make the folder " + path.string() + ": " + error.message(), "", "choose another with --out");
@@ -161,61 +115,47 @@ RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
         throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
                          "wait for it, or choose another folder with --out");
     }
-    note_ = fmt::format("the disk of {} has no locks ({}): make sure that no other run works there", path_.string(), std::strerror(errno));
+    fmt::print(stderr, "the disk of {} has no locks ({}): make sure that no other run works there\n", path_.string(), std::strerror(errno));
 }
 
-RunFolder::RunFolder(RunFolder&& other) noexcept
-    : path_(std::move(other.path_)), note_(std::move(other.note_)), lock_(std::exchange(other.lock_, -1)) {}
+RunFolder::RunFolder(RunFolder&& other) noexcept : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
 
 RunFolder::~RunFolder() {
     if (lock_ >= 0) ::close(lock_);
 }
 
-void RunFolder::add_note(const std::string& sentence) {
-    if (!sentence.empty()) note_ += (note_.empty() ? "" : "; ") + sentence;
-}
-
-/// A farm holds its own folder in the run's, because its tasks make the run, not itself. @throws InputError if it is at work, or its
-/// jobs still run
-void RunFolder::refuse_farm(const fs::path& path) {
-    if (!fs::exists(path / "farm") || std::getenv("WHORL_FARM_TASK")) return;
-    const RunFolder held(path / "farm");
-    if (const std::string jobs = living_jobs(path); !jobs.empty())
-        throw InputError({path.string(), 0, 0}, "jobs of an earlier farm are at work in this folder: " + jobs,
-                         fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
-}
-
-void RunFolder::check_fresh(const fs::path& path) {
-    refuse_file(path);
-    refuse_other_files(path);
-    if (!fs::exists(path)) return;
-    const RunFolder held(path, Hold::alone);
-    refuse_farm(path);
-}
-
-RunFolder RunFolder::fresh(const fs::path& path, Earlier earlier) {
-    make_folder(path);
-    if (fs::is_empty(path)) return RunFolder(path);
-    refuse_other_files(path);
-    RunFolder folder(path);  // no other process works in it
-    refuse_farm(path);
-    const bool begun = has_begun(path);
-    if (earlier == Earlier::kept || (earlier == Earlier::begun_again && begun)) folder.keep();
-    else {
-        if (begun) folder.add_note("the run in " + path.string() + " is replaced");
-        for (const fs::path& file : files_of_run(path))  // the scene marks the folder as a run's until it is written again
-            if (file.filename() != "scene.resolved.toml") fs::remove_all(file);
+/// A folder that this process has locked. A farm holds its own folder in the run's, because its tasks make the run.
+void RunFolder::refuse(const fs::path& path, bool overwrite) {
+    if (fs::exists(path / "farm") && !std::getenv("WHORL_FARM_TASK")) {
+        const RunFolder held(path / "farm");
+        if (const std::string jobs = living_jobs(path); !jobs.empty())
+            throw InputError({path.string(), 0, 0}, "jobs of an earlier farm are at work in this folder: " + jobs,
+                             fmt::format("squeue --jobs={0} shows them, scancel {0} ends them", jobs));
     }
-    return folder;
+    if (!is_run_folder(path)) {
+        if (fs::is_empty(path)) return;
+        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
+                         "choose another folder with --out");
+    }
+    if (!overwrite)
+        throw InputError({path.string(), 0, 0}, "the folder holds a run already",
+                         "choose another folder with --out, or replace the run with --overwrite");
 }
 
-/// Renames the folder, and continues with an empty one.
-void RunFolder::keep() {
-    const fs::path real = fs::canonical(path_);  // a symbolic link stays
-    add_note("the existing run in " + path_.string() + " is now in " + set_aside(fs::is_symlink(plain(path_)) ? real : path_).string());
-    make_folder(real);
-    RunFolder empty(path_);
-    std::swap(lock_, empty.lock_);
+void RunFolder::check_fresh(const fs::path& path, bool overwrite) {
+    if (!fs::exists(path)) return;
+    make_folder(path);
+    const RunFolder held(path);
+    refuse(path, overwrite);
+}
+
+RunFolder RunFolder::fresh(const fs::path& path, bool overwrite) {
+    make_folder(path);
+    RunFolder folder(path);
+    refuse(path, overwrite);
+    for (const fs::path& file : files_of_run(path))  // the scene marks the folder as a run's until it is written again
+        if (file.filename() != "scene.resolved.toml") fs::remove_all(file);
+    return folder;
 }
 
 RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
@@ -230,7 +170,7 @@ RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
     return RunFolder(path, hold);
 }
 
-RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std::string& scene, Hold hold) {
+RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std::string& scene, Hold hold, bool overwrite) {
     make_folder(path);
     const auto as_written = [](const std::string& text) {
         return nlohmann::json::parse(json_text(text)).get<std::string>();
@@ -240,9 +180,8 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
         const nlohmann::json report = report_of(path);
         return report.value("drawn_from", "") == source && report.value("run_began", "") == began;
     };
-    const std::string note = has_files(path) && !is_marked() ? fresh(path).note() : "";
+    if (has_files(path) && !is_marked()) fresh(path, overwrite);
     RunFolder folder(path, hold);
-    folder.add_note(note);
     // Under a separate name: another range may be drawn at the same time.
     const auto write = [&](const char* name, const std::string& text) {
         const fs::path temporary = path / fmt::format(".{}.{}", name, getpid());

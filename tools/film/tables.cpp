@@ -13,6 +13,71 @@
 #include "tools/film/curves.h"
 
 namespace whorl {
+namespace {
+
+using Rows = std::vector<std::vector<double>>;
+
+/// Rows by frames: at most five frames, evenly spaced.
+std::vector<Rows> some_frames(Rows rows) {
+    constexpr std::size_t most = 5;
+    std::map<double, Rows> frames;  // by time
+    for (std::vector<double>& row : rows) frames[row[0]].push_back(std::move(row));
+    std::vector<Rows> all, some;
+    for (auto& [time, frame] : frames) all.push_back(std::move(frame));
+    const std::size_t count = std::min(most, all.size());
+    for (std::size_t k = 0; k < count; ++k) some.push_back(all[k * (all.size() - 1) / std::max<std::size_t>(1, count - 1)]);
+    return some;
+}
+
+Curve curve_of(const std::string& label, const Rows& rows, std::size_t x, std::size_t y) {
+    Curve curve;
+    curve.label = label;
+    for (const std::vector<double>& row : rows) curve.x.push_back(row[x]), curve.y.push_back(row[y]);
+    return curve;
+}
+
+/// A component that is always 0, or a value that is never known, is left out if there are others.
+bool shows(const Curve& curve, bool others) {
+    return std::any_of(curve.y.begin(), curve.y.end(), [&](double v) { return std::isfinite(v) && (v != 0 || !others); });
+}
+
+/// Curves over time; of a probe that measures several places per frame, curves over the place at some of the frames. Theory is dashed, a
+/// comparison dotted. @param table as a run has written it
+Canvas plot_of_table(const std::string& title, const Probe& probe, const std::filesystem::path& table,
+                     const std::optional<Comparison>& comparison) {
+    const ProbeColumns columns = probe.columns();
+    const std::size_t along = probe.along();
+    Rows rows = read_csv(table).rows;
+    const std::vector<Rows> frames = along == 0 ? std::vector<Rows>{rows} : some_frames(std::move(rows));
+    std::vector<CurvePlot> plots;
+    for (const ProbePlot& one : plots_of(columns)) {
+        CurvePlot plot{columns[along].name, columns[along].unit, one.title, one.unit, {}};
+        for (const ProbePlot::Curve& c : one.curves)
+            for (std::size_t n = 0; n < frames.size(); ++n) {
+                const bool labelled = along != 0;
+                Curve curve = curve_of(labelled ? fmt::format("t = {:.4g} s", frames[n][0][0]) : c.label, frames[n], along, c.column);
+                if (!shows(curve, one.curves.size() > 1)) continue;
+                curve.style = c.theory ? Curve::Style::dashed : Curve::Style::line;
+                curve.colour = plot.curves.size();
+                plot.curves.push_back(std::move(curve));
+            }
+        for (const ProbePlot::Curve& c : one.curves) {
+            if (!comparison || !comparison->has(columns[c.column].name)) continue;
+            const std::string label = comparison->name + (one.curves.size() > 1 ? ", " + c.label : "");
+            Curve curve = curve_of(label, comparison->table.rows, comparison->along, comparison->table.index(columns[c.column].name));
+            curve.style = curve.x.size() <= 200 ? Curve::Style::dots : Curve::Style::dashed;
+            curve.colour = plot.curves.size();
+            plot.curves.push_back(std::move(curve));
+        }
+        plots.push_back(std::move(plot));
+    }
+    // Diagrams of missing quantities, such as a spin, are left out.
+    const auto empty = [](const CurvePlot& plot) { return plot.curves.empty(); };
+    if (!std::all_of(plots.begin(), plots.end(), empty)) std::erase_if(plots, empty);
+    return draw_plots(title, plots);
+}
+
+}  // namespace
 
 RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted,
                      const Checkpoint* from)
@@ -57,13 +122,6 @@ void RunTables::draw_plots() const {
     }
 }
 
-double RunTables::last_given_up() const {
-    const auto table = tables_.find(budget);
-    if (table == tables_.end()) return 0;
-    const CsvTable rows = read_csv(table->second.file());
-    return rows.rows.empty() ? 0 : rows.rows.back()[rows.index("given_up")];
-}
-
 void RunTables::save(Checkpoint& state) const {
     for (const auto& [name, table] : tables_) state.table_bytes[name] = table.bytes();
     for (const auto& [name, probe] : probes_) {
@@ -71,70 +129,6 @@ void RunTables::save(Checkpoint& state) const {
         probe->save(memory);
         state.probes[name] = std::move(memory).str();
     }
-}
-
-namespace {
-
-using Rows = std::vector<std::vector<double>>;
-
-/// Rows by frames: at most five frames, evenly spaced.
-std::vector<Rows> some_frames(Rows rows) {
-    constexpr std::size_t most = 5;
-    std::map<double, Rows> frames;  // by time
-    for (std::vector<double>& row : rows) frames[row[0]].push_back(std::move(row));
-    std::vector<Rows> all, some;
-    for (auto& [time, frame] : frames) all.push_back(std::move(frame));
-    const std::size_t count = std::min(most, all.size());
-    for (std::size_t k = 0; k < count; ++k) some.push_back(all[k * (all.size() - 1) / std::max<std::size_t>(1, count - 1)]);
-    return some;
-}
-
-Curve curve_of(const std::string& label, const Rows& rows, std::size_t x, std::size_t y) {
-    Curve curve;
-    curve.label = label;
-    for (const std::vector<double>& row : rows) curve.x.push_back(row[x]), curve.y.push_back(row[y]);
-    return curve;
-}
-
-/// A component that is always 0, or a value that is never known, is left out if there are others.
-bool shows(const Curve& curve, bool others) {
-    return std::any_of(curve.y.begin(), curve.y.end(), [&](double v) { return std::isfinite(v) && (v != 0 || !others); });
-}
-
-}  // namespace
-
-Canvas plot_of_table(const std::string& title, const Probe& probe, const std::filesystem::path& table,
-                     const std::optional<Comparison>& comparison) {
-    const ProbeColumns columns = probe.columns();
-    const std::size_t along = probe.along();
-    Rows rows = read_csv(table).rows;
-    const std::vector<Rows> frames = along == 0 ? std::vector<Rows>{rows} : some_frames(std::move(rows));
-    std::vector<CurvePlot> plots;
-    for (const ProbePlot& one : plots_of(columns)) {
-        CurvePlot plot{columns[along].name, columns[along].unit, one.title, one.unit, {}};
-        for (const ProbePlot::Curve& c : one.curves)
-            for (std::size_t n = 0; n < frames.size(); ++n) {
-                const bool labelled = along != 0;
-                Curve curve = curve_of(labelled ? fmt::format("t = {:.4g} s", frames[n][0][0]) : c.label, frames[n], along, c.column);
-                if (!shows(curve, one.curves.size() > 1)) continue;
-                curve.style = c.theory ? Curve::Style::dashed : Curve::Style::line;
-                curve.colour = plot.curves.size();
-                plot.curves.push_back(std::move(curve));
-            }
-        for (const ProbePlot::Curve& c : one.curves) {
-            if (!comparison || !comparison->has(columns[c.column].name)) continue;
-            const std::string label = comparison->name + (one.curves.size() > 1 ? ", " + c.label : "");
-            Curve curve = curve_of(label, comparison->table.rows, comparison->along, comparison->table.index(columns[c.column].name));
-            curve.style = curve.x.size() <= 200 ? Curve::Style::dots : Curve::Style::dashed;
-            curve.colour = plot.curves.size();
-            plot.curves.push_back(std::move(curve));
-        }
-        plots.push_back(std::move(plot));
-    }
-    // Diagrams of missing quantities, such as a spin, are left out.
-    const auto empty = [](const CurvePlot& plot) { return plot.curves.empty(); };
-    if (!std::all_of(plots.begin(), plots.end(), empty)) std::erase_if(plots, empty);
-    return draw_plots(title, plots);
 }
 
 }  // namespace whorl

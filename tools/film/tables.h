@@ -7,7 +7,6 @@
 #include "engine/io/checkpoint.h"
 #include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
-#include "render/image/canvas.h"
 #include "tools/film/frame_loop.h"
 
 namespace whorl {
@@ -20,9 +19,7 @@ public:
     RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted, const Checkpoint* from);
     /// Adds the rows of a frame. @param wall,cpu s since the start of the run
     void add_frame(int frame, const FrameSummary& summary, double wall, double cpu);
-    void add_budget(const BudgetRow& row) { tables_.at(budget).append(budget_row(row)); }
-    /// The governor's reduction in the run's earlier part, by the budget's last row; 0 without a row.
-    double last_given_up() const;
+    void add_budget(const std::string& row) { tables_.at(budget).append(row); }
     /// Writes probes/NAME.svg for each probe, of its current table.
     void draw_plots() const;
     /// Lengths of the tables and memories of the probes.
@@ -39,10 +36,5 @@ private:
     const NamedProbes& probes_;
     std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe, as the run found them
 };
-
-/// Curves over time; of a probe that measures several places a frame, curves over the place at some of the frames. Theory is dashed, a
-/// comparison dotted. @param table as a run has written it
-Canvas plot_of_table(const std::string& title, const Probe& probe, const std::filesystem::path& table,
-                     const std::optional<Comparison>& comparison);
 
 }  // namespace whorl

@@ -120,11 +120,6 @@ double LiveLoop::frame_seconds() const {
     return std::max(simulate_wall_, picture);
 }
 
-void LiveLoop::add_budget(const BudgetRow& row) {
-    if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
-    budget_->append(budget_row(row));
-}
-
 void LiveLoop::after_step(const StepReport& report, double began) {
     const std::string news = incidents_.add(report, simulation_->scene(), began, simulation_->totals().steps);
     if (!news.empty()) controls_.tell(false, news);
@@ -186,7 +181,10 @@ void LiveLoop::show_frame() {
     end_if_over(simulation_->scene());
     if (summary.steps > 0) {
         const double seconds = frame_seconds();
-        loop_->hold_to_budget(summary, frame_, seconds, spent_ += seconds);
+        if (const std::string row = loop_->hold_to_budget(summary, frame_, seconds, spent_ += seconds); !row.empty()) {
+            if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
+            budget_->append(row);
+        }
         if (state_ == State::running) loop_->apply_governor();
     }
     status_.set(status_json(summary.measures));

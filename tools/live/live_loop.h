@@ -59,7 +59,6 @@ private:
 
     bool stop_wanted() override { return stop_() || controls_.restart_wanted(); }
     void after_step(const StepReport& report, double began) override;
-    void add_budget(const BudgetRow& row) override;
     void set_pictures(const SceneFile& file) override;
 
     Controls& controls_;

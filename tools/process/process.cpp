@@ -98,27 +98,11 @@ pid_t start_program(const std::vector<std::string>& words, const std::filesystem
     return pid;
 }
 
-fs::path program_called(const std::string& word, const std::string& folders) {
-    const auto runs = [](const fs::path& file) {
-        std::error_code ignored;
-        return fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0;
-    };
-    if (word.find('/') != std::string::npos) return runs(word) ? fs::absolute(word) : fs::path();
-    std::istringstream in(folders);
-    for (std::string folder; std::getline(in, folder, ':');)
-        if (const fs::path file = fs::path(folder.empty() ? "." : folder) / word; runs(file)) return fs::absolute(file);
-    return {};
-}
-
 fs::path program_path() {
     std::error_code error;
-    if (const fs::path file = fs::read_symlink("/proc/self/exe", error); !error) return file;
-    const char* folders = std::getenv("PATH");
-    const fs::path file = program_called(program_invocation_name, folders ? folders : "");
-    if (!file.empty()) return file;
-    throw EnvironmentError("cannot find this program's file:  /proc/self/exe cannot be read (" + error.message() + "), and \"" +
-                               program_invocation_name + "\" is not found",
-                           "", "mount /proc, or call the program by its whole path");
+    const fs::path file = fs::read_symlink("/proc/self/exe", error);
+    if (error) throw EnvironmentError("cannot find this program's file: /proc/self/exe cannot be read", error.message(), "mount /proc");
+    return file;
 }
 
 std::string slurm_job(const std::string& said) {
@@ -183,19 +167,9 @@ double simulation_cpu_seconds() {
     return sum;
 }
 
-std::uint64_t peak_memory() {
-    std::istringstream in(value_after("/proc/self/status", "VmHWM"));
-    std::uint64_t kilobytes = 0;
-    in >> kilobytes;
-    return 1024 * kilobytes;
-}
+std::uint64_t peak_memory() { return 1024 * std::strtoull(value_after("/proc/self/status", "VmHWM").c_str(), nullptr, 10); }
 
-std::uint64_t resident_memory() {
-    std::istringstream in(value_after("/proc/self/status", "VmRSS"));
-    std::uint64_t kilobytes = 0;
-    in >> kilobytes;
-    return 1024 * kilobytes;
-}
+std::uint64_t resident_memory() { return 1024 * std::strtoull(value_after("/proc/self/status", "VmRSS").c_str(), nullptr, 10); }
 
 std::string processor_name() { return value_after("/proc/cpuinfo", "model name"); }
 

@@ -34,17 +34,13 @@ public:
     bool interrupted() const;
 };
 
-/// Path of this program by the kernel (/proc/self/exe); without /proc, by the command line. @throws EnvironmentError if both fail
+/// Path of this program (/proc/self/exe). @throws EnvironmentError without /proc
 std::filesystem::path program_path();
 
 /// Starts a program in a new process group, which the terminal's interrupt does not reach.
 /// @param output file for what it writes, and it is killed when this program ends; empty: it writes where this program writes
 /// @throws EnvironmentError
 pid_t start_program(const std::vector<std::string>& words, const std::filesystem::path& output = {});
-
-/// The file that a shell runs for this word. @param word a path with a slash in it, or a name that is looked for @param folders where to
-/// look, separated by colons, as in PATH @return "" if no file is found
-std::filesystem::path program_called(const std::string& word, const std::string& folders);
 
 /// The number of the job that sbatch made. @param said output of `sbatch --parsable`: the number, in some places with the cluster's name
 /// ("7;north"), among notices of the place's own @return "" where it made none

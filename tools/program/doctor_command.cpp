@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -10,6 +9,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
+#include "engine/scene/free_memory.h"
 #include "render/gl/renderer.h"
 #include "render/surface/surface.h"
 #include "render/video/encoder.h"
@@ -63,11 +63,7 @@ Findings look_around() {
     f.encoder = encoder_version();
     f.cores = std::thread::hardware_concurrency();
     f.threads = threads();
-    std::ifstream in("/proc/meminfo");
-    for (std::string name, rest; in >> name && std::getline(in, rest);) {
-        if (name == "MemTotal:") f.memory = 1024 * std::stod(rest);
-        if (name == "MemAvailable:") f.free = 1024 * std::stod(rest);
-    }
+    f.memory = static_cast<double>(total_memory()), f.free = free_memory();
     if (!f.draws()) f.packages.insert(f.packages.end(), {"libegl1", "libegl-mesa0", "libgl1-mesa-dri"});
     if (f.encoder.empty()) f.packages.emplace_back("ffmpeg");
     return f;

@@ -19,7 +19,6 @@ namespace {
 
 struct DrawOptions {
     Options shared;
-    std::filesystem::path folder;
     std::string frames;  ///< "12", "1-100"
 };
 
@@ -47,24 +46,24 @@ std::string deciding(const SceneFile& before, const std::vector<KeyValue>& chang
 
 int draw(const DrawOptions& options) {
     set_threads(options.shared.threads);
+    const std::filesystem::path& folder = options.shared.folder;
     // Ranges may be drawn at the same time, and other looks of one run into other folders.
     std::error_code none;
-    const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, options.folder, none);
+    const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, folder, none);
     const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
-    std::optional<RunFolder> held(RunFolder::existing(options.folder, RunFolder::Hold::looking));
-    const std::string status = report_of(options.folder).value("status", "running");
+    std::optional<RunFolder> held(RunFolder::existing(folder, RunFolder::Hold::looking));
+    const std::string status = report_of(folder).value("status", "running");
     const bool goes_on = !held->is_held() && status == "running";
     if (goes_on && !elsewhere) {
-        check_images_free(options.folder, options.folder);
-        held.emplace(RunFolder::any(options.folder / "frames"));
+        check_images_free(folder, folder);
+        held.emplace(RunFolder::any(folder / "frames"));
     } else if (!elsewhere) {
         held.reset();
-        held.emplace(RunFolder::existing(options.folder, hold));
+        held.emplace(RunFolder::existing(folder, hold));
     }
-    if (!held->note().empty()) tell_note(held->note(), false);
     if (goes_on) tell_note("the run continues: its frames are drawn as they come, until it ends", false);
     Options own = options.shared;
-    own.scene = (options.folder / "scene.resolved.toml").string();
+    own.scene = (folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
     RedrawRequest request;
     own.set.clear();
@@ -72,16 +71,16 @@ int draw(const DrawOptions& options) {
     for (const std::string& text : options.shared.set) changes.push_back(parse_change(text));
     request.file = changed(read_scene_file(own), changes);
     if (!request.file.scene.panels.empty())
-        throw InputError({options.folder.string(), 0, 0}, "this is a film of several panels",
-                         "draw each of them, as in whorl draw " + (options.folder / "panels/1").string() +
-                             ", then put them together: whorl resume " + options.folder.string());
+        throw InputError({folder.string(), 0, 0}, "this is a film of several panels",
+                         "draw each of them, as in whorl draw " + (folder / "panels/1").string() +
+                             ", then put them together: whorl resume " + folder.string());
     if (decides(before, request.file))
         throw InputError({deciding(before, changes), 0, 0}, "only what the pictures show can be changed, the simulation is over",
                          "render the scene again", "keys of [look], [camera], [surface] and [output]");
-    request.run = options.folder;
-    request.out = elsewhere ? options.shared.out : options.folder;
+    request.run = folder;
+    request.out = elsewhere ? options.shared.out : folder;
     if (!elsewhere) request.made = before.scene.output.exports;
-    request.goes_on = goes_on, request.quiet = options.shared.quiet;
+    request.goes_on = goes_on, request.overwrite = options.shared.overwrite, request.quiet = options.shared.quiet;
     read_frames(options.frames, request);
     request.file.scene.output.images = true;  // also of a run that made none
     if (!request.quiet)
@@ -95,9 +94,10 @@ void add_draw(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<DrawOptions>();
     CLI::App* app =
         program.add_subcommand("draw", "draw a run's pictures again from the frames it exported (--export raw), without simulating");
-    app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
     app->add_option("--frames", options->frames, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
-    add_options(*app, options->shared, {Option::set, Option::out, Option::size, Option::no_video, Option::threads, Option::quiet});
+    add_options(
+        *app, options->shared,
+        {Option::folder, Option::set, Option::out, Option::overwrite, Option::size, Option::no_video, Option::threads, Option::quiet});
     app->get_option("--out")->description("folder for the pictures (default: the run's own, where they replace the old ones)");
     app->footer(
         "Keys of the look, the camera and the surface may be others than the run's.\n"

@@ -47,13 +47,12 @@ int farm(FarmCommand command) {
         fs::path folder = o.out.empty() ? fs::path("out") / name : command.scenes.size() == 1 ? o.out : o.out / name;
         if (std::find(folders.begin(), folders.end(), folder) != folders.end())
             throw InputError({scene, 0, 0}, "two of the films have the name " + name, "give one of them another name");
-        RunFolder::check_fresh(folder);  // of all of them, before one is touched
+        RunFolder::check_fresh(folder, o.overwrite);  // of all of them, before one is touched
         folders.push_back(std::move(folder));
     }
     const auto wants_video = [](const SceneFile& file) { return file.scene.output.images && file.scene.output.video; };
     for (const SceneFile& file : files)
-        if (wants_video(file)) check_video_rate(file.scene);
-    if (here && std::any_of(files.begin(), files.end(), wants_video)) check_encoder(without_video(false));
+        if (wants_video(file)) check_video(file.scene, here);
     std::vector<FarmFilm> films;
     for (std::size_t k = 0; k < files.size(); ++k) {  // an impossible scene ends here, before anything is written
         // Its tasks run quietly.
@@ -64,8 +63,7 @@ int farm(FarmCommand command) {
     }
     std::vector<RunFolder> held;  // no other farm begins in these folders meanwhile; the tasks hold the runs themselves
     for (const FarmFilm& film : films) {
-        const std::string note = RunFolder::fresh(film.folder).note();
-        if (!note.empty()) tell_note(note, false);
+        RunFolder::fresh(film.folder, o.overwrite);
         held.push_back(RunFolder::any(film.folder / "farm"));
         for (const auto& [file, text] : film.files) write_text(file, text);
     }
@@ -99,8 +97,8 @@ void add_farm(CLI::App& program, Job& chosen) {
         ->type_name("N")
         ->check(whole_number(1));
     add_options(*app, command->shared,
-                {Option::set, Option::with, Option::out, Option::until, Option::size, Option::fps, Option::quality, Option::no_video,
-                 Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});
+                {Option::set, Option::with, Option::out, Option::overwrite, Option::until, Option::size, Option::fps, Option::quality,
+                 Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});
     app->get_option("--out")->description("run folder (default: out/<scene name>); of several scenes, the folder of their folders");
     app->footer(
         "A film of panels: a job for each panel, and one that puts them side by side. Any other film: one job simulates and keeps its "

@@ -76,8 +76,8 @@ int live(LiveOptions options) {
     Screen screen(size.width, size.height, 1 / controls.file().scene.time.fps);
     Status status;
     LiveServer server(options.server, controls, screen, status);  // an occupied port is reported before anything is written
-    const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out);
-    if (!folder.note().empty()) tell_note(folder.note(), false);
+    const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out,
+                                              options.shared.overwrite);
     Journal journal(folder.path());
     const auto say = [&](const std::string& text) {
         if (!options.shared.quiet) fmt::print(stderr, "whorl: {}\n", text);
@@ -143,7 +143,8 @@ void add_live(CLI::App& program, Job& chosen) {
     options->shared.size = "640x360";
     CLI::App* app = program.add_subcommand("live", "the same loop in a browser: watch it pour, turn the knobs, keep what you like");
     add_options(*app, options->shared,
-                {Option::scene, Option::set, Option::out, Option::size, Option::quality, Option::threads, Option::seed, Option::quiet});
+                {Option::scene, Option::set, Option::out, Option::overwrite, Option::size, Option::quality, Option::threads, Option::seed,
+                 Option::quiet});
     app->get_option("--out")->description(
         "run folder (default: out/<scene name>_live, or the first of _live_2, _live_3, ... that is free)");
     app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");

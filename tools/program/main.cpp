@@ -141,19 +141,10 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
 
     whorl::Job chosen;
-    whorl::add_render(program, chosen);
-    whorl::add_live(program, chosen);
-    whorl::add_plan(program, chosen);
-    whorl::add_resume(program, chosen);
-    whorl::add_draw(program, chosen);
-    whorl::add_video(program, chosen);
-    whorl::add_import(program, chosen);
-    whorl::add_farm(program, chosen);
-    whorl::add_tradeoff(program, chosen);
-    whorl::add_stability(program, chosen);
-    whorl::add_schema(program, chosen);
-    whorl::add_doctor(program, chosen);
-    whorl::add_manual(program, chosen);
+    for (const auto add :
+         {whorl::add_render, whorl::add_live, whorl::add_plan, whorl::add_resume, whorl::add_draw, whorl::add_video, whorl::add_import,
+          whorl::add_farm, whorl::add_tradeoff, whorl::add_stability, whorl::add_schema, whorl::add_doctor, whorl::add_manual})
+        add(program, chosen);
     std::vector<std::string> words{argv + 1, argv + argc};
     if (!words.empty() && words[0] == "help") {
         words.erase(words.begin());

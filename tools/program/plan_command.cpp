@@ -17,20 +17,19 @@
 namespace whorl {
 namespace {
 
-/// Estimates of each panel, which are run side by side, or of the scene.
-PreviewCost cost_of(const SceneFile& file, const Watch& watch) {
-    PreviewCost cost;
-    double memory = 0;
+/// Estimates of each panel, which are run one after the other, or of the scene.
+void add_cost(Preview& preview, const Watch& watch) {
+    const SceneFile& file = preview.file;
     for (const SceneFile& run : file.scene.panels.empty() ? std::vector{file} : panel_scenes(file)) {
         const Plan plan = make_plan(run.scene);
         const Simulation simulation(run.scene, plan);
-        cost.run = coarse_run(run, simulation, watch);
-        const Estimate e = cost.estimate = estimate(run, plan, simulation, cost.run);
-        cost.film.wall += e.film, cost.film.simulate += e.film_simulate, cost.film.surface += e.film_surface, cost.film.draw += e.film_draw;
-        memory += e.memory - (memory > 0 ? shared_bytes(run.scene) : 0);
+        preview.coarse = coarse_run(run, simulation, watch);
+        Estimate e = estimate(run, plan, simulation, *preview.coarse);
+        const Estimate& before = preview.cost;
+        e.film += before.film, e.film_simulate += before.film_simulate, e.film_surface += before.film_surface;
+        e.film_draw += before.film_draw, e.memory = std::max(e.memory, before.memory);
+        preview.cost = std::move(e);
     }
-    cost.estimate.memory = memory;
-    return cost;
 }
 
 int plan(const Options& options) {
@@ -39,11 +38,11 @@ int plan(const Options& options) {
     Plan plan = make_plan(file);
     const Simulation simulation(file.scene, plan);
     check_probes(simulation);
-    const PreviewCost cost = cost_of(file, watch_coarse_run(options.json));
+    Preview preview{file, plan, simulation};
+    add_cost(preview, watch_coarse_run(options.json));
     if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of the panels' runs
-    if (const std::string warning = memory_warning(cost.estimate, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
-    const Preview preview{file, plan, simulation, cost};
-    options.json ? print_json(preview) : print_text(preview);
+    if (const std::string warning = memory_warning(preview.cost, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
+    print_preview(preview, options.json);
     return exit_done;
 }
 

@@ -43,11 +43,12 @@ double expected_particles(const Preview& p) {
     return p.file.scene.emitters.empty() ? at_start : std::max(at_start, p.plan.estimated_particles);
 }
 
-void print_cost(const PreviewCost& p) {
-    const Estimate& e = p.estimate;
+void print_cost(const Preview& p) {
+    const CoarseRun& run = *p.coarse;
+    const Estimate& e = p.cost;
     fmt::print("\ncost on this machine with {} threads, from a run {} that took {:.2g} s, {}\n", threads(),
-               p.run.coarser > 1 ? fmt::format("with {} times the spacing", p.run.coarser) : "of its beginning", p.run.seconds,
-               p.run.kept ? "made earlier" : "made now");
+               run.coarser > 1 ? fmt::format("with {} times the spacing", run.coarser) : "of its beginning", run.seconds,
+               run.kept ? "made earlier" : "made now");
     fmt::print("  iterations             about {:.0f} a step\n", e.iterations);
     fmt::print("  steps                  about {:.0f} a frame, of {:.3g} s\n", e.steps_a_frame, e.step);
     fmt::print("  the last frame         {:.0f} ms: simulate {:.0f}", 1e3 * e.frame, 1e3 * e.simulate);
@@ -56,16 +57,15 @@ void print_cost(const PreviewCost& p) {
         if (seconds > 0.02 * e.simulate) parts += fmt::format("{}{} {:.0f}", parts.empty() ? "" : ", ", name, 1e3 * seconds);
     fmt::print(" ({})", parts);
     if (e.drawn) fmt::print("; CPU ms of surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
-    fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(p.film.wall), e.frames,
-               p.film.wall > e.film ? " of every panel" : "", e.drawn ? "" : ", without pictures");
+    fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(e.film), e.frames,
+               p.file.scene.panels.empty() ? "" : " of every panel", e.drawn ? "" : ", without pictures");
     fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory,
-               p.run.bytes_a_particle);
+               run.bytes_a_particle);
 }
 
-Json cost_json(const PreviewCost& p) {
-    const Estimate& e = p.estimate;
+Json cost_json(const CoarseRun& run, const Estimate& e) {
     return {{"threads", threads()},
-            {"coarse_run", {{"spacing", p.run.coarser}, {"particles", p.run.particles}, {"cpu_seconds", p.run.seconds}}},
+            {"coarse_run", {{"spacing", run.coarser}, {"particles", run.particles}, {"cpu_seconds", run.seconds}}},
             {"step", e.step},
             {"steps_per_frame", e.steps_a_frame},
             {"iterations_per_step", e.iterations},
@@ -73,11 +73,11 @@ Json cost_json(const PreviewCost& p) {
             {"last_frame_simulate_seconds", e.simulate},
             {"last_frame_simulate_stages", e.stages},
             {"last_frame_cpu_seconds", e.drawn ? Json{{"surface", e.surface}, {"draw", e.draw}, {"write", e.write}} : Json()},
-            {"film_seconds", p.film.wall},
-            {"film_cpu_seconds", Json{{"simulate", p.film.simulate}, {"surface", p.film.surface}, {"draw", p.film.draw}}},
+            {"film_seconds", e.film},
+            {"film_cpu_seconds", Json{{"simulate", e.film_simulate}, {"surface", e.film_surface}, {"draw", e.film_draw}}},
             {"frames", e.frames},
             {"memory_bytes", e.memory},
-            {"bytes_a_particle", p.run.bytes_a_particle}};
+            {"bytes_a_particle", run.bytes_a_particle}};
 }
 
 void print_models(const Preview& p) {
@@ -117,20 +117,18 @@ void print_limits(const Simulation& simulation) {
     }
 }
 
-}  // namespace
-
 void print_text(const Preview& p) {
     print_models(p);
-    if (!p.run) {
+    if (p.coarse) {
         print_fields(p.simulation.world().fluid);
         print_stages(p.simulation.assembly().stages);
         print_limits(p.simulation);
     }
     fmt::print("\nparticles                {} at the start, about {:.0f} at the end; fastest expected {:.3g} m/s\n",
                p.simulation.world().fluid.size(), expected_particles(p), p.plan.expected_speed);
-    if (p.cost) print_cost(*p.cost);
+    if (p.coarse) print_cost(p);
     for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);
-    if (p.run) fmt::print("{} into {}\n", counted(p.run->frames, "frame"), p.run->folder.string());
+    if (!p.coarse) fmt::print("{} into {}\n", counted(p.frames, "frame"), p.folder.string());
 }
 
 void print_json(const Preview& p) {
@@ -171,10 +169,14 @@ void print_json(const Preview& p) {
         {"expected_particles", expected_particles(p)},
         {"expected_speed", p.plan.expected_speed},
     };
-    if (p.cost) all["cost"] = cost_json(*p.cost);
+    if (p.coarse) all["cost"] = cost_json(*p.coarse, p.cost);
     all["warnings"] = p.plan.warnings;
-    if (p.run) all["frames"] = p.run->frames, all["folder"] = p.run->folder.string();
+    if (!p.coarse) all["frames"] = p.frames, all["folder"] = p.folder.string();
     fmt::print("{}\n", json_text(all, 2));
 }
+
+}  // namespace
+
+void print_preview(const Preview& preview, bool json) { json ? print_json(preview) : print_text(preview); }
 
 }  // namespace whorl

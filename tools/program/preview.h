@@ -9,34 +9,19 @@
 
 namespace whorl {
 
-/// Cost of all panels together.
-struct FilmCost {
-    double wall = 0;                             ///< s
-    double simulate = 0, surface = 0, draw = 0;  ///< CPU seconds
-};
-
-struct PreviewCost {
-    CoarseRun run;      ///< of the last panel
-    Estimate estimate;  ///< of the last panel, but the memory of all
-    FilmCost film;
-};
-
-/// Files of a run.
-struct PreviewRun {
-    int frames = 0;
-    std::filesystem::path folder;
-};
-
 /// A scene at its start, and the limits of its first step.
 struct Preview {
     const SceneFile& file;
     const Plan& plan;
     const Simulation& simulation;
-    std::optional<PreviewCost> cost = {};  ///< of `whorl plan`
-    std::optional<PreviewRun> run = {};    ///< of `whorl render --dry-run`
+    // Of `whorl plan`:
+    std::optional<CoarseRun> coarse = {};  ///< of the last panel
+    Estimate cost = {};                    ///< of the last panel, but the time and the memory of all, which run one after the other
+    // Of `whorl render --dry-run`:
+    int frames = 0;
+    std::filesystem::path folder = {};
 };
 
-void print_text(const Preview& preview);
-void print_json(const Preview& preview);
+void print_preview(const Preview& preview, bool json);
 
 }  // namespace whorl

@@ -22,9 +22,8 @@ int dry_run(const RunRequest& request) {
     plan.warnings = warnings_of(request.file);
     const Simulation simulation(request.file.scene, plan);
     check_probes(simulation);
-    const PreviewRun run{request.frames.value_or(frame_count(request.file.scene)), request.folder};
-    const Preview preview{.file = request.file, .plan = plan, .simulation = simulation, .run = run};
-    request.json ? print_json(preview) : print_text(preview);
+    const int frames = request.frames.value_or(frame_count(request.file.scene));
+    print_preview({.file = request.file, .plan = plan, .simulation = simulation, .frames = frames, .folder = request.folder}, request.json);
     return exit_done;
 }
 
@@ -35,13 +34,13 @@ int render(const Options& options) {
     request.folder = options.out.empty() ? std::filesystem::path("out") / request.file.scene.name : options.out;
     request.frames = options.frames;
     if (request.frames) request.frames = std::min(*request.frames, frame_count(request.file.scene));
-    if (options.overwrite) request.earlier = RunFolder::Earlier::replaced;
+    request.overwrite = options.overwrite;
     request.no_draw = options.no_draw;
     if (request.no_draw) export_raw(request.file.scene);
     request.quiet = options.quiet;
     request.json = options.json;
     if (options.dry_run) return dry_run(request);
-    return request.file.scene.panels.empty() ? run_scene(request) : run_panels(request, PanelRuns::fresh);
+    return request.file.scene.panels.empty() ? run_scene(request) : run_panels(request, false);
 }
 
 }  // namespace
@@ -54,8 +53,7 @@ void add_render(CLI::App& program, Job& chosen) {
                  Option::fps, Option::quality, Option::no_video, Option::no_images, Option::no_draw, Option::exports, Option::threads,
                  Option::seed, Option::dry_run, Option::quiet, Option::json});
     app->footer(
-        "An existing run in the folder is kept as FOLDER.1, .2, ...; a folder of other files is refused. Ctrl-C saves the "
-        "state.\n"
+        "A folder that holds a run is refused unless --overwrite is given, a folder of other files always. Ctrl-C saves the state.\n"
         "Examples:\n"
         "  whorl render honey_coil\n"
         "  whorl render honey_coil --quality draft --until 1 --size 640x360 --out runs/try\n"

@@ -12,11 +12,6 @@
 namespace whorl {
 namespace {
 
-struct ResumeOptions {
-    Options shared;
-    std::filesystem::path folder;
-};
-
 /// When the run is to end now [s]; nothing if it keeps its end. @throws InputError
 std::optional<double> wanted_end(const Options& options, const Scene& scene) {
     if (options.until && options.frames)
@@ -26,25 +21,23 @@ std::optional<double> wanted_end(const Options& options, const Scene& scene) {
     return frame_time(scene, *options.frames);
 }
 
-int resume(const ResumeOptions& options) {
-    set_threads(options.shared.threads);
+int resume(const Options& options) {
+    set_threads(options.threads);
     RunFolder::existing(options.folder);  // throws if there is no run, or another process works in it
     RunRequest request;
     request.file = read_scene_file(options.folder / "scene.resolved.toml");
-    if (const auto until = wanted_end(options.shared, request.file.scene)) {
+    if (const auto until = wanted_end(options, request.file.scene)) {
         Options with_end;
         with_end.scene = (options.folder / "scene.resolved.toml").string();
         with_end.until = until;
         request.file = read_scene_file(with_end);
         request.frames = frame_count(request.file.scene);
     }
+    if (options.no_video) request.file.scene.output.video = false;
     request.folder = options.folder;
-    request.no_draw = options.shared.no_draw;
+    request.no_draw = options.no_draw, request.force = options.force, request.quiet = options.quiet, request.json = options.json;
     if (request.no_draw) export_raw(request.file.scene);
-    request.force = options.shared.force;
-    request.quiet = options.shared.quiet;
-    request.json = options.shared.json;
-    if (!request.file.scene.panels.empty()) return run_panels(request, PanelRuns::resumed);
+    if (!request.file.scene.panels.empty()) return run_panels(request, true);
     resume_from_newest(request);
     return run_scene(request);
 }
@@ -52,11 +45,11 @@ int resume(const ResumeOptions& options) {
 }  // namespace
 
 void add_resume(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<ResumeOptions>();
+    const auto options = std::make_shared<Options>();
     CLI::App* app = program.add_subcommand("resume", "continue a run from its last checkpoint, to the same result as without a stop");
-    app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-    add_options(*app, options->shared,
-                {Option::until, Option::frames, Option::force, Option::no_draw, Option::threads, Option::quiet, Option::json});
+    add_options(*app, *options,
+                {Option::folder, Option::until, Option::frames, Option::force, Option::no_video, Option::no_draw, Option::threads,
+                 Option::quiet, Option::json});
     app->footer(
         "With --until or --frames a run ends later (or earlier) than it was to, also one that is done. scene.resolved.toml says so then, "
         "and\n"

@@ -122,7 +122,6 @@ int run_sweeps(const Study& study, SweepOptions o, bool timed, const std::functi
     if (o.threads == 0) o.threads = o.on == "slurm" ? 1 : std::max(1, cores / o.jobs);
     const fs::path folder = o.out.empty() ? fs::path("out") / study.name : o.out;
     const RunFolder held = RunFolder::any(folder);
-    if (!held.note().empty()) tell_note(held.note(), o.json);
     try {
         for (const std::string& scene : study.scenes) {
             const fs::path own = study.scenes.size() == 1 ? folder : folder / fs::path(scene).stem();

@@ -20,16 +20,16 @@ namespace whorl {
 namespace {
 
 struct EncodeOptions {
-    std::filesystem::path folder, out;
-    std::optional<double> fps;
+    Options shared;
     int crf = 18;
 };
 
 /// Encodes every picture of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
-    const RunFolder held = RunFolder::existing(options.folder, options.out.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
-    if (!held.note().empty()) tell_note(held.note(), false);
-    const std::filesystem::path frames = options.folder / "frames", scene_file = options.folder / "scene.resolved.toml";
+    const std::filesystem::path &folder = options.shared.folder, &out = options.shared.out;
+    const std::optional<double> given_fps = options.shared.fps;
+    const RunFolder held = RunFolder::existing(folder, out.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
+    const std::filesystem::path frames = folder / "frames", scene_file = folder / "scene.resolved.toml";
     std::map<std::filesystem::path, std::filesystem::path> pictures;  // by their names without suffix
     std::error_code missing;
     for (const auto& entry : std::filesystem::directory_iterator(frames, missing))
@@ -38,17 +38,17 @@ int encode(const EncodeOptions& options) {
     if (pictures.empty()) throw InputError({frames.string(), 0, 0}, "no images to encode", "", "the folder of a run, as in out/honey_coil");
 
     const Scene scene = read_scene_file(scene_file).scene;
-    const std::filesystem::path video = options.out.empty() ? options.folder / (scene.name + ".mp4") : options.out;
+    const std::filesystem::path video = out.empty() ? folder / (scene.name + ".mp4") : out;
     const auto& known = video_suffixes();
     if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
                          fmt::format("{}", fmt::join(known, ", ")));
-    if (const std::filesystem::path folder = video.parent_path(); !folder.empty() && !std::filesystem::is_directory(folder))
-        throw InputError({"--out", 0, 0}, "folder not found: \"" + folder.string() + "\"", "make it first");
-    const double fps = options.fps.value_or(scene.time.fps);
+    if (const std::filesystem::path around = video.parent_path(); !around.empty() && !std::filesystem::is_directory(around))
+        throw InputError({"--out", 0, 0}, "folder not found: \"" + around.string() + "\"", "make it first");
+    const double fps = given_fps.value_or(scene.time.fps);
     if (fps < least_video_fps)
-        throw InputError(options.fps ? Place{"--fps", 0, 0} : scene.place("time.fps"),
-                         fmt::format("{:g} frames a second are too few for a video", fps), options.fps ? "" : "give more with --fps",
+        throw InputError(given_fps ? Place{"--fps", 0, 0} : scene.place("time.fps"),
+                         fmt::format("{:g} frames a second are too few for a video", fps), given_fps ? "" : "give more with --fps",
                          fmt::format("allowed: at least {:g}", least_video_fps));
     check_encoder();
     const Image first = read_picture(pictures.begin()->second);
@@ -67,12 +67,12 @@ int encode(const EncodeOptions& options) {
         encoder.add(image);
     }
     encoder.finish();
-    if (const std::size_t planned = report_of(options.folder).value("frames_planned", std::size_t{0}); pictures.size() < planned)
+    if (const std::size_t planned = report_of(folder).value("frames_planned", std::size_t{0}); pictures.size() < planned)
         fmt::print(stderr, "the run has pictures of {} of its {} frames: the video is of these\n", pictures.size(), planned);
-    if (options.out.empty()) {
+    if (out.empty()) {
         std::vector<std::filesystem::path> files;
         for (const auto& [name, picture] : pictures) files.push_back(picture);
-        write_contact_sheet(options.folder, files);
+        write_contact_sheet(folder, files);
     }
     fmt::print("{}\n", video.string());
     return exit_done;
@@ -83,19 +83,14 @@ int encode(const EncodeOptions& options) {
 void add_video(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<EncodeOptions>();
     CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
-    app->add_option("folder", options->folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-    app->add_option("--fps", options->fps, "frames a second (default: the scene's)")
-        ->type_name("N")
-        ->transform(quotient)
-        ->check(any_number("", true));
+    add_options(*app, options->shared, {Option::folder, Option::fps, Option::out});
+    app->get_option("--fps")->check(any_number("", true));
     app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51, lower is better and larger")
         ->capture_default_str()
         ->check(whole_number(0, 51));
-    app->add_option("--out", options->out,
-                    "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and "
-                    ".webm keep alpha")
-        ->type_name("FILE")
-        ->check(not_empty);
+    app->get_option("--out")->type_name("FILE")->description(
+        "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and .webm keep "
+        "alpha");
     app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
     app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });
 }

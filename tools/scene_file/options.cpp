@@ -48,6 +48,9 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
                     ->required()
                     ->type_name("SCENE");
                 break;
+            case Option::folder:
+                app.add_option("folder", o.folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
+                break;
             case Option::set:
                 app.add_option("--set", o.set, "change a key of the scene: fluid.viscosity=100, emitter[0].speed=0.3 (repeatable)")
                     ->type_name("KEY=VALUE")
@@ -62,10 +65,7 @@ void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which)
             case Option::out:
                 app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR")->check(not_empty);
                 break;
-            case Option::overwrite:
-                app.add_flag("--overwrite", o.overwrite,
-                             "replace an existing run in the folder (default: it is kept as FOLDER.1, .2, ...)");
-                break;
+            case Option::overwrite: app.add_flag("--overwrite", o.overwrite, "replace an existing run in the folder"); break;
             case Option::force:
                 app.add_flag("--force", o.force, "continue although a mesh, picture or table of the scene was edited");
                 break;

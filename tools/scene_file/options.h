@@ -18,6 +18,7 @@ namespace whorl {
 
 struct Options {
     std::string scene;                         ///< a path, or the bare name of a scene that ships
+    std::filesystem::path folder;              ///< of a run that is continued, drawn or encoded
     std::vector<std::string> set;              ///< "key=value"
     std::vector<std::string> with;             ///< files of a few keys that are laid over the scene
     std::filesystem::path out;                 ///< empty: out/<scene name>
@@ -38,6 +39,7 @@ struct Options {
 
 enum class Option {
     scene,
+    folder,
     set,
     with,
     out,
