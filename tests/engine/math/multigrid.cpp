@@ -203,6 +203,6 @@ TEST_CASE("more sweeps keep the V-cycle symmetric and positive, and contract the
 TEST_CASE("with smoothed interpolation multigrid needs at most 8 iterations for 8^3 and for 32^3", "[math][multigrid][regression]") {
     // To 1e-4. Measured: 5 and 7; constants alone need 10 and 23.
     const Cube small(8, true), large(32, true);
-    CHECK(iterations(small, {true, 100, 20}) <= 8);
-    CHECK(iterations(large, {true, 100, 20}) <= 8);
+    CHECK(iterations(small, {.coarsest = 100}) <= 8);
+    CHECK(iterations(large, {.coarsest = 100}) <= 8);
 }

@@ -176,7 +176,7 @@ TEST_CASE("the pressure's multigrid stays symmetric and positive when the active
     Fluid fluid(shapes[1]);
     Constraint system(fluid);
     for (std::size_t i = 0; i < system.unknown().size(); i += 5) system.unknown()[i] = 0;
-    const PressurePreconditioner M = system.multigrid(true, 3, {true, 8, 20});
+    const PressurePreconditioner M = system.multigrid(true, 3, {.coarsest = 8});
     for (std::size_t i = 0; i < system.unknown().size(); i += 3) system.unknown()[i] = system.D.diagonal[i] > 0;
     const Column<Real> r = noise(system.unknown(), 1), s = noise(system.unknown(), 2);
     Column<Real> Mr(r.size()), Ms(r.size());
@@ -195,8 +195,8 @@ TEST_CASE("the pressure's multigrid gives the same bits for any number of thread
         set_threads(count);
         const Column<Real> r = noise(constraint.unknown(), 1), s = noise(poisson.unknown(), 1);
         Column<Real> z[2]{Column<Real>(r.size()), Column<Real>(r.size())};
-        constraint.multigrid(true, 3, {true, 8, 20})(r, z[0]);
-        poisson.multigrid(false, 2, {true, 8, 20})(s, z[1]);
+        constraint.multigrid(true, 3, {.coarsest = 8})(r, z[0]);
+        poisson.multigrid(false, 2, {.coarsest = 8})(s, z[1]);
         for (int k = 0; k < 2; ++k) {
             if (count == 1) first[k] = z[k];
             CHECK(z[k] == first[k]);
