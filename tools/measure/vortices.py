@@ -149,7 +149,7 @@ def plane_speed(m):
             ns = {name: 1e9 * stage["cpu_seconds"] / best["particle_steps"] for name, stage in best["stages"].items()}
             all_of[shape] = 1e9 * best["cpu_seconds"] / best["particle_steps"]
             rows.append([words, shape, *(f"{ns.get(name, 0):.0f}" for name in parts), f"{all_of[shape]:.0f}"])
-        rows[-2].append(f"{all_of['slab of 8 layers'] / all_of['plane']:.2f}")
+        rows[-2].append(f"{all_of['slab of 8 layers'] / all_of['2D']:.2f}")
     return markdown("pressure | shape | ns per particle-step: neighbours | density or geometry | viscosity | pressure | move | all | times faster", rows)
 
 
