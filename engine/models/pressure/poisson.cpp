@@ -261,9 +261,9 @@ void PoissonPressure::operator()(const Surroundings& around, StepReport& report,
     with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
         weigh(kernel, around, rho);
         classify(kernel, around, role, rho);
-        carry(kernel, around, role, u);
         parallel_for(n, [&](Index i) { matrix_.unknown[i] = class_[i] == PressureClass::poisson; });
         matrix_.lay_out(around.pairs, around.step.spacing);
+        carry(kernel, around, role, u);
         if (options_.printed) set_rows<true>(kernel, around, rho, u, p);
         else set_rows<false>(kernel, around, rho, u, p);
         closed_.find(matrix_, touches_surface_, options_.printed ? untied : weakly_tied);

@@ -139,7 +139,8 @@ TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run
     const std::string port = std::to_string(live.port());
     CHECK(live.end().code == 0);
     CHECK(browser.wait_for("document.getElementById('pill').textContent.startsWith('no connection')"));
-    test::Program again({"live", live.scene().string(), "--port", port, "--out", live.run().string(), "--size", "320x180", "--quiet"});
+    test::Program again(
+        {"live", live.scene().string(), "--port", port, "--out", live.run().string(), "--overwrite", "--size", "320x180", "--quiet"});
     CHECK(browser.wait_for("document.getElementById('picture').width == 320", 40));
     again.signal(SIGTERM);
     CHECK(again.wait().code == 0);
