@@ -84,7 +84,7 @@ Momenta momenta_of(Span<const Vec3> x, Span<const Vec3> u, const Vec3d& centre);
 /// The mean translation and rotation of a velocity field: the rest has no momentum and no angular momentum.
 class RigidMotions {
 public:
-    /// None.
+    /// Of no particles: removes and adds nothing.
     RigidMotions() = default;
     /// @param turning false if the domain is periodic: there a rotation is not a rigid motion
     /// @param bodies with two entries each behind the particles'; null: none
