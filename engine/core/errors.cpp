@@ -55,7 +55,7 @@ std::vector<Problem> in_order(std::vector<Problem> problems, const std::string& 
 
 InputError::InputError(std::vector<Problem> problems) : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 
-InputError::InputError(Place place, std::string what, std::string hint, std::string allowed)
+InputError::InputError(FileLocation place, std::string what, std::string hint, std::string allowed)
     : InputError(std::vector<Problem>{{std::move(place), std::move(what), std::move(hint), std::move(allowed)}}) {}
 
 EnvironmentError::EnvironmentError(std::string what, std::string tried, std::string remedy)

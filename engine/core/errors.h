@@ -8,7 +8,7 @@
 namespace whorl {
 
 /// Location of a mistake in a file; line and column count from 1, 0: not known (a command line option, for example).
-struct Place {
+struct FileLocation {
     std::string file;
     int line = 0;
     int column = 0;
@@ -16,7 +16,7 @@ struct Place {
 
 /// One mistake of the user: "file:line:column: what is wrong; did you mean X?; what is allowed".
 struct Problem {
-    Place place;
+    FileLocation place;
     std::string what;     ///< what is wrong, with the value
     std::string hint;     ///< the nearest valid name or the way out; may be empty
     std::string allowed;  ///< what is allowed; may be empty
@@ -30,7 +30,7 @@ std::vector<Problem> in_order(std::vector<Problem> problems, const std::string& 
 class InputError : public std::runtime_error {
 public:
     explicit InputError(std::vector<Problem> problems);
-    InputError(Place place, std::string what, std::string hint = "", std::string allowed = "");
+    InputError(FileLocation place, std::string what, std::string hint = "", std::string allowed = "");
     const std::vector<Problem>& problems() const { return problems_; }
 
 private:

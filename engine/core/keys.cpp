@@ -165,7 +165,7 @@ void Key::read(void* object, const Value& v, const std::string& path, std::vecto
     if (good && assign(object, v, path, problems)) check_expressions(object, v, path, problems);
 }
 
-void Key::wrong_type(const Place& place, const std::string& found, const std::string& path, Problems& problems) const {
+void Key::wrong_type(const FileLocation& place, const std::string& found, const std::string& path, Problems& problems) const {
     const std::string of_unit = unit.empty() ? "" : " [" + unit + "]";
     problems.push_back(
         {place, path + " must be " + type_name() + of_unit + ", not " + found, "", choices.empty() ? "" : "allowed: " + allowed()});
@@ -177,7 +177,7 @@ bool Key::check_entry(const Value& entry, const std::string& path, Problems& pro
     return check_choice(entry, path, problems) && in_range;
 }
 
-bool Key::check_range(double x, const Place& place, const std::string& path, Problems& problems) const {
+bool Key::check_range(double x, const FileLocation& place, const std::string& path, Problems& problems) const {
     const double held = single ? static_cast<double>(static_cast<float>(x)) : x;
     if (std::isfinite(held) && x >= least && x <= most && !(least_open && held == least)) return true;
     const std::string rule = allowed_beside(x);

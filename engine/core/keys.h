@@ -42,8 +42,8 @@ struct Value {
     using List = std::vector<Value>;
     using Table = std::vector<std::pair<std::string, Value>>;  ///< in the file's order
     std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table> data;
-    Place place;      ///< of the value
-    Place key_place;  ///< of the key that names it
+    FileLocation place;      ///< of the value
+    FileLocation key_place;  ///< of the key that names it
 
     Value() = default;
     template <class T>
@@ -83,8 +83,8 @@ enum class InPlane {
 
 /// Fault of a value that has the right type (a bad expression, for example).
 struct KeyFault : std::invalid_argument {
-    KeyFault(Place where, const std::string& what) : std::invalid_argument(what), place(std::move(where)) {}
-    Place place;
+    KeyFault(FileLocation where, const std::string& what) : std::invalid_argument(what), place(std::move(where)) {}
+    FileLocation place;
 };
 
 /// Conversion between a member of type T and its value in a file. Specialise it for further types; enums need only a choices(E) next to
@@ -153,9 +153,9 @@ struct Key {
 
 private:
     using Problems = std::vector<Problem>;
-    void wrong_type(const Place& place, const std::string& found, const std::string& path, Problems& problems) const;
+    void wrong_type(const FileLocation& place, const std::string& found, const std::string& path, Problems& problems) const;
     bool check_entry(const Value& entry, const std::string& path, Problems& problems) const;
-    bool check_range(double x, const Place& place, const std::string& path, Problems& problems) const;
+    bool check_range(double x, const FileLocation& place, const std::string& path, Problems& problems) const;
     bool check_choice(const Value& entry, const std::string& path, Problems& problems) const;
     bool assign(void* object, const Value& v, const std::string& path, Problems& problems) const;
     void check_expressions(const void* object, const Value& v, const std::string& path, Problems& problems) const;

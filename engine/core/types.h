@@ -23,7 +23,7 @@ using Mat3f = Eigen::Matrix3f;
 using Mat3d = Eigen::Matrix3d;
 
 /// The least that a divisor is taken as.
-inline constexpr Real smallest = std::numeric_limits<Real>::min();
+inline constexpr Real min_positive = std::numeric_limits<Real>::min();
 
 template <class T>
 using Span = std::span<T>;

@@ -29,7 +29,7 @@ struct BodyContacts::Held {
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> between;  ///< J M^-1 J^T
 };
 
-void BodyContacts::find(const Solids& solids, const SolidParticles& layer, const ContactStep& step) {
+void BodyContacts::find(const Solids& solids, const BoundaryParticles& boundary, const ContactStep& step) {
     const std::size_t n = solids.all.size();
     step_ = step;
     points_.clear();
@@ -52,12 +52,12 @@ void BodyContacts::find(const Solids& solids, const SolidParticles& layer, const
     lightness_.setFromTriplets(M.begin(), M.end());
     held_.reset();
     if (slots_ == 0 || !(step.dt > 0)) return;
-    for (Index s = 0; s < layer.size(); ++s) {
-        const auto k = static_cast<std::size_t>(layer.solid[s]);
+    for (Index s = 0; s < boundary.size(); ++s) {
+        const auto k = static_cast<std::size_t>(boundary.solid[s]);
         const auto& body = solids.all[k].body;
         if (!body) continue;
         own[k].push_back(s);
-        reach[k] = std::max(reach[k], (layer.own_position[s].cast<double>() - body->own_centre).norm() + step.spacing);
+        reach[k] = std::max(reach[k], (boundary.own_position[s].cast<double>() - body->own_centre).norm() + step.spacing);
     }
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = 0; b < n; ++b) {
@@ -74,7 +74,7 @@ void BodyContacts::find(const Solids& solids, const SolidParticles& layer, const
                 continue;
             }
             const std::size_t first = points_.size();
-            for (const Index s : own[a]) look_from(solids, layer, a, b, s, image);
+            for (const Index s : own[a]) look_from(solids, boundary, a, b, s, image);
             thin(first);
         }
     want(solids);
@@ -109,9 +109,10 @@ Vec3d BodyContacts::deepest(const Solid& a, const Solid& b, const Vec3d& image, 
     return slope(root).norm() < along.norm() / 2 ? root : p;
 }
 
-void BodyContacts::look_from(const Solids& solids, const SolidParticles& layer, std::size_t a, std::size_t b, Index s, const Vec3d& image) {
+void BodyContacts::look_from(const Solids& solids, const BoundaryParticles& boundary, std::size_t a, std::size_t b, Index s,
+                             const Vec3d& image) {
     const Solid& other = solids.all[b];
-    const Vec3d start = layer.position[s].cast<double>() + image;
+    const Vec3d start = boundary.position[s].cast<double>() + image;
     const double coming = (solids.all[a].body->velocity_at(start - image) - velocity_at(solids, b, start)).norm() * step_.dt;
     if (static_cast<double>(other.distance(start.cast<Real>())) > coming + 1.5 * step_.spacing + step_.clearance) return;
     Point p;

@@ -35,7 +35,7 @@ BodyVector velocities_of(const Solids& solids);
 class BodyContacts {
 public:
     /// Finds the places of contact of a step that begins with the bodies' velocities as they are.
-    void find(const Solids& solids, const SolidParticles& layer, const ContactStep& step);
+    void find(const Solids& solids, const BoundaryParticles& boundary, const ContactStep& step);
     bool empty() const { return points_.empty(); }
     /// Velocities after contact. @param free velocities that the bodies would have without contact
     BodyVector velocities(const BodyVector& free);
@@ -80,7 +80,7 @@ private:
         Eigen::Index slot = -1;  ///< position in a BodyVector
     };
 
-    void look_from(const Solids& solids, const SolidParticles& layer, std::size_t a, std::size_t b, Index s, const Vec3d& image);
+    void look_from(const Solids& solids, const BoundaryParticles& boundary, std::size_t a, std::size_t b, Index s, const Vec3d& image);
     /// Reduces the points from `first` on, of one pair of solids, to those that bound each face, and the deepest: a face is
     /// flat, so the others hold where these do.
     void thin(std::size_t first);

@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/geometry/shape.h"
-#include "engine/geometry/surface_layer.h"
+#include "engine/geometry/surface_samples.h"
 
 namespace whorl {
 namespace {
@@ -31,7 +31,7 @@ public:
         max = centre_ + half_;
     }
     bool prismatic(int) const override { return true; }
-    Bulk bulk() const override {
+    MassProperties bulk() const override {
         const Vec3d half = half_.cast<double>();
         const double volume = 8 * half.prod();
         return {volume, centre_.cast<double>(), Mat3d((volume / 3 * half.cwiseProduct(half)).asDiagonal())};
@@ -63,12 +63,12 @@ public:
     }
 
     /// A lattice on the six faces, edges and corners once.
-    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+    std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         LatticeLine line[3];
         for (int a = 0; a < 3; ++a) line[a] = lattice_line(region, a, centre_[a], half_[a], offset, "box");
         const double n[3] = {double(line[0].at.size()), double(line[1].at.size()), double(line[2].at.size())};
         check_count(2 * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]), "box");
-        std::vector<LayerPoint> points;
+        std::vector<SurfaceSample> points;
         for (std::size_t i = 0; i < line[0].at.size(); ++i)
             for (std::size_t j = 0; j < line[1].at.size(); ++j) {
                 const bool on_face = line[0].side[i] != 0 || line[1].side[j] != 0;

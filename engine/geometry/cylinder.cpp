@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "engine/geometry/shape.h"
-#include "engine/geometry/surface_layer.h"
+#include "engine/geometry/surface_samples.h"
 
 namespace whorl {
 namespace {
@@ -37,7 +37,7 @@ public:
         }
     }
     bool prismatic(int axis) const override { return std::abs(axis_[axis]) > 1 - Real(1e-6); }
-    Bulk bulk() const override {
+    MassProperties bulk() const override {
         const double r = radius_, h = half_, volume = 2 * std::numbers::pi * r * r * h;
         const Vec3d n = axis_.cast<double>();
         const Mat3d along = n * n.transpose();
@@ -74,13 +74,13 @@ public:
     }
 
     /// Rings on the wall, every other one turned by half a spacing, and rings on the ends.
-    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+    std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const double R = inset(radius_, offset), half = inset(half_, offset), d = region.spacing, pi = std::numbers::pi;
         const Vec3d c = middle_.cast<double>(), n = axis_.cast<double>();
         check_count(2 * pi * R * (2 * half + R) / (d * d), "cylinder");
         Vec3d u, v;
         frame_of(n, u, v);
-        std::vector<LayerPoint> points;
+        std::vector<SurfaceSample> points;
         const auto ring = [&](double along, double radius, double turn, const Vec3d* end) {
             const double count = std::max(1.0, std::round(2 * pi * radius / d));
             for (double k = 0; k < count; ++k) {

@@ -291,13 +291,13 @@ public:
         min = box.min().cast<Real>(), max = box.max().cast<Real>();
     }
     /// Overlapping parts are integrated by evenly spread points (Roberts's sequence): the sum over surfaces would count the overlap twice.
-    Bulk bulk() const override {
+    MassProperties bulk() const override {
         if (!overlap_) return Shape::bulk();
         const Eigen::AlignedBox3d box = whole_box();
         const Vec3d apart(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);
         const int count = std::clamp(20'000'000 / static_cast<int>(parts_.size()), 20'000, 200'000);  // a place asks every part
         const double share = box.volume() / count;
-        Bulk bulk;
+        MassProperties bulk;
         Vec3d first = Vec3d::Zero();
         for (int n = 1; n <= count; ++n) {
             const Vec3d turns = n * apart, r = box.sizes().cwiseProduct(turns - Vec3d(turns.array().floor()));

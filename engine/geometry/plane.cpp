@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/geometry/surface_layer.h"
+#include "engine/geometry/surface_samples.h"
 
 namespace whorl {
 namespace {
@@ -23,7 +23,7 @@ public:
             if (normal_[a] == -1) min[a] = point_[a];
         }
     }
-    Bulk bulk() const override { return {}; }
+    MassProperties bulk() const override { return {}; }
     bool bounded() const override { return false; }
     TriangleMesh mesh(Real, Real extent) const override {
         Vec3d u, v;
@@ -39,7 +39,7 @@ public:
     }
 
     /// A lattice, without a seam along periodic axes that the plane holds.
-    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+    std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const Vec3d n = normal_.cast<double>();
         const PlaneLattice lattice(n);
         std::vector<double> line[2];
@@ -75,7 +75,7 @@ PlaneLattice::PlaneLattice(const Vec3d& n) {
     if (found > 1) direction[1] = Vec3d::Unit(axes[1]);
 }
 
-void PlaneLattice::ends(std::size_t k, const LayerRegion& region, double& low, double& high) const {
+void PlaneLattice::ends(std::size_t k, const SamplingRegion& region, double& low, double& high) const {
     low = high = 0;
     for (int b = 0; b < 3; ++b) {
         const double at_min = (double(region.domain.min[b]) - region.margin) * direction[k][b];
@@ -85,15 +85,15 @@ void PlaneLattice::ends(std::size_t k, const LayerRegion& region, double& low, d
     }
 }
 
-std::optional<std::vector<double>> PlaneLattice::line_without_ends(std::size_t k, const LayerRegion& region) const {
+std::optional<std::vector<double>> PlaneLattice::line_without_ends(std::size_t k, const SamplingRegion& region) const {
     if (has_no_depth(k, region)) return std::vector<double>{0};
     if (repeats(k, region)) return period_points(region, axes[k]);
     return {};
 }
 
-std::vector<LayerPoint> PlaneLattice::points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
-                                             const LayerRegion& region) const {
-    std::vector<LayerPoint> points;
+std::vector<SurfaceSample> PlaneLattice::points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
+                                                const SamplingRegion& region) const {
+    std::vector<SurfaceSample> points;
     for (const double x : line[0])
         for (const double y : line[1]) {
             const Vec3d at = foot + x * direction[0] + y * direction[1];
@@ -102,7 +102,7 @@ std::vector<LayerPoint> PlaneLattice::points(const Vec3d& foot, const Vec3d& n, 
     return points;
 }
 
-PlanePatch::PlanePatch(const Vec3d& point, const Vec3d& normal, const LayerRegion& at_rest)
+PlanePatch::PlanePatch(const Vec3d& point, const Vec3d& normal, const SamplingRegion& at_rest)
     : point_(point), normal_(normal), at_rest_(at_rest), lattice_(normal) {
     for (std::size_t k = 0; k < 2; ++k) {
         double end = 0;
@@ -136,7 +136,7 @@ double PlanePatch::steps(std::size_t k) const {
 
 double PlanePatch::points() const { return steps(0) * steps(1); }
 
-std::vector<LayerPoint> PlanePatch::layer(double offset) const {
+std::vector<SurfaceSample> PlanePatch::surface_samples(double offset) const {
     std::vector<double> line[2];
     for (std::size_t k = 0; k < 2; ++k) check_count(steps(k), "plane");
     check_count(points(), "plane");

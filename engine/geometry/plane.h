@@ -15,18 +15,18 @@ struct PlaneLattice {
     int axes[2] = {-1, -1};  ///< the domain's axis of each direction, -1: not an axis
 
     explicit PlaneLattice(const Vec3d& n);
-    bool has_no_depth(std::size_t k, const LayerRegion& region) const { return axes[k] == 2 && region.domain.dimensions() == 2; }
-    bool repeats(std::size_t k, const LayerRegion& region) const {
+    bool has_no_depth(std::size_t k, const SamplingRegion& region) const { return axes[k] == 2 && region.domain.dimensions() == 2; }
+    bool repeats(std::size_t k, const SamplingRegion& region) const {
         return axes[k] >= 0 && region.domain.periodic[static_cast<std::size_t>(axes[k])];
     }
     /// Extent of the domain along direction k [m], from `low` to `high`.
-    void ends(std::size_t k, const LayerRegion& region, double& low, double& high) const;
+    void ends(std::size_t k, const SamplingRegion& region, double& low, double& high) const;
     /// All lattice coordinates along direction k [m] if it is periodic or has no depth (2D); empty if ends() bounds it.
-    std::optional<std::vector<double>> line_without_ends(std::size_t k, const LayerRegion& region) const;
+    std::optional<std::vector<double>> line_without_ends(std::size_t k, const SamplingRegion& region) const;
     /// Lattice points (each coordinate of the first line with each of the second [m]) within the region. @param foot the point with
     /// coordinates (0, 0) @param n the plane's normal
-    std::vector<LayerPoint> points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
-                                   const LayerRegion& region) const;
+    std::vector<SurfaceSample> points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
+                                      const SamplingRegion& region) const;
 };
 
 /// Rectangle of a moving plane, in its own axes, that needs boundary particles at any time. Its lattice has the same origin as that of
@@ -34,21 +34,21 @@ struct PlaneLattice {
 class PlanePatch {
 public:
     /// @param at_rest region of the plane at rest; periodic axes in the plane are filled
-    PlanePatch(const Vec3d& point, const Vec3d& normal, const LayerRegion& at_rest);
+    PlanePatch(const Vec3d& point, const Vec3d& normal, const SamplingRegion& at_rest);
     /// Extends the rectangle to x, projected along the normal.
     void add(const Vec3d& x);
     /// Extends the rectangle to the part of the line from p to q that is within a spacing of the plane.
     void add_crossing(const Vec3d& p, const Vec3d& q);
     double points() const;  ///< number of lattice points in the rectangle
     /// Boundary particles at signed distance `offset` [m] from the plane. @throws InputError beyond 50 million points
-    std::vector<LayerPoint> layer(double offset) const;
+    std::vector<SurfaceSample> surface_samples(double offset) const;
     const PlaneLattice& lattice() const { return lattice_; }
 
 private:
     double steps(std::size_t k) const;
 
     Vec3d point_, normal_;
-    LayerRegion at_rest_;
+    SamplingRegion at_rest_;
     PlaneLattice lattice_;
     double begin_[2] = {0, 0};   ///< origin of the lattice [m]
     double first_[2], last_[2];  ///< range in lattice steps from begin_

@@ -71,9 +71,11 @@ public:
     void bounds(Vec3& min, Vec3& max) const override { shape_.bounds(min, max); }
     bool bounded() const override { return shape_.bounded(); }
     bool prismatic(int axis) const override { return shape_.prismatic(axis); }
-    Bulk bulk() const override { return shape_.bulk(); }
+    MassProperties bulk() const override { return shape_.bulk(); }
     TriangleMesh mesh(Real edge, Real extent) const override { return shape_.mesh(edge, extent); }
-    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override { return shape_.layer(offset, region); }
+    std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
+        return shape_.surface_samples(offset, region);
+    }
 
 private:
     Real distance(const Vec3& x, Vec3& image) const {

@@ -12,7 +12,7 @@ Eigen::AngleAxisd turn_by(const Vec3d& angle) {
     return size > 0 ? Eigen::AngleAxisd(size, angle / size) : Eigen::AngleAxisd::Identity();
 }
 
-RigidBody::RigidBody(const Bulk& bulk, double density)
+RigidBody::RigidBody(const MassProperties& bulk, double density)
     : mass(density * bulk.volume), volume(bulk.volume), own_centre(bulk.centre), own_inertia(density * bulk.inertia()),
       centre(bulk.centre) {}
 

@@ -65,7 +65,7 @@ struct RigidBody {
 
     /// At rest where the shape's own keys put it. @param density kg/m^3
     RigidBody() = default;
-    RigidBody(const Bulk& bulk, double density);
+    RigidBody(const MassProperties& bulk, double density);
 
     /// Inverse of the tensor of inertia in the world's axes [1/(kg m^2)].
     Mat3d inverse_inertia() const;

@@ -14,8 +14,8 @@ Vec3 Shape::normal(const Vec3& x) const {
     return length > 0 ? Vec3(gradient / length) : Vec3(Vec3::UnitY());
 }
 
-Bulk bulk_of(const TriangleMesh& mesh) {
-    Bulk bulk;
+MassProperties bulk_of(const TriangleMesh& mesh) {
+    MassProperties bulk;
     if (mesh.triangle.empty()) return bulk;
     const Vec3d apex = mesh.position[0].cast<double>();
     Vec3d first = Vec3d::Zero();
@@ -37,7 +37,7 @@ Bulk bulk_of(const TriangleMesh& mesh) {
 }
 
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys) {
-    if (keys.cut && keys.kind != "plane") return make_cut(keys);
+    if (keys.cut && keys.kind != "plane") return make_section(keys);
     if (keys.kind == "box") return make_box(keys.min, keys.max);
     if (keys.kind == "sphere") return make_sphere(keys.centre, keys.radius);
     if (keys.kind == "cylinder") return make_cylinder(keys.from, keys.to, keys.radius);

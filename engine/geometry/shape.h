@@ -25,7 +25,7 @@ struct ShapeKeys {
 };
 
 /// Region in which a shape's surface needs boundary particles, in the shape's own axes.
-struct LayerRegion {
+struct SamplingRegion {
     Real spacing = 0;      ///< m
     Domain domain;         ///< periodic axes that a box, cylinder or plane spans are filled without a seam and without ends
     Real margin = 0;       ///< m beyond the domain
@@ -36,14 +36,14 @@ struct LayerRegion {
     bool spans_period(int axis, double low, double high) const;
 };
 
-struct LayerPoint {
+struct SurfaceSample {
     Vec3d position, outward;     ///< m; unit, away from the shape's inside
     double curvature = 0;        ///< sum of the surface's principal curvatures, > 0 where it is convex [1/m]; 0 on edges and meshes
     Vec3d face = Vec3d::Zero();  ///< on an edge, where two or three faces meet at right angles: outward normal of one of them
 };
 
 /// Mass properties of a shape at a density of 1; of a 2D section, those of a metre of depth.
-struct Bulk {
+struct MassProperties {
     double volume = 0;             ///< m^3
     Vec3d centre = Vec3d::Zero();  ///< of gravity, m
     Mat3d moment = Mat3d::Zero();  ///< integral of r r^T about the centre, m^5
@@ -52,7 +52,7 @@ struct Bulk {
 };
 
 /// Mass properties of a closed mesh by the divergence theorem: a sum over the tetrahedra between its triangles and a point.
-Bulk bulk_of(const TriangleMesh& mesh);
+MassProperties bulk_of(const TriangleMesh& mesh);
 
 class Shape {
 public:
@@ -67,12 +67,12 @@ public:
     /// Whether its cuts across the axis are all the same, between two flat ends.
     virtual bool prismatic(int) const { return false; }
     /// Volume, centre and moments of the inside. This one sums over mesh().
-    virtual Bulk bulk() const { return bulk_of(mesh(0, 0)); }
+    virtual MassProperties bulk() const { return bulk_of(mesh(0, 0)); }
     /// For drawing. @param edge wanted length of an edge [m] @param extent half-width of a plane's drawn patch [m]
     virtual TriangleMesh mesh(Real edge, Real extent) const = 0;
     /// Points about a spacing apart on the surface at the signed distance `offset` [m] (nearer where the shape is too thin for it).
     /// This one throws darts on mesh(): blue noise; the same for the same shape. @throws InputError beyond 50 million points
-    virtual std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const;
+    virtual std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const;
     std::vector<std::string> remarks;  ///< parts left out of its mesh file, and faces that cross others
 };
 
@@ -86,9 +86,9 @@ std::shared_ptr<const Shape> make_sphere(const Vec3d& centre, double radius);
 std::shared_ptr<const Shape> make_cylinder(const Vec3d& from, const Vec3d& to, double radius);
 
 /// Empty if the plane z = 0 cuts the shape in a rectangle or a disc; else the reason, a text that follows the shape's name.
-std::string why_no_cut(const ShapeKeys& keys);
-/// A rectangle or a disc. Distances and normals lie in the plane, whatever z. @param keys why_no_cut() is empty
-std::shared_ptr<const Shape> make_cut(const ShapeKeys& keys);
+std::string section_error(const ShapeKeys& keys);
+/// A rectangle or a disc. Distances and normals lie in the plane, whatever z. @param keys section_error() is empty
+std::shared_ptr<const Shape> make_section(const ShapeKeys& keys);
 
 /// The mesh in `file`, times scale, then moved by `position`. @throws InputError
 std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position);

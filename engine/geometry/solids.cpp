@@ -167,7 +167,7 @@ void Solids::clear_ledgers() {
     for (Solid& solid : all) solid.ledger = {}, solid.work = 0;
 }
 
-void SolidParticles::remove(const std::vector<char>& out) {
+void BoundaryParticles::remove(const std::vector<char>& out) {
     const auto cut = [&](auto& column) {
         std::size_t kept = 0;
         for (std::size_t s = 0; s < column.size(); ++s)
@@ -178,7 +178,7 @@ void SolidParticles::remove(const std::vector<char>& out) {
     cut(own_face), cut(face), cut(flat), cut(pressed);
 }
 
-void SolidParticles::follow(const Solids& solids) {
+void BoundaryParticles::follow(const Solids& solids) {
     parallel_for(size(), [&](Index s) {
         const Solid& whose = solids.all[solid[s]];
         position[s] = whose.pose.rotation * own_position[s] + whose.pose.translation;

@@ -94,11 +94,11 @@ private:
     void place_images();
 };
 
-/// SolidParticles::flat at a distance from the nearest surface that is not flat [m].
+/// BoundaryParticles::flat at a distance from the nearest surface that is not flat [m].
 inline Real flat_beside(Real distance, Real support) { return std::clamp(distance / support - 1, Real(0), Real(1)); }
 
 /// Boundary particles: one layer on the solids' surfaces, about a spacing apart, half a spacing inside the solid.
-struct SolidParticles {
+struct BoundaryParticles {
     std::vector<Index> solid;         ///< whose
     Column<Vec3> own_position;        ///< in the solid's axes, m
     Column<Vec3> own_normal;          ///< in the solid's axes, into the fluid; empty: normals stay as they are
@@ -106,7 +106,7 @@ struct SolidParticles {
     Column<Vec3> normal;              ///< into the fluid
     Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
     Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall; 0: an edge
-    Column<Vec3> own_face, face;      ///< on convex edges: LayerPoint::face; elsewhere 0
+    Column<Vec3> own_face, face;      ///< on convex edges: SurfaceSample::face; elsewhere 0
     /// Weight of a flat wall's images of the fluid: 1 farther than 2 R from where the surface bends, ends or opens and from solids that
     /// move, 0 nearer than R. The surface may end at others at right angles that face the fluid, too; -1: where they meet. Empty: none is
     /// flat.

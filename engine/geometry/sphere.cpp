@@ -1,7 +1,7 @@
 #include <numbers>
 
 #include "engine/geometry/shape.h"
-#include "engine/geometry/surface_layer.h"
+#include "engine/geometry/surface_samples.h"
 
 namespace whorl {
 namespace {
@@ -19,7 +19,7 @@ public:
         min = centre_ - Vec3::Constant(radius_);
         max = centre_ + Vec3::Constant(radius_);
     }
-    Bulk bulk() const override {
+    MassProperties bulk() const override {
         const double r = radius_, volume = 4 * std::numbers::pi / 3 * r * r * r;
         return {volume, centre_.cast<double>(), volume * r * r / 5 * Mat3d::Identity()};
     }
@@ -47,12 +47,12 @@ public:
     }
 
     /// A spiral of equal areas (Swinbank and Purser 2006).
-    std::vector<LayerPoint> layer(Real offset, const LayerRegion& region) const override {
+    std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const double R = inset(radius_, offset), d = region.spacing,
                      count = std::max(4.0, std::round(4 * std::numbers::pi * R * R / (d * d)));
         check_count(count, "sphere");
         const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-        std::vector<LayerPoint> points;
+        std::vector<SurfaceSample> points;
         for (double k = 0; k < count; ++k) {
             const double y = 1 - (2 * k + 1) / count, r = std::sqrt(1 - y * y);
             const Vec3d n(r * std::cos(golden * k), y, r * std::sin(golden * k));

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <charconv>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/core/types.h"
 #include "engine/core/version.h"
-#include "engine/core/whole_file.h"
+#include "engine/io/byte_io.h"
 #include "engine/io/csv.h"
-#include "engine/io/packed.h"
 
 namespace whorl {
 namespace {
@@ -64,12 +64,12 @@ std::string build_id() {
 }
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
-    Packer file;
+    ByteWriter file;
     file.bytes.reserve(checkpoint.simulation.size() + (1 << 16));  // most of it, in one piece
     each_member(file, checkpoint);
     std::error_code gone;  // a run folder that was taken away is not made again: the write below says so
     std::filesystem::create_directory(folder / "checkpoints", gone);
-    write_text(folder / "checkpoints" / name_of(checkpoint.frame), sealed(magic, std::move(file.bytes)), true);
+    write_text(folder / "checkpoints" / name_of(checkpoint.frame), add_checksum(magic, std::move(file.bytes)), true);
     const auto files = checkpoint_files(folder);
     for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints")) {  // half written when a run was killed
         const std::string name = entry.path().filename();
@@ -91,7 +91,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     }
     Checkpoint checkpoint;
     try {
-        Unpacker in{unsealed(magic, bytes)};
+        ByteReader in{verify_checksum(magic, bytes)};
         each_member(in, checkpoint);
     } catch (const EnvironmentError& error) { refuse(error.what()); } catch (const InputError& error) {
         refuse(error.problems().front().what);

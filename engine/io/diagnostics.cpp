@@ -9,7 +9,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/io/csv.h"
-#include "engine/models/coupled/coupled_system.h"
+#include "engine/models/viscosity/coupled/coupled_system.h"
 
 namespace whorl {
 namespace {

@@ -2,8 +2,8 @@
 /// diagnostics.csv: conserved and bounded quantities and costs, one row per frame.
 #include <string>
 
-#include "engine/sim/energy_count.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/energy_count.h"
+#include "engine/simulation/simulation.h"
 
 namespace whorl {
 

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/whole_file.h"
+#include "engine/core/atomic_file.h"
+#include "engine/io/byte_io.h"
 #include "engine/io/csv.h"
 #include "engine/io/frame.h"
-#include "engine/io/packed.h"
 
 namespace whorl {
 namespace {
@@ -74,7 +74,7 @@ void check(const Frame& frame) {
 }  // namespace
 
 void write_frame(const std::filesystem::path& file, const Frame& frame) {
-    Packer pack;
+    ByteWriter pack;
     frame_members(pack, frame);
     pack(static_cast<std::uint64_t>(frame.solids.size()));
     for (const FrameSolid& solid : frame.solids) {
@@ -84,12 +84,12 @@ void write_frame(const std::filesystem::path& file, const Frame& frame) {
     }
     pack(static_cast<std::uint64_t>(frame.emitters.size()));
     for (const FrameEmitter& emitter : frame.emitters) emitter_members(pack, emitter);
-    write_text(file, sealed(kind, std::move(pack.bytes)));
+    write_text(file, add_checksum(kind, std::move(pack.bytes)));
 }
 
 Frame read_frame(const std::filesystem::path& file) try {
     const std::string bytes = read_whole(file);
-    Unpacker in{unsealed(kind, bytes)};
+    ByteReader in{verify_checksum(kind, bytes)};
     Frame frame;
     frame_members(in, frame);
     std::uint64_t solids = 0;

@@ -3,8 +3,8 @@
 #include "engine/core/mesh.h"
 #include "engine/io/frame.h"
 #include "engine/particles/emitter.h"
-#include "engine/sim/simulation.h"
-#include "engine/sim/world.h"
+#include "engine/simulation/simulation.h"
+#include "engine/simulation/world.h"
 
 namespace whorl {
 

@@ -12,7 +12,7 @@ Column<Real> inverse_diagonal(const SparseRows& A) {
     Column<Real> inverse(A.size(), 0);
     parallel_for(A.size(), [&](Index i) {
         for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k)
-            if (A.column[k] == i && A.value[k] > smallest) inverse[i] = 1 / A.value[k];
+            if (A.column[k] == i && A.value[k] > min_positive) inverse[i] = 1 / A.value[k];
     });
     return inverse;
 }
@@ -82,7 +82,7 @@ Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse) {
         estimate = after / before;
         parallel_for(A.size(), [&](Index i) { x[i] = static_cast<Real>(y[i] / after); });
     }
-    return std::max(smallest, std::min(bound, static_cast<Real>(1.1 * estimate)));
+    return std::max(min_positive, std::min(bound, static_cast<Real>(1.1 * estimate)));
 }
 
 void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options) {
@@ -121,7 +121,7 @@ void Multigrid::factor(const SparseRows& A) {
         for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) dense(i, A.column[k]) = static_cast<double>(A.value[k]);
     dense = (dense + dense.transpose()).eval() / 2;
     for (Index i = 0; i < A.size(); ++i)
-        if (!(dense(i, i) > static_cast<double>(smallest))) dense(i, i) = 1;
+        if (!(dense(i, i) > static_cast<double>(min_positive))) dense(i, i) = 1;
     coarsest_.compute(dense);
     // Pivot of a row after elimination: only accumulated round-off if A
     // is singular. A correction by the inverse of that would be noise.

@@ -12,7 +12,7 @@ constexpr double same = 2e-3;       ///< parameters so near share an answer
 constexpr double same_none = 0.03;  ///< no new search (which may take a second) this near to parameters without a solution
 constexpr double neighbour = 0.1;   ///< this near, the old answer is used until the new one is found
 
-bool takes_viscosity(const Plan& plan) { return plan.facts.viscous() && !plan.facts.micropolar.spins; }
+bool takes_viscosity(const Plan& plan) { return plan.traits.viscous() && !plan.traits.micropolar.spins; }
 
 }  // namespace
 

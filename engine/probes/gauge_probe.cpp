@@ -37,18 +37,18 @@ private:
 // All boundary particles below the disc represent the same area 1/sum W over those on the same side, W the Wendland C2 function of a
 // surface, three spacings wide. It is that of a particle which most are not below, so that edges, where neighbours are missing, do not
 // count.
-GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_particles_(world.solid_particles.size()) {
-    const SolidParticles& layer = world.solid_particles;
+GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_particles_(world.boundary_particles.size()) {
+    const BoundaryParticles& boundary = world.boundary_particles;
     const Solid& solid = world.solids.all[static_cast<std::size_t>(keys.solid)];
     const double d = static_cast<double>(world.step.spacing), R = 3 * d;
     const double norm = world.step.dimensions() == 2 ? 3 / (2 * R) : 7 / (std::numbers::pi * R * R);
     const Vec3d normal = solid.normal(keys.at.cast<Real>()).cast<double>();
     std::vector<Vec3d> place;
     std::vector<double> beyond, areas;  // of the rim; of particles whose neighbours are all among these
-    for (Index s = 0; s < layer.size(); ++s) {
-        const Vec3d n = layer.normal[s].cast<double>();
-        if (layer.solid[static_cast<std::size_t>(s)] != keys.solid || n.dot(normal) < 0.5) continue;
-        const Vec3 r = world.step.domain.minimum_image(layer.position[s] - keys.at.cast<Real>());
+    for (Index s = 0; s < boundary.size(); ++s) {
+        const Vec3d n = boundary.normal[s].cast<double>();
+        if (boundary.solid[static_cast<std::size_t>(s)] != keys.solid || n.dot(normal) < 0.5) continue;
+        const Vec3 r = world.step.domain.minimum_image(boundary.position[s] - keys.at.cast<Real>());
         const Vec3d at = r.cast<double>() + d / 2 * n;  // on the surface
         const double height = at.dot(normal), past = (at - height * normal).norm() - keys.radius;
         if (past > 2 * R || std::abs(height) > keys.radius + d) continue;
@@ -73,10 +73,11 @@ GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_par
 }
 
 void GaugeProbe::after_step(const World& world, double) {
-    const SolidParticles& layer = world.solid_particles;
+    const BoundaryParticles& boundary = world.boundary_particles;
     const double dt = static_cast<double>(world.step.dt);
     double impulse = 0;
-    for (const Part& part : parts_) impulse -= part.share * layer.pressed[part.particle].dot(layer.normal[part.particle].cast<double>());
+    for (const Part& part : parts_)
+        impulse -= part.share * boundary.pressed[part.particle].dot(boundary.normal[part.particle].cast<double>());
     const double pressure = impulse / (dt * area_);
     memory_.peak = memory_.time > 0 ? std::max(memory_.peak, pressure) : pressure;
     memory_.impulse += impulse, memory_.time += dt;

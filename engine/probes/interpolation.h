@@ -2,7 +2,7 @@
 /// Fields between the particles.
 #include <vector>
 
-#include "engine/sim/world.h"
+#include "engine/simulation/world.h"
 
 namespace whorl {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/probes/coil_expectation.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 
 namespace whorl {
 

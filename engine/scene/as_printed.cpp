@@ -60,12 +60,12 @@ void check_printed(const Scene& scene, const Plan& plan, std::vector<Problem>& p
     const auto refuse = [&](const char* key, const std::string& what, const char* remedy) {
         report(key, what + " is not in the notes, and models.notes = \"as_printed\"", remedy);
     };
-    if (plan.facts.pressure.solves && plan.facts.pressure.source != PressureSource::density)
-        refuse("models.pressure", "models.pressure = " + described(plan.facts.pressure), "use \"ppe\" or \"wcsph\"");
+    if (plan.traits.pressure.solves && plan.traits.pressure.source != PressureSource::density)
+        refuse("models.pressure", "models.pressure = " + described(plan.traits.pressure), "use \"ppe\" or \"wcsph\"");
     if (plan.viscosity == ViscosityModel::full)
         refuse("models.viscosity", "the matrix-free models.viscosity = \"full\", whose gradients have the volume V_i,",
                "use \"full_assembled\", or \"explicit\"");
-    if (plan.facts.micropolar.spins && plan.micropolar != MicropolarModel::notes)
+    if (plan.traits.micropolar.spins && plan.micropolar != MicropolarModel::notes)
         refuse("models.micropolar", std::string("models.micropolar = \"") + name_of(plan.micropolar) + "\"", "use \"notes\"");
     if (scene.viscosity.laplacian == LaplacianForm::split)
         refuse("viscosity.laplacian", "viscosity.laplacian = \"split\"", "use \"brookshaw\" or \"monaghan\"");

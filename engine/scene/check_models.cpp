@@ -25,7 +25,7 @@ std::string solved_apart() {
 }
 
 void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& report) {
-    const PressureFacts& pressure = plan.facts.pressure;
+    const PressureTraits& pressure = plan.traits.pressure;
     if (scene.fluid.surface_tension == 0 || pressure.form) return;  // the projection has its own check
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         const double wetting = scene.solids[k].wetting;
@@ -40,8 +40,8 @@ void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& repo
     }
 }
 
-void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const KeyProblems& report) {
-    const PressureFacts& pressure = plan.facts.pressure;
+void check_pressure(const Scene& scene, const Plan& plan, const SceneScales& numbers, const KeyProblems& report) {
+    const PressureTraits& pressure = plan.traits.pressure;
     const std::string chosen = setting("models.pressure", pressure.name);
     if (scene.fluid.surface_tension > 0 && !pressure.keeps_apart)
         report("fluid.surface_tension", "surface tension pulls particles together, and " + chosen + " keeps none apart",
@@ -74,10 +74,10 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneNumbers& nu
 }
 
 void check_boundary(const Plan& plan, const KeyProblems& report) {
-    const PressureFacts& pressure = plan.facts.pressure;
+    const PressureTraits& pressure = plan.traits.pressure;
     if (plan.boundary == BoundaryModel::none || plan.boundary == pressure.boundary) return;
     std::string pairs;
-    for (const PressureFacts& row : pressure_models())
+    for (const PressureTraits& row : pressure_models())
         if (row.boundary != BoundaryModel::none && pairs.find(row.name) == std::string::npos)
             pairs += fmt::format("{} with {}, ", name_of(row.boundary), row.name);
     report("models.boundary",
@@ -87,7 +87,7 @@ void check_boundary(const Plan& plan, const KeyProblems& report) {
 
 void check_assembled(const Plan& plan, double viscous_number, const KeyProblems& report) {
     if (plan.viscosity != ViscosityModel::full_assembled) return;
-    const std::string chosen = setting("models.viscosity", plan.facts.viscosity.name);
+    const std::string chosen = setting("models.viscosity", plan.traits.viscosity.name);
     if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing, plan.dimensions());
         bytes > most_assembled_bytes)
         report("models.viscosity",
@@ -101,31 +101,31 @@ void check_assembled(const Plan& plan, double viscous_number, const KeyProblems&
 }
 
 void check_viscous_solver(const Scene& scene, const Plan& plan, const KeyProblems& report) {
-    if (!plan.facts.viscosity.correction.value_or(true) && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
+    if (!plan.traits.viscosity.correction.value_or(true) && scene.viscosity.preconditioner == ViscousPreconditioner::two_level)
         report("viscosity.preconditioner",
                "viscosity.preconditioner = \"two_level\" needs viscosity.correction: without it a rotation is not a rigid motion",
                "use \"block_jacobi\"", "allowed: auto, none or block_jacobi");
 }
 
 void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report) {
-    const ViscosityFacts& viscosity = plan.facts.viscosity;
+    const ViscosityTraits& viscosity = plan.traits.viscosity;
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
         if (scene.solids[k].slip != Slip::navier) continue;
         const std::string key = entry_name("solid", k) + ".slip";
-        if (plan.facts.micropolar.spins)
+        if (plan.traits.micropolar.spins)
             report(key, "micropolar fluids stick to a solid or slide along it freely: slip = \"navier\" is for others",
                    "use \"no\" or \"free\", or models.micropolar = \"none\"", "allowed: no or free");
         if (viscosity.viscous && !viscosity.knows_slip_length)
             report(key,
                    "the viscosity without corrected gradients has half of the shear where neighbours are missing: it does "
                    "not support slip lengths",
-                   "use models.viscosity = " + described(viscosity_models(), &ViscosityFacts::knows_slip_length), "allowed: no or free");
+                   "use models.viscosity = " + described(viscosity_models(), &ViscosityTraits::knows_slip_length), "allowed: no or free");
     }
 }
 
 void check_streams(const Scene& scene, const Plan& plan, const KeyProblems& report) {
-    if (plan.facts.pressure.solves_viscosity && !scene.streams.empty())
-        report(entry_name("stream", 0), "models.pressure = " + described(plan.facts.pressure) + " does not support streams",
+    if (plan.traits.pressure.solves_viscosity && !scene.streams.empty())
+        report(entry_name("stream", 0), "models.pressure = " + described(plan.traits.pressure) + " does not support streams",
                "use models.pressure = \"ppe\" or \"wcsph\"");
 }
 
@@ -157,24 +157,24 @@ void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& repor
                    "give where it starts, and its velocity");
     }
     if (!scene.any_free_solid()) return;
-    if (!plan.facts.pressure.moves_bodies)
+    if (!plan.traits.pressure.moves_bodies)
         report("models.pressure",
-               "models.pressure = " + described(plan.facts.pressure) + " does not move free bodies (solids with a density)",
-               "use " + described(pressure_models(), &PressureFacts::moves_bodies));
+               "models.pressure = " + described(plan.traits.pressure) + " does not move free bodies (solids with a density)",
+               "use " + described(pressure_models(), &PressureTraits::moves_bodies));
     else if (plan.boundary == BoundaryModel::none)
         report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none",
                "use \"auto\"");
-    if (!plan.facts.viscosity.moves_bodies)
-        report("models.viscosity", "models.viscosity = " + described(plan.facts.viscosity) + " does not move free bodies",
-               "use " + described(viscosity_models(), &ViscosityFacts::moves_bodies));
+    if (!plan.traits.viscosity.moves_bodies)
+        report("models.viscosity", "models.viscosity = " + described(plan.traits.viscosity) + " does not move free bodies",
+               "use " + described(viscosity_models(), &ViscosityTraits::moves_bodies));
     if (scene.fluid.surface_tension > 0) report("fluid.surface_tension", "surface tension does not pull on free bodies", "use 0");
-    if (plan.facts.micropolar.spins) report("models.micropolar", "micropolar fluids do not move free bodies", "use \"none\"");
+    if (plan.traits.micropolar.spins) report("models.micropolar", "micropolar fluids do not move free bodies", "use \"none\"");
 }
 
 void check_plane(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (scene.domain.dimensions == 3) return;
     const std::string here = " in two dimensions (domain.dimensions = 2)";
-    if (scene.fluid.surface_tension > 0 && plan.facts.pressure.source != PressureSource::velocity)
+    if (scene.fluid.surface_tension > 0 && plan.traits.pressure.source != PressureSource::velocity)
         report("fluid.surface_tension", "cohesion between particles is not supported" + here, "use 0, or pressure.form = \"projection\"",
                "allowed: 0");
     if (!scene.vortices.empty())
@@ -195,7 +195,7 @@ bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& 
 }
 
 void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
-    if (plan.facts.viscosity.smooths)
+    if (plan.traits.viscosity.smooths)
         problem("models.viscosity",
                 "pressure.form = \"projection\" does not run with XSPH: a full box diverges, open tanks were not measured",
                 "use models.viscosity = \"explicit\", or pressure.form = \"constraint\"");
@@ -220,9 +220,9 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
 }
 
 void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& shapes, const KeyProblems& problem) {
-    if (plan.facts.pressure.source == PressureSource::velocity) check_velocity_source(scene, plan, shapes, problem);
+    if (plan.traits.pressure.source == PressureSource::velocity) check_velocity_source(scene, plan, shapes, problem);
     const bool weightless = scene.domain.box().all_periodic() || scene.domain.gravity(0).norm() == 0;
-    if (plan.facts.pressure.source == PressureSource::density && !plan.free_surface && weightless)
+    if (plan.traits.pressure.source == PressureSource::density && !plan.free_surface && weightless)
         problem("pressure.source",
                 "pressure.source = \"density\" gains energy in fluid that fills its space and rests on nothing: only weight damps what its "
                 "density errors shake",
@@ -231,7 +231,7 @@ void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& s
 
 }  // namespace
 
-void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+void check_models(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                   std::vector<Problem>& problems) {
     const KeyProblems report(scene, problems);
     check_pressure(scene, plan, numbers, report);

@@ -8,8 +8,8 @@
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/emitter.h"
+#include "engine/scene/available_memory.h"
 #include "engine/scene/checks.h"
-#include "engine/scene/free_memory.h"
 #include "engine/scene/names.h"
 #include "engine/scene/tree.h"
 
@@ -21,13 +21,13 @@ std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})
 /// Bytes per particle: the neighbour rows (4 bytes per neighbour, and as much again for their data), and the model's other data.
 /// `whorl plan` measures it for the scene.
 double bytes_a_particle(const Plan& plan) {
-    return plan.facts.pressure.bytes_a_particle +
+    return plan.traits.pressure.bytes_a_particle +
            8 * (plan.dimensions() == 2 ? 3.14 : 4.19) * power_of(plan.support / plan.spacing, plan.dimensions());
 }
 
 class Placement {
 public:
-    Placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes, std::vector<Problem>& problems)
+    Placement(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes, std::vector<Problem>& problems)
         : scene_(scene), plan_(plan), n_(numbers), shapes_(shapes), report(scene, problems), low_(scene.domain.min),
           high_(scene.domain.max) {}
 
@@ -66,7 +66,7 @@ private:
         for (int a = 0; a < 3; ++a) {
             const double length = high_[a] - low_[a];
             // Vorticity gradients and blue-noise relaxation search up to two spacings.
-            const double reach = std::max({plan_.support, 2 * plan_.spacing, plan_.facts.pressure.widest_support * plan_.spacing,
+            const double reach = std::max({plan_.support, 2 * plan_.spacing, plan_.traits.pressure.widest_support * plan_.spacing,
                                            scene_.fluid.surface_tension > 0 ? Cohesion::range * plan_.spacing : 0.0});
             if (scene_.domain.periodic[a] && length < 2 * reach)
                 report("domain.periodic",
@@ -104,7 +104,7 @@ private:
         thin_in_its_box(name, e);
         const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
-        viscosity("fluid.viscosity", scene_.fluid.viscosity, oldest_of(scene_, 0), 0.5 * (e.min + e.max), name);
+        viscosity("fluid.viscosity", scene_.fluid.viscosity, max_age_of(scene_, 0), 0.5 * (e.min + e.max), name);
     }
 
     /// At all ages up to `oldest` [s]. @param x of some of its fluid: other places are checked by the particles there
@@ -192,7 +192,7 @@ private:
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
-        viscosity(key, mu, oldest_of(scene_, i + 1), e.position, name);
+        viscosity(key, mu, max_age_of(scene_, i + 1), e.position, name);
     }
 
     void solid(const std::string& name, std::size_t i) {
@@ -284,11 +284,11 @@ private:
 
     const Scene& scene_;
     const Plan& plan_;
-    const SceneNumbers& n_;
+    const SceneScales& n_;
     const SceneShapes& shapes_;
     KeyProblems report;
     Vec3d low_, high_;
-    double free_ = free_memory();
+    double free_ = available_memory();
 };
 
 /// Calls f(x) at the middles of points^3 cells of a box.
@@ -332,7 +332,7 @@ double part_left_empty(const Scene& scene, const SceneShapes& shapes) {
     return all > 0 ? static_cast<double>(empty) / all : 0;
 }
 
-void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+void check_placement(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                      std::vector<Problem>& problems) {
     Placement(scene, plan, numbers, shapes, problems).check();
 }

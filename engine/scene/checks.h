@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "engine/core/errors.h"
-#include "engine/scene/numbers.h"
 #include "engine/scene/plan.h"
 #include "engine/scene/scene.h"
+#include "engine/scene/scene_scales.h"
 
 namespace whorl {
 
@@ -23,7 +23,7 @@ private:
     std::vector<Problem>& problems_;
 };
 
-void check_placement(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+void check_placement(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                      std::vector<Problem>& problems);
 
 /// The part of a block, 0 to 1, that lies inside solids, or nearer to them than `margin` [m]: no particle is placed within least_clearance
@@ -35,16 +35,16 @@ double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size
 double part_left_empty(const Scene& scene, const SceneShapes& shapes);
 
 /// Whether drops do not meet this solid at the angle of its wetting; measured (docs/physics.md 10).
-inline bool loses_angle(const PressureFacts& pressure, const SolidKeys& solid) {
+inline bool loses_angle(const PressureTraits& pressure, const SolidKeys& solid) {
     return !pressure.form && (!pressure.solves_viscosity || solid.slip != Slip::no);
 }
 
-void check_models(const Scene& scene, const Plan& plan, const SceneNumbers& numbers, const SceneShapes& shapes,
+void check_models(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                   std::vector<Problem>& problems);
 
 /// Reports keys of other models than those that "auto" chose, and keys that a chosen form does not use. (Contradictions within the scene
 /// are found when it is read.)
-void check_unread(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
+void check_unused_keys(const Scene& scene, const Plan& plan, std::vector<Problem>& problems);
 
 struct ScaleWarning {
     std::string key, text;  ///< the text names the key, too

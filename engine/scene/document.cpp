@@ -13,7 +13,7 @@
 namespace whorl {
 namespace {
 
-Place place_of(const toml::source_region& at, const std::string& file) {
+FileLocation place_of(const toml::source_region& at, const std::string& file) {
     return {file, static_cast<int>(at.begin.line), static_cast<int>(at.begin.column)};
 }
 
@@ -39,7 +39,7 @@ Value converted(const toml::node& node, const std::string& file) {
             entries.back().second.key_place = place_of(key.source(), file);
         }
         const auto earlier = [](const auto& a, const auto& b) {
-            const Place &p = a.second.key_place, &q = b.second.key_place;
+            const FileLocation &p = a.second.key_place, &q = b.second.key_place;
             return std::pair(p.line, p.column) < std::pair(q.line, q.column);
         };
         std::stable_sort(entries.begin(), entries.end(), earlier);
@@ -165,7 +165,7 @@ Value parse_toml_file(const std::string& file) {
     return parse_toml(text.str(), file);
 }
 
-Value placed(Value v, const Place& place) {
+Value placed(Value v, const FileLocation& place) {
     v.place = v.key_place = place;
     if (auto* list = v.as<Value::List>())
         for (Value& child : *list) child = placed(std::move(child), place);
@@ -175,7 +175,7 @@ Value placed(Value v, const Place& place) {
 }
 
 Value parse_value(const std::string& text, const std::string& source) {
-    const Place place{source, 0, 0};
+    const FileLocation place{source, 0, 0};
     check_nesting(text, source);
     try {
         return placed(*converted(toml::parse("value = " + text), "").find("value"), place);

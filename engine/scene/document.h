@@ -13,7 +13,7 @@ Value parse_toml(const std::string& text, const std::string& file);
 Value parse_toml_file(const std::string& file);
 
 /// The value with this place, also of its entries.
-Value placed(Value v, const Place& place);
+Value placed(Value v, const FileLocation& place);
 
 /// A value as an option has it: TOML, or else a number or a text without quotes. @param source replaces file:line:column in messages
 /// @throws InputError

@@ -38,7 +38,7 @@ struct KeyCodec<Expression> : ExpressionQueries<KeyCodec<Expression>, Expression
         try {
             return Expression(*v.as<std::string>());
         } catch (const ExpressionError& e) {
-            Place place = v.place;
+            FileLocation place = v.place;
             if (place.line > 0 && e.column > 0) place.column += e.column;  // past the opening quote
             throw KeyFault(place, e.what());
         }

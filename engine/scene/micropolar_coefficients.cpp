@@ -72,26 +72,26 @@ double MicropolarNumbers::spin_length() const {
 }
 
 Scene calibrated(const Scene& scene) {
-    const MicropolarFacts& facts = facts_of(scene.models.micropolar);
+    const MicropolarTraits& traits = facts_of(scene.models.micropolar);
     Scene chosen = as_printed(scene);
-    if (!facts.spins || !scene.micropolar.effective_viscosity) return chosen;
+    if (!traits.spins || !scene.micropolar.effective_viscosity) return chosen;
     const double twice = 2 * *scene.micropolar.effective_viscosity, l = length_of_spin(scene);
-    chosen.fluid.viscosity = Expression(facts.viscosity_by_transfer > 0 ? 0.0 : twice);
-    chosen.micropolar.transfer_viscosity = facts.coupling_by_mu > 0 ? 0 : twice;
+    chosen.fluid.viscosity = Expression(traits.viscosity_by_transfer > 0 ? 0.0 : twice);
+    chosen.micropolar.transfer_viscosity = traits.coupling_by_mu > 0 ? 0 : twice;
     chosen.micropolar.spin_viscosity = twice * l * l;
     chosen.micropolar.micro_inertia = l * l;
     return chosen;
 }
 
-MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& viscosity, bool slides) {
+MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityTraits& viscosity, bool slides) {
     const MicropolarKeys& keys = scene.micropolar;
     const double mu = scene.fluid.viscosity(0), transfer = keys.transfer_viscosity, l = length_of_spin(scene);
-    const MicropolarFacts& facts = facts_of(scene.models.micropolar);
+    const MicropolarTraits& traits = facts_of(scene.models.micropolar);
     const bool explicit_mu = viscosity.viscous && !viscosity.implicit;
     MicropolarNumbers n;
     n.density = scene.fluid.density;
-    n.coupling = facts.coupling_by_mu * mu + transfer;
-    const double own = (explicit_mu ? mu : 0) + facts.viscosity_by_transfer * transfer;
+    n.coupling = traits.coupling_by_mu * mu + transfer;
+    const double own = (explicit_mu ? mu : 0) + traits.viscosity_by_transfer * transfer;
     n.viscosity = own + (viscosity.implicit ? mu : 0);
     n.slides = slides;
     const LaplacianForm automatic = slides && !n.grows() ? LaplacianForm::split : LaplacianForm::brookshaw;
@@ -104,7 +104,7 @@ MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& v
         if (viscosity.implicit && n.composed_coupling > 0) n.implicit_share = 1 - n.composed_coupling / (2 * mu);
     }
     n.central_viscosity = n.composed_coupling > 0 ? 0 : own - n.pair_viscosity;
-    n.spin_viscosity = keys.spin_viscosity.value_or((mu + facts.viscosity_by_transfer * transfer) * l * l);
+    n.spin_viscosity = keys.spin_viscosity.value_or((mu + traits.viscosity_by_transfer * transfer) * l * l);
     n.micro_inertia = keys.micro_inertia;
     return n;
 }
@@ -113,7 +113,7 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
     const auto choose = [&](const char* key, std::string value, bool automatic, std::string reason) {
         plan.choices.push_back({key, std::move(value), automatic, std::move(reason)});
     };
-    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.facts.viscosity, slides(scene, plan));
+    MicropolarNumbers& n = plan.spin = micropolar_numbers(scene, plan.traits.viscosity, slides(scene, plan));
     if (n.slides && std::isfinite(radius))
         n.turning_growth = n.growth_of_turning(radius, plan.dimensions(), smoothing_viscosity(scene.micropolar, plan.support, flow_step));
     const double d = plan.spacing;
@@ -201,7 +201,7 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
 
 void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
     const KeyProblems report(scene, problems);
-    if (!plan.facts.micropolar.spins) {
+    if (!plan.traits.micropolar.spins) {
         if (plan.viscosity == ViscosityModel::explicit_laplacian && scene.viscosity.laplacian == LaplacianForm::split)
             report("viscosity.laplacian",
                    "viscosity.laplacian = \"split\" splits by the coupling of a micropolar model, and the scene has no such model", "",
@@ -225,8 +225,8 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
             "micropolar.curl_velocity = \"symmetric\" turns particles at a free surface that only move along with it, and a difference as "
             "curl_spin does not take that energy from the flow: it tears fluid apart",
             "use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"");
-    if (!plan.facts.pressure.has_micropolar)
-        report("models.pressure", "models.pressure = " + described(plan.facts.pressure) + " has no micropolar terms",
+    if (!plan.traits.pressure.has_micropolar)
+        report("models.pressure", "models.pressure = " + described(plan.traits.pressure) + " has no micropolar terms",
                "use \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");
     if (!scene.fluid.viscosity.is_constant())
         report("fluid.viscosity", "fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity", "give a number");

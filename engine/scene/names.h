@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/scene/model_facts.h"
+#include "engine/scene/model_traits.h"
 
 namespace whorl {
 

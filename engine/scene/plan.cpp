@@ -12,7 +12,7 @@
 #include "engine/scene/as_printed.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
-#include "engine/scene/numbers.h"
+#include "engine/scene/scene_scales.h"
 
 namespace whorl {
 namespace {
@@ -25,7 +25,7 @@ constexpr double next_to_nothing = 0.02;  ///< part of the domain that may be em
 constexpr double coupled_above = 0.25;
 
 /// @param open the fluid has a free surface
-std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneNumbers& n, bool open) {
+std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneScales& n, bool open) {
     if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
         return "the usual company of micropolar terms where there is a free surface; \"ppe\" has them too";
     if (!n.free_surface) return "every axis is periodic: no free surface";
@@ -40,9 +40,9 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 }
 
 /// @param open the fluid has a free surface
-PressureModel automatic_pressure(const Scene& scene, const SceneNumbers& n, bool open) {
+PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool open) {
     if (facts_of(scene.models.micropolar).spins) return open || scene.any_free_solid() ? PressureModel::wcsph : PressureModel::ppe;
-    const PressureFacts& coupled = facts_of(PressureModel::coupled);
+    const PressureTraits& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
     return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
 }
@@ -63,8 +63,8 @@ public:
         choose_sound_speed();
         choose_viscosity();
         plan_.micropolar = scene_.models.micropolar;
-        plan_.facts.micropolar = facts_of(plan_.micropolar);
-        if (plan_.facts.micropolar.spins) choose_micropolar(plan_, scene_, given_, step_, n_.across * d_ / 2);
+        plan_.traits.micropolar = facts_of(plan_.micropolar);
+        if (plan_.traits.micropolar.spins) choose_micropolar(plan_, scene_, given_, step_, n_.across * d_ / 2);
         choose_artificial_viscosity();
         choose_preconditioner();
         choose_boundary();
@@ -77,7 +77,7 @@ public:
 
 private:
     /// The viscous number decides the pressure model, and the model the support: explicit viscosity is judged at that of the others.
-    static constexpr PressureFacts usual{};
+    static constexpr PressureTraits usual{};
 
     /// Uses the user's choice, or the automatic one with its reason.
     template <class E>
@@ -111,8 +111,8 @@ private:
             choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_, plan_.free_surface));
         const PressureForm automatic_form = automatic_pressure_form();
         const PressureForm form = scene_.pressure.form.value_or(automatic_form);
-        plan_.facts.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);
-        if (plan_.facts.pressure.form) note("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
+        plan_.traits.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);
+        if (plan_.traits.pressure.form) note("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
     }
 
     /// The projection keeps vortices; splashing fluid it cannot hold.
@@ -129,7 +129,7 @@ private:
     }
 
     void choose_kernel() {
-        const PressureFacts& own = plan_.facts.pressure;
+        const PressureTraits& own = plan_.traits.pressure;
         plan_.support = scene_.fluid.support.value_or(own.support) * d_;
         plan_.kernel = {scene_.fluid.kernel.value_or(own.kernel), scene_.domain.dimensions};
         note("fluid.kernel", name_of(plan_.kernel.kind), !scene_.fluid.kernel, own.kernel_reason);
@@ -137,7 +137,7 @@ private:
     }
 
     void choose_sound_speed() {
-        if (!plan_.facts.pressure.has_sound) return;
+        if (!plan_.traits.pressure.has_sound) return;
         // A fluid at rest still needs sound: as fast as the longest step could resolve.
         double speed = std::max(n_.speed, scene_.time.cfl * d_ / scene_.time.max_step / 10);
         // The speed that the pressure 2.84 sigma/d, about that between the layers of the surface, would cause: the density then changes
@@ -156,14 +156,14 @@ private:
         const auto explicit_step = [&](const char* is) {
             return fmt::format("the stable explicit step {:.3g} s is {} than the flow's {:.3g} s", n_.explicit_step, is, step_);
         };
-        if (plan_.facts.pressure.solves_viscosity) reason = "the coupled pressure solves for it";
+        if (plan_.traits.pressure.solves_viscosity) reason = "the coupled pressure solves for it";
         else if (n_.viscosity == 0) reason = "fluid.viscosity is 0";
         else if (n_.explicit_step >= step_ && rotation_lost() > most_rotation_lost)
             wanted = ViscosityModel::full, reason = fmt::format("an explicit Laplacian takes {}", rotation_taken());
         else if (n_.explicit_step >= step_) wanted = ViscosityModel::explicit_laplacian, reason = explicit_step("longer");
         else wanted = ViscosityModel::full, reason = explicit_step("shorter");
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
-        plan_.facts.viscosity = facts_of(plan_.viscosity, scene_.viscosity);
+        plan_.traits.viscosity = facts_of(plan_.viscosity, scene_.viscosity);
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             const double bytes = assembled_bytes(plan_.support / d_, plan_.dimensions());
             note("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
@@ -175,8 +175,8 @@ private:
     /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (the first zero of J_1' is 1.84).
     double rotation_lost() const {
         const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > next_to_nothing;
-        if (facts_of(scene_.models.micropolar).spins) return 0;               // there the rotation goes into spin
-        if (plan_.facts.pressure.form == PressureForm::projection) return 0;  // it has another Laplacian
+        if (facts_of(scene_.models.micropolar).spins) return 0;                // there the rotation goes into spin
+        if (plan_.traits.pressure.form == PressureForm::projection) return 0;  // it has another Laplacian
         if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
         const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
         return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
@@ -188,17 +188,17 @@ private:
 
     /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/(4 (D + 2)). The fluid's own counts.
     void choose_artificial_viscosity() {
-        if (!plan_.facts.pressure.has_sound) return;
+        if (!plan_.traits.pressure.has_sound) return;
         constexpr double enough = 0.1;
         double nu = n_.nu;
         std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
-        if (!plan_.facts.viscosity.viscous) nu = 0, reason = "no separate viscosity: particles come to rest";
-        if (plan_.facts.viscosity.smooths)
+        if (!plan_.traits.viscosity.viscous) nu = 0, reason = "no separate viscosity: particles come to rest";
+        if (plan_.traits.viscosity.smooths)
             nu = xsph_viscosity(scene_.viscosity.alpha, plan_.support, step_), reason = fmt::format("what XSPH lacks to {:g}", enough);
         double own = 4 * (scene_.domain.dimensions + 2) * nu / (plan_.sound_speed * plan_.support);
         if (const MicropolarNumbers& n = plan_.spin; n.composed_coupling > 0)
             own *= (n.viscosity - n.composed_coupling / 2) / n.viscosity, reason = "what the composed curl does not damp between particles";
-        else if (plan_.facts.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
+        else if (plan_.traits.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
         plan_.artificial_viscosity = scene_.pressure.artificial_viscosity.value_or(std::max(0.0, enough - own));
         note("pressure.artificial_viscosity", fmt::format("{:.2g}", plan_.artificial_viscosity), !scene_.pressure.artificial_viscosity,
              reason);
@@ -207,9 +207,9 @@ private:
     /// The choice itself is made step by step, by how many particles press (models/pressure/pressure_multigrid.h).
     void choose_preconditioner() {
         if (plan_.pressure != PressureModel::ppe) return;
-        const double above = plan_.facts.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
+        const double above = plan_.traits.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
         const bool many = plan_.estimated_particles >= above;
-        const bool asked = plan_.facts.pressure.source == PressureSource::density && scene_.pressure.asks_for_multigrid();
+        const bool asked = plan_.traits.pressure.source == PressureSource::density && scene_.pressure.asks_for_multigrid();
         plan_.preconditioner = choose(
             "pressure.preconditioner", scene_.pressure.preconditioner, many || asked ? Preconditioner::multigrid : Preconditioner::jacobi,
             asked ? std::string("pressure.cycle and pressure.sweeps are of it")
@@ -218,7 +218,7 @@ private:
 
     void choose_boundary() {
         const bool solids = !scene_.solids.empty();
-        const PressureFacts& own = plan_.facts.pressure;
+        const PressureTraits& own = plan_.traits.pressure;
         plan_.boundary = choose("models.boundary", scene_.models.boundary, solids ? own.boundary : BoundaryModel::none,
                                 solids ? own.boundary_reason : "no solids");
         if (!solids || own.form != PressureForm::constraint) return;
@@ -233,7 +233,7 @@ private:
     void tell_surface_tension() {
         const double tension = scene_.fluid.surface_tension;
         if (tension == 0) return;
-        const bool curves = plan_.facts.pressure.source == PressureSource::velocity, presses = plan_.facts.pressure.solves_viscosity;
+        const bool curves = plan_.traits.pressure.source == PressureSource::velocity, presses = plan_.traits.pressure.solves_viscosity;
         const std::string pulls = fmt::format(
             "pulls between particles over {:g} spacings, {}", Cohesion::range,
             presses ? fmt::format("which press the inside with {:.3g} Pa", internal_pressure(tension, d_)) : "of the skin alone");
@@ -242,18 +242,18 @@ private:
                                              curves ? "the pressure on the surface is that times its curvature" : pulls,
                                              surface_tension_step(scene_.fluid.density, d_, tension, 0))});
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (loses_angle(plan_.facts.pressure, scene_.solids[k]))
+            if (loses_angle(plan_.traits.pressure, scene_.solids[k]))
                 add_warning(fmt::format(
                     "with models.pressure = \"{}\" drops meet solid[{}] at about {} degrees, not at 90; models.pressure = \"ppe\" has 90",
-                    plan_.facts.pressure.name, k, presses ? 124 : 108));
+                    plan_.traits.pressure.name, k, presses ? 124 : 108));
     }
 
     void choose_shifting() {
-        ShiftingModel shifting = plan_.facts.pressure.shifting;
-        std::string reason = plan_.facts.pressure.shifting_reason;
-        if (plan_.facts.pressure.has_sound && !plan_.free_surface && plan_.facts.viscosity.viscous)
+        ShiftingModel shifting = plan_.traits.pressure.shifting;
+        std::string reason = plan_.traits.pressure.shifting_reason;
+        if (plan_.traits.pressure.has_sound && !plan_.free_surface && plan_.traits.viscosity.viscous)
             shifting = ShiftingModel::fickian, reason = "particles that shear disorders, viscosity takes for a fluid a fifth thicker";
-        if (plan_.facts.pressure.has_sound && scene_.pressure.gradient == GradientForm::difference)
+        if (plan_.traits.pressure.has_sound && scene_.pressure.gradient == GradientForm::difference)
             shifting = ShiftingModel::fickian, reason = "the difference gradient keeps no particles apart";
         plan_.shifting = choose("models.shifting", scene_.models.shifting, shifting, reason);
     }
@@ -263,7 +263,7 @@ private:
         check_models(given_, plan_, n_, shapes_, problems);
         check_printed(given_, plan_, problems);
         check_placement(scene_, plan_, n_, shapes_, problems);
-        check_unread(given_, plan_, problems);
+        check_unused_keys(given_, plan_, problems);
         if (problems.empty()) return;
         add_likely_causes(problems);
         throw InputError(in_order(std::move(problems), scene_.place("").file));
@@ -271,7 +271,7 @@ private:
     /// A wrong unit is often the cause of other problems.
     void add_likely_causes(std::vector<Problem>& problems) const {
         for (const ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) {
-            const Place at = scene_.place(warning.key);
+            const FileLocation at = scene_.place(warning.key);
             if (std::none_of(problems.begin(), problems.end(), [&](const Problem& p) {
                     return p.place.file == at.file && p.place.line == at.line && p.place.column == at.column;
                 }))
@@ -286,7 +286,7 @@ private:
         warn_of_placement();
         if (n_.spun.climb > d_ && n_.spun.edge > n_.spun.rim) warn_of_spinning();
         for (ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning.text));
-        if (plan_.facts.micropolar.spins) warn_micropolar(plan_, scene_);
+        if (plan_.traits.micropolar.spins) warn_micropolar(plan_, scene_);
     }
 
     void warn_of_meshes() {
@@ -307,7 +307,7 @@ private:
     }
 
     void warn_of_viscosity() {
-        if (n_.viscosity > 0 && plan_.viscosity == ViscosityModel::none && !plan_.facts.viscous())
+        if (n_.viscosity > 0 && plan_.viscosity == ViscosityModel::none && !plan_.traits.viscous())
             add_warning(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n_.viscosity));
         if (plan_.viscosity == ViscosityModel::explicit_laplacian && n_.explicit_step < 0.15 * n_.step)
             add_warning(fmt::format(
@@ -321,7 +321,7 @@ private:
             add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, use a smaller fluid.spacing", n_.across,
                                     n_.narrowest));
         const bool viscous_walls =
-            plan_.facts.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.facts.viscosity.viscous);
+            plan_.traits.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.traits.viscosity.viscous);
         for (std::size_t k = 0; k < scene_.solids.size(); ++k)
             if (scene_.solids[k].slip == Slip::navier && !viscous_walls)
                 add_warning(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k,
@@ -341,23 +341,23 @@ private:
 
     void warn_of_pressure() {
         if (plan_.pressure == PressureModel::none) add_warning("models.pressure is none: nothing keeps the particles apart");
-        if (plan_.facts.pressure.source == PressureSource::density && scene_.pressure.damping == 0)
+        if (plan_.traits.pressure.source == PressureSource::density && scene_.pressure.damping == 0)
             add_warning(
                 "without pressure.damping, pressure.source = \"density\" shakes particles at walls: fluid at rest trembles, and a full "
                 "closed box comes apart where pressure.correction is large");
-        if (plan_.facts.pressure.source == PressureSource::velocity && plan_.free_surface)
+        if (plan_.traits.pressure.source == PressureSource::velocity && plan_.free_surface)
             add_warning(
                 "pressure.form = \"projection\" holds a surface that moves gently: it diverges or loses volume if a column collapses, a "
                 "jet lands, a body falls or rises through the surface, thin fluid turns in a round vessel, or fluid without weight meets "
                 "other fluid or turns fast; pressure.form = \"constraint\" holds these");
-        if (plan_.facts.pressure.source == PressureSource::velocity && !plan_.free_surface && scene_.domain.gravity(0).norm() > 0)
+        if (plan_.traits.pressure.source == PressureSource::velocity && !plan_.free_surface && scene_.domain.gravity(0).norm() > 0)
             for (std::size_t k = 0; k < scene_.solids.size(); ++k)
                 if (const double density = scene_.solids[k].density; density > 0 && density < 0.9 * scene_.fluid.density)
                     add_warning(
                         fmt::format("solid[{}] is lighter than the fluid: where it comes to press against another solid, pressure.form "
                                     "= \"projection\" does not hold it, and \"constraint\" does",
                                     k));
-        if (!plan_.facts.pressure.has_sound) return;
+        if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
             add_warning("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
         if (scene_.pressure.gradient == GradientForm::difference && plan_.shifting == ShiftingModel::none)
@@ -402,7 +402,7 @@ private:
     const Scene &given_, &scene_;
     const SceneShapes& shapes_;
     double d_;
-    SceneNumbers n_;
+    SceneScales n_;
     double step_;  ///< s, that the flow allows, and the sound
     Plan plan_;
 };

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/core/types.h"
-#include "engine/scene/model_facts.h"
+#include "engine/scene/model_traits.h"
 
 namespace whorl {
 
@@ -54,7 +54,7 @@ struct MicropolarNumbers {
 Scene calibrated(const Scene& scene);
 
 /// @param scene calibrated @param viscosity of the model that the plan chose @param slides see MicropolarNumbers
-MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityFacts& viscosity, bool slides);
+MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityTraits& viscosity, bool slides);
 
 struct Plan;
 /// Chooses the form of the viscosity and the exchange scheme, and explains the numbers. @param flow_step s, the time step that all else
@@ -97,7 +97,7 @@ struct Plan {
     bool wall_images = false;  ///< of the fluid in flat walls
     ShiftingModel shifting = ShiftingModel::none;
     Preconditioner preconditioner = Preconditioner::none;  ///< of the pressure equation, once all fluid is there
-    ModelFacts facts;                                      ///< of these models; facts.pressure.form and .source are those chosen
+    ModelTraits traits;                                    ///< of these models; facts.pressure.form and .source are those chosen
 
     bool free_surface = true;  ///< fluid does not fill all that solids and periodic axes leave
 

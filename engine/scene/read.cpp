@@ -97,7 +97,7 @@ private:
     void shape(const std::string& name, ShapeKeys& s) {
         s.cut = scene_.domain.dimensions == 2;
         if (s.kind == "box") ordered(name + ".min", s.min, name + ".max", s.max, scene_.domain.dimensions);
-        if (const std::string why = s.cut ? why_no_cut(s) : ""; !why.empty())
+        if (const std::string why = s.cut ? section_error(s) : ""; !why.empty())
             reader_.disagree({name + ".shape"}, name + " " + why, "domain.dimensions = 2 makes the flow that of this plane",
                              "allowed: boxes, spheres, cylinders along z and planes along z");
         if (s.kind == "cylinder" && s.from == s.to && !s.cut)
@@ -279,7 +279,7 @@ bool Scene::viscosity_ages_by_place() const {
     return false;
 }
 
-Place Scene::place(const std::string& key) const { return place_in(places, key); }
+FileLocation Scene::place(const std::string& key) const { return place_in(places, key); }
 
 double frame_time(const Scene& scene, int frame) { return (frame - 1) * scene.time.frame_interval(); }
 

@@ -53,13 +53,13 @@ std::vector<std::string> names_in(const KeyTable& table) {
 Reader::Reader(const KeyTable& table, void* object, std::vector<Section> sections, bool plane)
     : root_{&table, object}, sections_(std::move(sections)), plane_(plane) {}
 
-Place Reader::place(const std::string& key) const { return place_in(places, key); }
+FileLocation Reader::place(const std::string& key) const { return place_in(places, key); }
 
 void Reader::disagree(const std::vector<std::string>& keys, std::string what, std::string hint, std::string allowed) {
     for (const std::string& key : keys)
         if (failed_.count(key)) return;
     // The place of the first key that was given: the others hold their defaults.
-    Place where = place(keys.front());
+    FileLocation where = place(keys.front());
     for (const std::string& key : keys)
         if (const auto it = places.find(key); it != places.end()) {
             where = it->second;
@@ -88,7 +88,7 @@ void Reader::unknown(const Value& v, const std::string& name, const KeyTable& ta
 }
 
 void Reader::read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path) {
-    const auto wrong = [&](const Place& where, const std::string& form) {
+    const auto wrong = [&](const FileLocation& where, const std::string& form) {
         problems.push_back({where, path + " must be " + form, "", ""});
         failed_.insert(path);
     };

@@ -18,11 +18,11 @@ public:
     void read(const Value& root);
 
     std::vector<Problem> problems;
-    std::map<std::string, Place> places;  ///< of every key and table that was given
+    std::map<std::string, FileLocation> places;  ///< of every key and table that was given
 
     /// Reports a mistake in how keys fit each other, unless one of them was wrong or missing in itself.
     void disagree(const std::vector<std::string>& keys, std::string what, std::string hint = "", std::string allowed = "");
-    Place place(const std::string& key) const;
+    FileLocation place(const std::string& key) const;
 
 private:
     void read_table(const Described& here, void* object, const Value& v, const std::string& path);

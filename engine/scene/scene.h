@@ -261,8 +261,8 @@ struct Scene {
     bool identities = false;  ///< particles know who they are and where they came from; not a key, it follows from exports and probes
     bool ages = false;        ///< particles know how long they have been about; the same
 
-    std::string directory;                ///< of the scene file: mesh files are found from here
-    std::map<std::string, Place> places;  ///< location of each given key: "emitter[0].position" -> file:line:column
+    std::string directory;                       ///< of the scene file: mesh files are found from here
+    std::map<std::string, FileLocation> places;  ///< location of each given key: "emitter[0].position" -> file:line:column
     /// Viscosity of fluid from emitter k - 1, or (k = 0) of the start.
     const Expression& viscosity_of_source(std::size_t k) const {
         return k > 0 && emitters[k - 1].viscosity ? *emitters[k - 1].viscosity : fluid.viscosity;
@@ -291,7 +291,7 @@ struct Scene {
     bool viscosity_ages() const;
     bool viscosity_ages_by_place() const;
     /// Location of `key`, or of the nearest enclosing table that was given.
-    Place place(const std::string& key) const;
+    FileLocation place(const std::string& key) const;
 };
 
 /// Frame k shows the time (k - 1) frame_interval(); frame 1 the start.

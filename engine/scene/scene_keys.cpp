@@ -107,7 +107,7 @@ KeyTable model_keys() {
 KeyTable pressure_keys() {
     KeyTableOf<PressureOptions> t("of the pressure model");
     const std::string model = "models.pressure";
-    const std::vector<std::string> solving = names_of(pressure_models(), &PressureFacts::solves);
+    const std::vector<std::string> solving = names_of(pressure_models(), &PressureTraits::solves);
     t.key("tolerance", inside(&PressureOptions::limits, &SolveLimits::tolerance), "",
           "ppe: relative density error; coupled: preconditioned residual of a step in which the fastest fluid moves by 0.4 spacings, less "
           "of shorter ones")
@@ -180,7 +180,7 @@ KeyTable pressure_keys() {
 KeyTable viscosity_keys() {
     KeyTableOf<ViscosityOptions> t("of the viscosity model");
     const std::string model = "models.viscosity";
-    const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityFacts::implicit);
+    const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityTraits::implicit);
     t.key("tolerance", inside(&ViscosityOptions::limits, &SolveLimits::tolerance), "",
           "preconditioned residual over the velocities, of a step in which viscosity takes a hundredth of them; less of those where it "
           "takes less")
@@ -221,7 +221,7 @@ KeyTable micropolar_keys() {
     KeyTableOf<MicropolarKeys> t("of the micropolar model");
     using M = MicropolarKeys;
     const auto own = [](Key& k) -> Key& {
-        return k.only_with("models.micropolar", names_of(micropolar_models(), &MicropolarFacts::spins));
+        return k.only_with("models.micropolar", names_of(micropolar_models(), &MicropolarTraits::spins));
     };
     own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
     own(t.key("micro_inertia", &M::micro_inertia, "m^2",

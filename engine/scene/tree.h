@@ -18,14 +18,14 @@ inline std::string entry_name(const std::string& list, std::size_t i) { return l
 inline std::string joined_path(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
 
 /// Location of a key in its file, or else of the nearest given table around it. @param places locations of given keys, by full names
-inline Place place_in(const std::map<std::string, Place>& places, const std::string& key) {
+inline FileLocation place_in(const std::map<std::string, FileLocation>& places, const std::string& key) {
     for (std::string path = key; !path.empty();) {
         if (const auto it = places.find(path); it != places.end()) return it->second;
         const std::size_t end = path.find_last_of(".[");
         path.resize(end == std::string::npos ? 0 : end);
     }
     const auto it = places.find("");
-    return it == places.end() ? Place{} : it->second;
+    return it == places.end() ? FileLocation{} : it->second;
 }
 
 /// The key that selects another one, and the struct that contains it: in the same table (`shape`), or from the root (`models.pressure`).

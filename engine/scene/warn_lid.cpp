@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/scene/checks.h"
-#include "engine/scene/numbers.h"
+#include "engine/scene/scene_scales.h"
 
 namespace whorl {
 

@@ -54,7 +54,7 @@ std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShape
         if (const double across = widest_of(scene.emitters[i], dimensions); across > widest_opening)
             add(name + (scene.emitters[i].shape == "disc" ? ".radius" : ".width"),
                 fmt::format(": the nozzle is {:.3g} m across; lengths are in metres", across));
-        if (const double u = fastest_of(scene.emitters[i], scene.time.end); u > fastest_fluid && std::isfinite(u))
+        if (const double u = max_speed_of(scene.emitters[i], scene.time.end); u > fastest_fluid && std::isfinite(u))
             add(name + ".speed", fmt::format(": the fluid moves at {:.4g} m/s; speeds are in m/s", u));
     }
     // A floor may be much wider than the flow on it, a plane is endless.

@@ -19,17 +19,18 @@ Real sum_over_row(const Pairs& pairs, Index i, const Kernel& W) {
 
 }  // namespace
 
-void sum_density(const Surroundings& around, Real solid_factor, SolidGate gate, Span<Real> density) {
-    const StepContext& step = around.step;
+void sum_density(const InteractionContext& context, Real solid_factor, SolidGate gate, Span<Real> density) {
+    const StepContext& step = context.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         const Real m = step.mass, own = m * W.value(0);
-        const bool any_solids = around.solid_pairs.size() == around.pairs.size() && !around.solid_pairs.other.empty();
-        parallel_for(around.pairs.size(), [&](Index i) {
-            const Real sum = sum_over_row(around.pairs, i, W);
+        const bool any_solids = context.solid_pairs.size() == context.pairs.size() && !context.solid_pairs.other.empty();
+        parallel_for(context.pairs.size(), [&](Index i) {
+            const Real sum = sum_over_row(context.pairs, i, W);
             Real wall = 0;
             if (any_solids)
-                around.solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) { wall += around.layer.volume[s] * W.value(distance); });
-            if (wall > 0) wall *= gate.weight(W, i, around.solid_pairs, around.layer.volume, solid_factor);
+                context.solid_pairs.of(
+                    i, [&](Index s, const Vec3&, Real distance) { wall += context.boundary.volume[s] * W.value(distance); });
+            if (wall > 0) wall *= gate.weight(W, i, context.solid_pairs, context.boundary.volume, solid_factor);
             density[i] = own + m * sum + step.rest_density * solid_factor * wall;
         });
     });

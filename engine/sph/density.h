@@ -1,20 +1,22 @@
 #pragma once
 /// The density by kernel sums.
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
 
 /// rho_i = m W_ii + sum_j m W_ij + rho_0 sum_s f V_s W_is        Solids count with their volumes (Akinci et al. 2012).
 /// @param solid_factor f, see models/boundary/wall.h @param density [kg/m^3], written
-void sum_density(const Surroundings& around, Real solid_factor, SolidGate gate, Span<Real> density);
+void sum_density(const InteractionContext& context, Real solid_factor, SolidGate gate, Span<Real> density);
 
 /// The stage of sum_density().
 struct Density {
     Real solid_factor = 1;
     SolidGate gate = {};
-    void operator()(const Surroundings& around, Write<field::density> rho) const { sum_density(around, solid_factor, gate, rho.values); }
+    void operator()(const InteractionContext& context, Write<field::density> rho) const {
+        sum_density(context, solid_factor, gate, rho.values);
+    }
 };
 
 }  // namespace whorl

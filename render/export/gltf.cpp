@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
-#include "engine/core/whole_file.h"
 #include "render/look/environment.h"
 #include "render/look/material.h"
 

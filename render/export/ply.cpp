@@ -6,8 +6,8 @@
 #include <iterator>
 #include <string>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/parallel.h"
-#include "engine/core/whole_file.h"
 
 namespace whorl {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/parallel.h"
-#include "engine/core/whole_file.h"
 #include "render/export/gltf.h"
 
 namespace whorl {

@@ -186,8 +186,8 @@ std::vector<float> stroked(const std::vector<Edge>& edges, int width, int height
 
 }  // namespace
 
-std::vector<SolidCut> cut_solids(const Frame& frame, const PixelPlane& plane, float line) {
-    std::vector<SolidCut> cuts;
+std::vector<SolidSection> section_solids(const Frame& frame, const PixelPlane& plane, float line) {
+    std::vector<SolidSection> cuts;
     for (const FrameSolid& solid : frame.solids) {
         if (!solid.mesh) continue;
         const std::vector<Edge> edges = cut_edges(solid, plane);

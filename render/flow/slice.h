@@ -24,13 +24,13 @@ PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest)
 FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,
                      const Vec3f& ground);
 
-struct SolidCut {
+struct SolidSection {
     bool container = false;      ///< the fluid is inside the outline
     std::vector<float> inside;   ///< share of each pixel that lies within the outline, rows from below; empty if the plane misses it
     std::vector<float> outline;  ///< share of each pixel that its line covers
 };
 
 /// @param line width of the outline [pixels]
-std::vector<SolidCut> cut_solids(const Frame& frame, const PixelPlane& plane, float line);
+std::vector<SolidSection> section_solids(const Frame& frame, const PixelPlane& plane, float line);
 
 }  // namespace whorl

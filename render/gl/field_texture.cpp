@@ -28,7 +28,7 @@ void FieldTexture::fill(const Volume& band) {
     if (empty()) return;
     voxel_ = band.voxel;
     origin_ = band.origin;
-    const Volume wide = far_field(band, coarseness, margin);
+    const Volume wide = coarse_distance(band, coarseness, margin);
     upload(near_, band, voxel_);
     upload(far_, wide, voxel_);
     // place p of the band (voxels) -> p/coarseness + margin in the far field's voxels -> texture: (that + 1/2) / its size.
@@ -41,7 +41,7 @@ void FieldTexture::bind(gl::Program& program, int unit) const {
     program.set("has_field", empty() ? 0 : 1);
     // Also without a field: two samplers of different kinds must not use the same unit.
     program.texture("near_field", unit, GL_TEXTURE_3D, near_.id());
-    program.texture("far_field", unit + 1, GL_TEXTURE_3D, far_.id());
+    program.texture("coarse_distance", unit + 1, GL_TEXTURE_3D, far_.id());
     if (empty()) return;
     program.set("field_origin", origin_);
     program.set("voxel", voxel_);
@@ -89,7 +89,7 @@ void sweep(Volume& v) {
 
 }  // namespace
 
-Volume far_field(const Volume& band, int coarseness, int margin) {
+Volume coarse_distance(const Volume& band, int coarseness, int margin) {
     Volume wide;
     wide.voxel = band.voxel * static_cast<float>(coarseness);
     wide.origin = band.origin - Vec3f::Constant(wide.voxel * static_cast<float>(margin));

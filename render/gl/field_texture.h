@@ -25,7 +25,7 @@ private:
 /// The distance volume has distances in a narrow band only; shadow, occlusion and long steps need rough ones everywhere.
 /// A volume with `coarseness` times larger voxels, `margin` of them wider on every side, whose values are signed distances without a band
 /// [m], good to about half a coarse voxel.
-Volume far_field(const Volume& band, int coarseness, int margin);
+Volume coarse_distance(const Volume& band, int coarseness, int margin);
 
 class InkField {
 public:

@@ -74,7 +74,7 @@ private:
 };
 
 /// Light of a hot fluid on its surroundings: its surface as a few flat patches.
-struct HotPatch {
+struct EmissivePatch {
     Vec3f place = Vec3f::Zero();   ///< m, where its light comes from in the mean
     Vec3f normal = Vec3f::Zero();  ///< mean over its area: shorter than 1 where it is curved
     Vec3f light = Vec3f::Zero();   ///< mean radiance
@@ -84,9 +84,9 @@ struct HotPatch {
 constexpr int most_patches = 32;
 
 /// Cells of a lattice that holds the surface; of more than most_patches the brightest. None where nothing glows.
-std::vector<HotPatch> hot_patches(const Surface& surface, const Material& material);
+std::vector<EmissivePatch> hot_patches(const Surface& surface, const Material& material);
 
 /// Sets the uniforms of hot.glsl.
-void bind_patches(gl::Program& program, const std::vector<HotPatch>& patches);
+void bind_patches(gl::Program& program, const std::vector<EmissivePatch>& patches);
 
 }  // namespace whorl

@@ -6,18 +6,18 @@
 #include <optional>
 #include <set>
 
-#include "render/flow/plate.h"
+#include "render/flow/slice_image.h"
+#include "render/gl/aov_pass.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
 #include "render/gl/ground_light.h"
-#include "render/gl/layer_pass.h"
 #include "render/gl/objects.h"
-#include "render/gl/samples.h"
+#include "render/gl/sample_accumulator.h"
 #include "render/gl/scene_geometry.h"
+#include "render/gl/scene_lighting.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
-#include "render/gl/surround.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
@@ -42,7 +42,7 @@ struct Shot {
     float aspect = 1;
     bool has_age = false;    ///< of the fluid's surface
     bool has_crust = false;  ///< whose plates are known
-    std::vector<HotPatch> patches;
+    std::vector<EmissivePatch> patches;
     std::set<Pattern> patterns;  ///< of the solids
     std::string constants;       ///< that the programs are compiled with
 
@@ -130,21 +130,21 @@ struct Renderer::Device {
     GlContext context;  // first: everything below is freed while it is still current
     int width, height;
 
-    gl::Program fluid_normal{{"mesh.vert"}, {"folded.glsl", "normal.frag"}};
+    gl::Program fluid_normal{{"mesh.vert"}, {"octahedral.glsl", "normal.frag"}};
     gl::Program solid_depth{{"mesh.vert"}, {"depth.frag"}};
-    gl::Programs solid_faces{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "folded.glsl", "face.frag"}};
+    gl::Programs solid_faces{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "octahedral.glsl", "face.frag"}};
     gl::Programs solid_colour{{"screen.vert"},
                               {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl", "solid_light.glsl",
-                               "hot.glsl", "folded.glsl", "faces.glsl", "solid.frag"}};
+                               "hot.glsl", "octahedral.glsl", "faces.glsl", "solid.frag"}};
     gl::Programs solid_light_program{{"screen.vert"},
                                      {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl",
-                                      "solid_light.glsl", "folded.glsl", "faces.glsl", "solid_light.frag"}};
+                                      "solid_light.glsl", "octahedral.glsl", "faces.glsl", "solid_light.frag"}};
     gl::Programs liquid{
         {"screen.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "folded.glsl", "liquid.frag"}};
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "octahedral.glsl", "liquid.frag"}};
     gl::Programs opaque{
         {"screen.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "folded.glsl", "opaque.frag"}};
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "octahedral.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
@@ -164,9 +164,9 @@ struct Renderer::Device {
     gl::Framebuffer crusted_geometry;
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
-    std::optional<LayerPass> layer_pass;  // made when it is first asked for
+    std::optional<AovPass> aov_pass;  // made when it is first asked for
 
-    Samples samples{width, height, depth};
+    SampleAccumulator samples{width, height, depth};
     Backdrop backdrop{width, height};
     SceneGeometry scene;
     FieldTexture field;
@@ -175,25 +175,25 @@ struct Renderer::Device {
     FlowShapes flow;
     InkField inks;
     GroundLight ground_light{height};
-    Surround surround;
+    SceneLighting lighting;
 };
 
 void Renderer::Device::set_studio(gl::Program& program, const Shot& shot) const {
     program.use();
-    surround.bind(program, shot.look, shot.view, shot.ground, height, surround_unit);
+    lighting.bind(program, shot.look, shot.view, shot.ground, height, surround_unit);
     ground_light.bind_ground(program, ground_unit);
 }
 
 /// @return the range of the colours
 std::array<float, 2> Renderer::Device::begin(const Frame& frame, const LookOptions& look) {
     context.make_current();
-    surround.fill(look);
+    lighting.fill(look);
     return shows_field(look) ? field_range(field_values(frame, look), look) : std::array<float, 2>{0, 1};
 }
 
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     const std::array<float, 2> range = begin(frame, look);
-    if (look.style == "slice" && view.flat) return draw_plate(frame, look, range, width, height);
+    if (look.style == "slice" && view.flat) return draw_slice_image(frame, look, range, width, height);
     const Layout layout = layout_of(width, height, static_cast<float>(width) / static_cast<float>(height), look, range);
     const Shot shot = sum_samples(frame, surface, look, view, range, layout.flow);
     Image image;
@@ -220,7 +220,7 @@ PictureLayers Renderer::Device::draw_layers(const Frame& frame, const Surface& s
                            0.5f * frame.spacing,
                            !look.environment.empty()};
     scene.go_to(0);
-    layer_pass->add_places(layers, scene, places);
+    aov_pass->add_places(layers, scene, places);
     return layers;
 }
 
@@ -250,11 +250,11 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               !surface.crust.empty() && !shows_field(look),
               {},
               {},
-              surround.constants(look) + gl::constant("draws_behind", view.blurs()) + gl::constant("transparent", is_transparent(look))};
+              lighting.constants(look) + gl::constant("draws_behind", view.blurs()) + gl::constant("transparent", is_transparent(look))};
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
-    ground_light.draw(scene, shot.material, surround.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
+    ground_light.draw(scene, shot.material, lighting.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
 
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
@@ -310,13 +310,13 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
         shade_solids(shot, matrix, things.id());
         draw_front();
     } else {
-        samples.leave_settled(depth);
+        samples.mask_converged(depth);
         if (sample == 1 && scene.any_containers()) samples.complete_glass(glass_target);
         draw_faces(shot, matrix);
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
         draw_front();
         shade_solids(shot, matrix, things.id());  // those that the fluid hides keep the first sample's light, which only refraction shows
-        samples.wipe_open();
+        samples.clear_background();
     }
     glDisable(GL_DEPTH_TEST);
 
@@ -327,7 +327,7 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
     else shade_sample(shot, matrix, samples.weight(sample));
     if (scene.any_containers()) draw_glass(shot, matrix, samples.weight());
     glDisable(GL_BLEND);
-    if (samples.settles(sample)) samples.settle(scene.any_containers() ? glass.id() : 0);
+    if (samples.may_converge(sample)) samples.mark_converged(scene.any_containers() ? glass.id() : 0);
     glDisable(GL_SCISSOR_TEST);
 }
 
@@ -526,9 +526,9 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
 }
 
 PictureLayers Renderer::Device::light_of(const Shot& shot) {
-    if (!layer_pass) layer_pass.emplace(width, height, depth);
-    compose_picture(shot, layer_pass->light_target(), true);
-    return layer_pass->read_light(is_transparent(shot.look));
+    if (!aov_pass) aov_pass.emplace(width, height, depth);
+    compose_picture(shot, aov_pass->light_target(), true);
+    return aov_pass->read_light(is_transparent(shot.look));
 }
 
 Image Renderer::Device::read_back() const {

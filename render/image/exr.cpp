@@ -18,10 +18,10 @@
 #include <span>
 #include <string>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/core/types.h"
-#include "engine/core/whole_file.h"
 
 namespace whorl {
 namespace {
@@ -109,7 +109,7 @@ void write_exr(const std::filesystem::path& file, const PictureLayers& layers, c
         out.setFrameBuffer(buffer);
         out.writePixels(layers.height);
     }  // writes its table of lines
-    write_whole(file, std::as_bytes(std::span(memory.bytes)));
+    write_atomically(file, std::as_bytes(std::span(memory.bytes)));
 }
 
 PictureLayers read_exr(const std::filesystem::path& file) try {

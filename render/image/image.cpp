@@ -11,9 +11,9 @@
 #include <span>
 #include <string>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "engine/core/whole_file.h"
 
 // stb's own deflate takes 0.2 s for a frame of 1280x720. After prediction a rendered picture is noise with runs of zeros: looking for runs
 // alone is the quickest that zlib can, and packs as well as a full search at its fastest level.
@@ -104,7 +104,7 @@ std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
 
 void write_png(const std::filesystem::path& file, const Image& image) {
     const std::vector<std::uint8_t> bytes = encode_png(image);
-    write_whole(file, std::as_bytes(std::span(bytes)));
+    write_atomically(file, std::as_bytes(std::span(bytes)));
 }
 
 Image read_png(const std::filesystem::path& file) {

@@ -16,14 +16,14 @@ void main() {
     away = length(way);
     if (dot(n, way) > 0.0) n = -n;
     vec3 albedo = solid_colour;
-    vec2 face = folded(n), relief = face;
+    vec2 face = octahedral_encode(n), relief = face;
     if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;
         n = in_relief(n, world, t.height);
         vec3 v = way / away;
         if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
-        relief = folded(n);
+        relief = octahedral_encode(n);
     }
     colour = vec4(albedo, roughness - 2.0 * metal);
     normals = vec4(relief, face);

@@ -1,6 +1,6 @@
 // The fluid as a distance field, marched in voxels: x = field_origin + voxel * place.
 uniform sampler3D near_field;   // signed distance in voxels, negative inside, known in a band
-uniform sampler3D far_field;    // roughly, but everywhere
+uniform sampler3D coarse_distance;    // roughly, but everywhere
 uniform vec3 field_origin;      // m
 uniform float voxel;            // m
 uniform vec3 near_scale;        // place -> texture
@@ -12,7 +12,7 @@ uniform vec3 far_half;          // half of the far field's extent, voxels
 float near_distance(vec3 place) { return texture(near_field, (place + 0.5) * near_scale).r; }
 float far_distance(vec3 place) {
     vec3 outside = max(abs(place - 0.5 * field_size) - far_half, 0.0);
-    return texture(far_field, place * far_scale + far_offset).r + outside.x + outside.y + outside.z;
+    return texture(coarse_distance, place * far_scale + far_offset).r + outside.x + outside.y + outside.z;
 }
 vec3 place_of(vec3 x) { return (x - field_origin) / voxel; }
 vec3 world_of(vec3 place) { return field_origin + voxel * place; }

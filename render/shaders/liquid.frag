@@ -159,7 +159,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
 
 void main() {
     vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
-    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = unfolded(g.xy);
+    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = octahedral_decode(g.xy);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 p = place_of(has_motion ? x - texture(motion_buffer, uv).xyz : x);
     vec3 r = reflect(v, n);

@@ -7,11 +7,11 @@ in vec3 moved;
 uniform vec3 eye;
 uniform bool keeps_motion;
 layout(location = 0) out vec4 solid;
-layout(location = 1) out vec4 normal;  // folded()
+layout(location = 1) out vec4 normal;  // octahedral_encode()
 layout(location = 2) out vec4 crust;   // kept only where it is drawn
 
 void main() {
     solid = vec4(0.0);
-    normal = vec4(folded(normalize(world_normal)), fluid_age, distance(world, eye));
+    normal = vec4(octahedral_encode(normalize(world_normal)), fluid_age, distance(world, eye));
     crust = keeps_motion ? vec4(moved, 0.0) : fluid_crust;
 }

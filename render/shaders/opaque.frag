@@ -26,7 +26,7 @@ float unshadowed(vec3 p, vec3 l) {
 
 void main() {
     vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
-    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = unfolded(g.xy);
+    vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = octahedral_decode(g.xy);
     Crust crust;
     if (has_crust) {
         crust = crust_at(texture(crust_buffer, uv), g.z);

@@ -8,7 +8,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 made_of = texelFetch(face_colour, pixel, 0), normals = texelFetch(face_normals, pixel, 0);
     float away = texelFetch(face_distance, pixel, 0).r, metal = made_of.a < -0.5 ? 1.0 : 0.0, roughness = made_of.a + 2.0 * metal;
-    vec3 v = ray_behind(to_world, uv), world = eye + away * v, n = unfolded(normals.xy), face = unfolded(normals.zw), albedo = made_of.rgb;
+    vec3 v = ray_behind(to_world, uv), world = eye + away * v, n = octahedral_decode(normals.xy), face = octahedral_decode(normals.zw), albedo = made_of.rgb;
     vec3 r = reflect(v, n);
     float f0 = mix(0.045, 0.85, metal);
     float mirror = f0 + (1.0 - f0) * pow(clamp(1.0 + dot(n, v), 0.0, 1.0), 5.0) * (1.0 - 0.7 * roughness);

@@ -8,7 +8,7 @@ void main() {
     vec2 size = vec2(textureSize(face_distance, 0));
     ivec2 pixel = ivec2(uv * size);
     float away = texelFetch(face_distance, pixel, 0).r;
-    vec3 v = ray_behind(to_world, (vec2(pixel) + 0.5) / size), world = eye + away * v, n = unfolded(texelFetch(face_normals, pixel, 0).zw);
+    vec3 v = ray_behind(to_world, (vec2(pixel) + 0.5) / size), world = eye + away * v, n = octahedral_decode(texelFetch(face_normals, pixel, 0).zw);
     SolidLight found = find_light(world, n, reflect(v, n));
     light_here = vec4(found.key, found.open);
     place_here = vec4(found.seen, away, seen_along(n));

@@ -1,5 +1,5 @@
 // Textures of solids and of the ground, in metres of the body's own: they go with it. What is finer than `width` [m], a pixel's, is its mean.
-uniform sampler3D lattice_noise;   // render/gl/surround.h
+uniform sampler3D lattice_noise;   // render/gl/scene_lighting.h
 
 // Smooth noise with cells of 1, 0 to 1.
 float noise(vec3 p, float width) {

@@ -7,7 +7,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/keys.h"
 #include "engine/core/parallel.h"
-#include "render/surface/march.h"
+#include "render/surface/marching_cubes.h"
 #include "render/surface/smooth.h"
 #include "render/surface/vertex_values.h"
 

@@ -8,9 +8,9 @@
 
 #include <sstream>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "engine/core/whole_file.h"
 #include "render/surface/surface.h"
 
 namespace whorl {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <system_error>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
-#include "engine/core/whole_file.h"
 #include "render/video/process.h"
 
 namespace whorl {
@@ -198,7 +198,7 @@ void VideoEncoder::finish() {
         throw EnvironmentError("the video encoder failed: " + end_of(process->ffmpeg, code), "", once_it_works);
     const char* const container = format_of(process->file).container;
     if (container == nullptr) return std::filesystem::rename(partial_video(process->file), process->file);
-    WholeFile whole(process->file);
+    AtomicFile whole(process->file);
     ChildProcess rewrite = start(rewrite_arguments(partial_video(process->file), container, whole.temporary()));
     if (const int code = rewrite.wait(); code != 0)
         throw EnvironmentError("cannot rewrite the video: " + end_of(rewrite, code), "",

@@ -26,7 +26,7 @@ std::map<std::string, Folders> arrows() {
     const Folders core{"engine/core"}, math = core + Folders{"engine/math"}, geometry = math + Folders{"engine/geometry"},
                                        particles = geometry + Folders{"engine/particles"}, sph = particles + Folders{"engine/sph"},
                                        models = sph + Folders{"engine/models"}, scene = models + Folders{"engine/scene"},
-                                       sim = scene + Folders{"engine/sim"};
+                                       sim = scene + Folders{"engine/simulation"};
     const Folders frame = core + Folders{"engine/io/frame.h"};
     const Folders engine = sim + Folders{"engine/io", "engine/theory", "engine/probes"};
     const Folders render{"render/image", "render/video", "render/surface", "render/look", "render/flow", "render/export", "render/gl"};
@@ -40,7 +40,7 @@ std::map<std::string, Folders> arrows() {
         {"engine/sph", particles},
         {"engine/models", sph},
         {"engine/scene", models},
-        {"engine/sim", scene},
+        {"engine/simulation", scene},
         {"engine/io", sim},
         {"engine/theory", math},
         {"engine/probes", sim + Folders{"engine/io", "engine/theory"}},
@@ -52,7 +52,7 @@ std::map<std::string, Folders> arrows() {
         {"render/export", frame + Folders{"render/flow", "render/look", "render/surface"}},
         {"render/gl", frame + Folders{"render/flow", "render/image", "render/look", "render/surface"}},
         {"tools/process", core + Folders{"render/video/process.h"}},
-        {"tools/scene_file", sim + Folders{"engine/io/csv.h", "engine/io/packed.h", "render/surface", "render/look", "tools/process"}},
+        {"tools/scene_file", sim + Folders{"engine/io/csv.h", "engine/io/byte_io.h", "render/surface", "render/look", "tools/process"}},
         {"tools/cost", scene_file},
         {"tools/convert", geometry + Folders{"engine/io/csv.h", "render/surface"}},
         {"tools/film", scene_file + Folders{"tools/cost"}},

@@ -5,7 +5,7 @@
 
 #include "engine/io/csv.h"
 #include "engine/scene/plan.h"
-#include "tests/fuzz/sealed.h"
+#include "tests/fuzz/checksummed.h"
 #include "tests/fuzz/small_run.h"
 #include "tools/scene_file/scene_file.h"
 

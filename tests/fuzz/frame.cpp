@@ -1,7 +1,7 @@
 // Whole frames (--export raw), and the surfaces of small ones.
 #include "engine/io/frame.h"
 
-#include "tests/fuzz/sealed.h"
+#include "tests/fuzz/checksummed.h"
 #include "tests/fuzz/small_run.h"
 
 using namespace whorl;

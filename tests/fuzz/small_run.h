@@ -2,7 +2,7 @@
 /// Runs that are small enough for thousands of them a minute.
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
-#include "engine/scene/numbers.h"
+#include "engine/scene/scene_scales.h"
 #include "render/surface/surface.h"
 #include "tests/fuzz/target.h"
 

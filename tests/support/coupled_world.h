@@ -1,8 +1,8 @@
 #pragma once
 /// A free-standing world for tests of the coupled solve: particles, its five stages, no scene.
 #include "engine/core/clock.h"
-#include "engine/models/coupled/coupled_solve.h"
-#include "engine/sim/stage.h"
+#include "engine/models/viscosity/coupled/coupled_solve.h"
+#include "engine/simulation/stage.h"
 
 namespace whorl::test {
 

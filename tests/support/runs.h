@@ -2,7 +2,7 @@
 /// Runs of scenes that a test writes down as text.
 #include <string>
 
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 
 namespace whorl::test {
 

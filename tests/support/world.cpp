@@ -62,7 +62,7 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     const auto layers = [&](int a) { return a == 2 && step.dimensions() == 2 ? 1 : static_cast<int>(std::lround((high[a] - low[a]) / d)); };
     const int nb = layers(b), nc = layers(c);
-    SolidParticles& all = world.solid_particles;
+    BoundaryParticles& all = world.boundary_particles;
     for (int k = 0; k < nc; ++k)
         for (int j = 0; j < nb; ++j) {
             Vec3 x = low;
@@ -93,7 +93,7 @@ void TestWorld::find_pairs() {
     const auto x = column<field::position>();
     for (Vec3& one : x) one = world.step.domain.wrapped(one);
     search.find(x, world.step.support, world.step.domain, world.fluid_pairs);
-    solid_search.find(x, world.solid_particles.position, world.step.support, world.step.domain, world.solid_pairs);
+    solid_search.find(x, world.boundary_particles.position, world.step.support, world.step.domain, world.solid_pairs);
 }
 
 void TestWorld::step(double dt) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/particles/search.h"
-#include "engine/sim/stage.h"
+#include "engine/simulation/stage.h"
 
 namespace whorl::test {
 

@@ -43,7 +43,7 @@ TEST_CASE("slow frames reduce tolerance, then step length, surface and samples, 
     double last = 0;
     for (int frame = 2; frame < 60; ++frame) {
         governor.after_frame(0.5, frame, 0);  // whatever is given up, it does not help
-        const Sacrifice s = governor.now();
+        const QualityReduction s = governor.now();
         CHECK(s.amount >= last);
         last = s.amount;
         if (s.cfl > 0.4 * 1.0001) CHECK(s.tolerance == Approx(10));

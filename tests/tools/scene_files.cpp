@@ -38,12 +38,12 @@ const char* const mesh = "[[solid]]\nshape = \"mesh\"\nfile = \"one.obj\"\n";
 std::string recorded(const Scratch& scratch) {
     Options options;
     options.scene = scratch.scene().string();
-    Journal journal(scratch / "run");
-    fs::create_directories(journal.folder());
-    journal.begin(read_scene_file(options), scratch.scene(), "draft");
-    journal.add(0.2, {{"fluid.viscosity", Value(77.0)}});
-    journal.write(0.5);
-    return journal.file().string();
+    ChangeRecording recording(scratch / "run");
+    fs::create_directories(recording.folder());
+    recording.begin(read_scene_file(options), scratch.scene(), "draft");
+    recording.add(0.2, {{"fluid.viscosity", Value(77.0)}});
+    recording.write(0.5);
+    return recording.file().string();
 }
 
 }  // namespace

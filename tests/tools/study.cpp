@@ -11,7 +11,7 @@
 #include "engine/io/csv.h"
 #include "tests/support/program.h"
 #include "tests/support/scratch.h"
-#include "tools/study/front.h"
+#include "tools/study/pareto_search.h"
 #include "tools/study/point.h"
 
 using namespace whorl;
@@ -55,7 +55,7 @@ TEST_CASE("the search finds the front of a smooth sweep and runs little that lie
     // the 30 points 14 are on the front.
     const auto cost = [](const GridPoint& p) { return std::pow(8.0, p[0]) * std::pow(3.0, p[1]); };
     const auto error = [](const GridPoint& p) { return 0.1 * std::pow(0.25, p[0]) + 0.002 * std::pow(0.3, p[1]); };
-    const FrontSearch search({5, 6});
+    const ParetoSearch search({5, 6});
     std::vector<Measured> found, all;
     for (int i = 0; i < 5; ++i)
         for (int j = 0; j < 6; ++j) all.push_back({{i, j}, cost({i, j}), error({i, j})});

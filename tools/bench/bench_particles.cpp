@@ -61,7 +61,7 @@ void density(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(2)));
     FluidPairs pairs;
     Solids solids;
-    SolidParticles layer;
+    BoundaryParticles boundary;
     StepContext step;
     step.support = Real(static_cast<double>(state.range(1))) * Real(0.1) * Block::d;
     step.kernel = kind;
@@ -70,7 +70,7 @@ void density(benchmark::State& state) {
     NeighbourSearch().find(block.x, step.support, {}, pairs);
     std::vector<Real> rho(block.x.size());
     for (auto _ : state) {
-        sum_density({pairs, {}, solids, layer, step}, 1, {}, rho);
+        sum_density({pairs, {}, solids, boundary, step}, 1, {}, rho);
         benchmark::ClobberMemory();
     }
     per_particle(state, block.x.size(), mean_neighbours(pairs));

@@ -16,7 +16,7 @@ public:
     using pointer = const char*;
     using reference = const char&;
 
-    CountingIterator(const char* at, Place* place) : at_(at), place_(place) {}
+    CountingIterator(const char* at, FileLocation* place) : at_(at), place_(place) {}
     const char& operator*() const { return *at_; }
     CountingIterator& operator++() {
         if (*at_ == '\n') ++place_->line, place_->column = 0;
@@ -34,16 +34,16 @@ public:
 
 private:
     const char* at_;
-    Place* place_;
+    FileLocation* place_;
 };
 
 /// Builds the tree from the parser's events.
 struct TreeBuilder {
-    const Place& now;
+    const FileLocation& now;
     JsonNode root;
     std::vector<JsonNode*> open;
     std::string newest_key;
-    Place key_place;
+    FileLocation key_place;
 
     bool add(nlohmann::json value) {
         JsonNode node{std::move(value), {}, "", "", now};
@@ -156,7 +156,7 @@ std::vector<const JsonNode*> JsonNode::objects_of(const std::string& key) const 
 
 JsonNode read_json(const std::filesystem::path& file) {
     const std::string text = read_whole(file);
-    Place place{file.string(), 1, 1};
+    FileLocation place{file.string(), 1, 1};
     TreeBuilder sax{place, {}, {}, {}, {}};
     const CountingIterator begin(text.data(), &place), end(text.data() + text.size(), &place);
     nlohmann::json::sax_parse(begin, end, &sax, nlohmann::json::input_format_t::json, true, true);

@@ -15,7 +15,7 @@ struct JsonNode {
     nlohmann::json value;           ///< of a list or object without its entries
     std::vector<JsonNode> entries;  ///< of a list, or of an object: these have names
     std::string name, path;         ///< "viscosity", "Materials[0].viscosity"
-    Place place;                    ///< of an object's entry its key's
+    FileLocation place;             ///< of an object's entry its key's
     mutable bool used = false;      ///< it was read
 
     /// Value of the member; empty if it is absent. @throws InputError at its location if it has another type

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/io/frame.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "render/look/look_options.h"
 #include "tools/scene_file/scene_file.h"
 

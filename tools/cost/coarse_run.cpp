@@ -11,8 +11,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/clock.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "engine/io/snapshot.h"
 #include "render/gl/renderer.h"
@@ -113,7 +113,7 @@ private:
 
 /// Rough CPU seconds on a core of today: of systems that are solved, and of sums over neighbours.
 double seconds_a_particle_step(const Plan& plan) {
-    return plan.facts.pressure.solves_viscosity || plan.pressure == PressureModel::ppe ? 5e-6 : 2e-6;
+    return plan.traits.pressure.solves_viscosity || plan.pressure == PressureModel::ppe ? 5e-6 : 2e-6;
 }
 
 template <class T>
@@ -249,7 +249,7 @@ private:
 /// has as many particles less across, which the coupled solve needs more iterations for; without a coarse level, those of the pressure
 /// equation grow with the particles across.
 double more_iterations(const Plan& plan, int coarser) {
-    if (plan.facts.pressure.solves_viscosity) return std::pow(coarser, -0.6);
+    if (plan.traits.pressure.solves_viscosity) return std::pow(coarser, -0.6);
     return plan.pressure == PressureModel::ppe && plan.preconditioner != Preconditioner::multigrid ? std::pow(coarser, 0.6) : 1;
 }
 

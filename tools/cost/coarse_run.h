@@ -10,7 +10,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/io/frame.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/cost/choices.h"
 #include "tools/scene_file/scene_file.h"
 

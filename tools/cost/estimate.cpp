@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
-#include "engine/scene/numbers.h"
+#include "engine/scene/scene_scales.h"
 #include "render/look/look_options.h"
 
 namespace whorl {

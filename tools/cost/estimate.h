@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/cost/coarse_run.h"
 
 namespace whorl {

@@ -12,8 +12,8 @@
 #include <system_error>
 #include <thread>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "render/video/process.h"
 #include "tools/film/progress.h"

@@ -15,9 +15,9 @@ Scene with_models_of(const Plan& plan, const Scene& scene) {
     s.models = plan.chosen_models(scene.models);
     s.fluid.kernel = plan.kernel.kind;
     s.fluid.support = plan.support / plan.spacing;
-    if (plan.facts.pressure.has_sound)
+    if (plan.traits.pressure.has_sound)
         s.pressure.sound_speed = plan.sound_speed, s.pressure.artificial_viscosity = plan.artificial_viscosity;
-    if (plan.facts.micropolar.spins)
+    if (plan.traits.micropolar.spins)
         s.micropolar.exchange = plan.spin.implicit_exchange ? ExchangeScheme::implicit : ExchangeScheme::explicit_steps;
     return s;
 }
@@ -60,7 +60,7 @@ FrameSummary FrameLoop::measure_frame() {
 }
 
 std::string FrameLoop::hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent) {
-    const Sacrifice given_up = governor_.now();
+    const QualityReduction given_up = governor_.now();
     decided_ = governor_.after_frame(seconds, frame, spent);
     if (!governor_.has_budget()) return "";
     return fmt::format("{},{:.6g},{:.4g},{:.4g},{:.3f},{:.4g},{:.4g},{:.4g},{},{:.3g},{},{:.4g},{:.4g}\n", frame, simulation_.time(),
@@ -100,9 +100,9 @@ Governor::Governor(const SceneFile& given, int frames) : given_(given), frames_(
 
 void Governor::set_scene(const SceneFile& given) { given_ = given; }
 
-Sacrifice Governor::now() const {
+QualityReduction Governor::now() const {
     const BudgetKeys& most = given_.scene.budget;
-    Sacrifice s;
+    QualityReduction s;
     s.amount = amount_;
     s.tolerance = between(1, std::max(1.0, most.tolerance), amount_, 0);
     s.cfl = between(given_.scene.time.cfl, std::max(given_.scene.time.cfl, most.cfl), amount_, 1);
@@ -113,7 +113,7 @@ Sacrifice Governor::now() const {
 }
 
 SceneFile Governor::governed() const {
-    const Sacrifice s = now();
+    const QualityReduction s = now();
     SceneFile file = given_;
     constexpr double loosest = 0.5;
     for (double* tolerance : {&file.scene.pressure.limits.tolerance, &file.scene.viscosity.limits.tolerance})

@@ -11,7 +11,7 @@
 namespace whorl {
 
 /// Reduction of quality, from 0 (none) to 4 (all): each unit uses up one of the four settings, on a logarithmic scale.
-struct Sacrifice {
+struct QualityReduction {
     double amount = 0;
     double tolerance = 1, cfl = 0, voxel = 0;  ///< factor; value; value
     int samples = 0;
@@ -34,7 +34,7 @@ public:
 
     bool has_budget() const { return given_.scene.budget.any(); }
     double allowed() const { return allowed_; }  ///< s, of the last frame
-    Sacrifice now() const;
+    QualityReduction now() const;
 
 private:
     SceneFile given_;

@@ -17,7 +17,7 @@ namespace whorl {
 namespace {
 
 /// @throws InputError if the chart is of nothing that the panels measure
-void check_chart(const std::string& chart, const Place& place, const Simulation& start) {
+void check_chart(const std::string& chart, const FileLocation& place, const Simulation& start) {
     std::vector<std::string> names;
     for (const auto& [name, probe] : make_probes(start, TheorySearch::wait))
         for (const ProbeColumn& column : probe->columns()) names.push_back(name + "." + column.name);
@@ -66,7 +66,7 @@ void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
 }
 
 /// The place of the label among the panels that are runs. @throws InputError
-int run_called(const std::vector<PanelKeys>& panels, const std::string& label, const Place& place) {
+int run_called(const std::vector<PanelKeys>& panels, const std::string& label, const FileLocation& place) {
     int run = 0;
     std::vector<std::string> labels;
     for (const PanelKeys& panel : panels) {
@@ -82,7 +82,7 @@ int run_called(const std::vector<PanelKeys>& panels, const std::string& label, c
 
 PanelCell difference_of(const SceneFile& file, std::size_t k) {
     const PanelKeys& panel = file.scene.panels[k];
-    const Place place = file.scene.place("panel[" + std::to_string(k) + "].difference");
+    const FileLocation place = file.scene.place("panel[" + std::to_string(k) + "].difference");
     if (panel.difference.size() != 2)
         throw InputError(place, "a difference is between two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
     if (file.look.style != "slice")
@@ -128,7 +128,7 @@ std::vector<PanelCell> panel_cells(const SceneFile& file) {
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose) {
     const int count = static_cast<int>(file.scene.panels.size()), columns = panel_columns(file.scene);
     const int rows = (count + columns - 1) / columns;
-    const auto check_format = [](const Scene& scene, const Place& place) {
+    const auto check_format = [](const Scene& scene, const FileLocation& place) {
         if (scene.output.format != "png")
             throw InputError(place, "output.format = \"" + scene.output.format + "\" has no words, and panels need their labels",
                              "leave it out, or render the scene of one panel alone", "allowed: png");

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {

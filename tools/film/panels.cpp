@@ -4,12 +4,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/version.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "engine/io/frame.h"
 #include "engine/scene/scene.h"
-#include "render/flow/plate.h"
+#include "render/flow/slice_image.h"
 #include "render/image/image.h"
 #include "render/video/encoder.h"
 #include "tools/cost/coarse_run.h"

@@ -93,7 +93,7 @@ StageTimes RunTimes::stages(const StageTimes& simulation, const StageTimes& film
     return all;
 }
 
-bool Incidents::add(Incident incident) {
+bool RunProblems::add(Incident incident) {
     // Each room is reported; the time is not part of its name.
     const auto room = [](const Incident& i) { return i.kind == "full" ? i.what.substr(0, i.what.find(" at ")) : ""; };
     if (std::any_of(first_.begin(), first_.end(), [&](const Incident& i) { return i.kind == incident.kind && room(i) == room(incident); }))
@@ -102,7 +102,7 @@ bool Incidents::add(Incident incident) {
     return true;
 }
 
-std::string Incidents::add(const StepReport& report, const Scene& scene, double time, long step) {
+std::string RunProblems::add(const StepReport& report, const Scene& scene, double time, long step) {
     std::string news;
     for (const StepReport::Solve& solve : report.solves)
         if (const SolveReport& r = solve.report; solve.kind == SolveKind::crowding) add(Incident{"crowded", time, step, r.why_not});
@@ -125,13 +125,13 @@ std::string Incidents::add(const StepReport& report, const Scene& scene, double 
     return news;
 }
 
-nlohmann::ordered_json Incidents::json() const {
+nlohmann::ordered_json RunProblems::json() const {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const Incident& t : first_) all.push_back({{"kind", t.kind}, {"time", t.time}, {"step", t.step}, {"what", t.what}});
     return all;
 }
 
-void Incidents::add_earlier(const nlohmann::json& earlier) {
+void RunProblems::add_earlier(const nlohmann::json& earlier) {
     for (const auto& t : earlier) add(Incident{t.value("kind", ""), t.value("time", 0.0), t.value("step", 0L), t.value("what", "")});
 }
 

@@ -9,7 +9,7 @@
 #include "engine/io/checkpoint.h"
 #include "engine/particles/step_context.h"
 #include "engine/scene/scene.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/process/process.h"
 
 namespace whorl {
@@ -21,7 +21,7 @@ struct Incident {
     std::string what;
 };
 
-class Incidents {
+class RunProblems {
 public:
     /// Records the problems of the step's report; only the first of each kind is kept.
     /// @returns messages: the run's first solve that ended before its tolerance, with the key to raise if its limit is the cause,
@@ -47,7 +47,7 @@ struct RunReport {
     bool draws = false;  ///< whether it draws images now
     std::string gl_device, encoder;
     StageTimes stages;  ///< over all parts of the run
-    Incidents incidents;
+    RunProblems incidents;
 };
 
 nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& report);

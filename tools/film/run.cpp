@@ -10,8 +10,8 @@
 #include <numeric>
 #include <sstream>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/snapshot.h"
 #include "engine/probes/comparison.h"
 #include "engine/scene/scene.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <sstream>
 
-#include "engine/core/whole_file.h"
+#include "engine/core/atomic_file.h"
 #include "engine/io/csv.h"
 #include "engine/io/diagnostics.h"
 #include "tools/film/curves.h"

@@ -38,7 +38,7 @@ bool AccessRules::own(const std::string& host) const {
     return false;
 }
 
-std::string AccessRules::refusal(const Caller& caller) const {
+std::string AccessRules::refusal(const RequestOrigin& caller) const {
     if (!own(caller.host)) return "this server does not have the name \"" + caller.host.substr(0, 100) + "\"";
     if (!caller.origin.empty() && caller.origin != "http://" + caller.host)
         return "pages of " + caller.origin.substr(0, 100) + " may not ask this server";

@@ -5,7 +5,7 @@
 namespace whorl {
 
 /// Origin headers and token of an HTTP request; empty if missing.
-struct Caller {
+struct RequestOrigin {
     std::string host;        ///< header Host
     std::string origin;      ///< header Origin
     std::string fetch_site;  ///< header Sec-Fetch-Site
@@ -20,7 +20,7 @@ public:
     ///  - Host must be one of our own names: a page elsewhere whose name was made to point at 127.0.0.1 (DNS rebinding) brings its own.
     ///  - Origin, where there is one, must be ours: no other page may change anything, or read.
     ///  - The token must be right.
-    std::string refusal(const Caller& caller) const;
+    std::string refusal(const RequestOrigin& caller) const;
 
 private:
     bool own(const std::string& host) const;

@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/clock.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
 #include "tools/cost/choices.h"
@@ -230,7 +230,7 @@ bool names_files(const SceneFile& scene, const std::map<std::string, std::string
 
 }  // namespace
 
-void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality) {
+void ChangeRecording::begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality) {
     quality_ = quality;
     name_ = scene.scene.name;
     entries_.clear();
@@ -260,7 +260,7 @@ void Journal::begin(const SceneFile& scene, const std::filesystem::path& path, c
     base_ = resolved_toml(alone);
 }
 
-void Journal::add(double time, const std::vector<KeyValue>& changes) {
+void ChangeRecording::add(double time, const std::vector<KeyValue>& changes) {
     for (const KeyValue& c : changes) {
         // A slider that moved several times within a frame counts with its last value.
         std::erase_if(entries_, [&](const Entry& e) { return e.time == time && e.key == c.path; });
@@ -268,7 +268,7 @@ void Journal::add(double time, const std::vector<KeyValue>& changes) {
     }
 }
 
-std::string Journal::text(double time) const {
+std::string ChangeRecording::text(double time) const {
     std::string text =
         fmt::format("# Recorded by whorl live with --quality {0}. To repeat it: whorl render recording.toml --quality {0}\n", quality_) +
         base_;
@@ -283,6 +283,6 @@ std::string Journal::text(double time) const {
     return text;
 }
 
-void Journal::write(double time) const { write_text(file(), text(time)); }
+void ChangeRecording::write(double time) const { write_text(file(), text(time)); }
 
 }  // namespace whorl

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/film/film.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -21,9 +21,9 @@ namespace whorl {
 
 // recording.toml: the scene and every change with its simulated time. `whorl render recording.toml` repeats the run.
 
-class Journal {
+class ChangeRecording {
 public:
-    explicit Journal(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    explicit ChangeRecording(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
     /// A run begins with this scene. @param path of the scene file, whose text is kept (with its qualities); @param quality that is laid
     /// over it

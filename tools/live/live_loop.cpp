@@ -43,9 +43,10 @@ Json Status::history() const {
     return Json(history_);
 }
 
-LiveLoop::LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
+LiveLoop::LiveLoop(Controls& controls, LiveRenderer& live_renderer, ChangeRecording& recording, Status& status, bool real_time,
                    std::function<void(const std::string&)> say)
-    : controls_(controls), screen_(screen), journal_(journal), status_(status), real_time_(real_time), say_(std::move(say)) {
+    : controls_(controls), live_renderer_(live_renderer), recording_(recording), status_(status), real_time_(real_time),
+      say_(std::move(say)) {
     follow(controls_.take(0));
 }
 
@@ -63,8 +64,8 @@ void LiveLoop::begin(PlannedScene& scene) {
     played_ = play_wall_ = 0;
     {
         const std::lock_guard lock(recording_mutex_);
-        journal_.begin(scene.file, controls_.scene_path(), controls_.options().quality);
-        journal_.write(0);
+        recording_.begin(scene.file, controls_.scene_path(), controls_.options().quality);
+        recording_.write(0);
         time_ = 0;
     }
     loop_.emplace(*this, *simulation_, scene.file, frame_count(scene.file.scene), TheorySearch::in_background);
@@ -76,13 +77,13 @@ void LiveLoop::begin(PlannedScene& scene) {
     stepped_ = revision_;
     set_pictures(scene.file);
     budget_.reset();
-    std::filesystem::remove(journal_.folder() / "budget.csv");  // of the run before
+    std::filesystem::remove(recording_.folder() / "budget.csv");  // of the run before
     spent_ = 0;
     shown_at_ = due_ = wall_seconds();
     show_frame();
 }
 
-void LiveLoop::set_pictures(const SceneFile& file) { screen_.look({file.surface, file.camera, file.look}, look_); }
+void LiveLoop::set_pictures(const SceneFile& file) { live_renderer_.look({file.surface, file.camera, file.look}, look_); }
 
 void LiveLoop::follow(const Orders& orders) {
     if (!orders.scene) return;
@@ -105,8 +106,8 @@ void LiveLoop::follow(const Orders& orders) {
     if (other_fields) show_state();
     {
         const std::lock_guard lock(recording_mutex_);
-        journal_.add(time, orders.changes);
-        journal_.write(time);
+        recording_.add(time, orders.changes);
+        recording_.write(time);
     }
     end_if_over(wanted.file.scene);
     loop_->scene_changed(wanted.file);
@@ -116,7 +117,7 @@ void LiveLoop::follow(const Orders& orders) {
 /// Wall time of the last frame [s]; its image is made in parallel with the simulation.
 double LiveLoop::frame_seconds() const {
     double picture = 0;
-    for (const auto& [name, t] : screen_.times()) picture += t.wall;
+    for (const auto& [name, t] : live_renderer_.times()) picture += t.wall;
     return std::max(simulate_wall_, picture);
 }
 
@@ -134,12 +135,12 @@ void LiveLoop::after_step(const StepReport& report, double began) {
     step_wall_ = now - std::exchange(step_began_, now);
     stepped_ = revision_;
     const bool reached = simulation_->time() >= frame_time(simulation_->scene(), frame_ + 1);
-    if (!reached && (stepped_ > shown_ || screen_.wants_state_within(step_wall_))) show_state();
+    if (!reached && (stepped_ > shown_ || live_renderer_.wants_state_within(step_wall_))) show_state();
     follow(controls_.take_changes());
 }
 
 void LiveLoop::show_state() {
-    screen_.show(snapshots_->take(*simulation_, frame_), stepped_);
+    live_renderer_.show(snapshots_->take(*simulation_, frame_), stepped_);
     shown_ = stepped_;
 }
 
@@ -175,14 +176,14 @@ void LiveLoop::show_frame() {
     if (frame_steps_ > 0 && frame_wall_ > 0) {
         const double frame = 1 / simulation_->scene().time.fps, kept = std::exp(-frame_wall_);
         played_ = kept * played_ + frame, play_wall_ = kept * play_wall_ + frame_wall_;
-        screen_.set_interval(frame);
+        live_renderer_.set_interval(frame);
         say_pace();
     }
     end_if_over(simulation_->scene());
     if (summary.steps > 0) {
         const double seconds = frame_seconds();
         if (const std::string row = loop_->hold_to_budget(summary, frame_, seconds, spent_ += seconds); !row.empty()) {
-            if (!budget_) budget_ = std::make_unique<Table>(journal_.folder() / "budget.csv", budget_header());
+            if (!budget_) budget_ = std::make_unique<Table>(recording_.folder() / "budget.csv", budget_header());
             budget_->append(row);
         }
         if (state_ == State::running) loop_->apply_governor();
@@ -208,10 +209,10 @@ Json LiveLoop::status_json(const Measures& m) const {
     const Scene& scene = simulation_->scene();
     Json ms = Json::object();
     for (const auto& [name, t] : frame_times_) ms[name] = 1e3 * t.wall;
-    for (const auto& [name, t] : screen_.times()) ms[name] = 1e3 * t.wall;
+    for (const auto& [name, t] : live_renderer_.times()) ms[name] = 1e3 * t.wall;
     const RunTotals& totals = simulation_->totals();
     const Governor& governor = loop_->governor();
-    const Sacrifice s = governor.now();
+    const QualityReduction s = governor.now();
     const Json given_up = {
         {"amount", s.amount}, {"tolerance_factor", s.tolerance}, {"cfl", s.cfl}, {"voxel", s.voxel}, {"samples", s.samples}};
     return {{"scene", scene.name},
@@ -248,7 +249,7 @@ Json LiveLoop::status_json(const Measures& m) const {
 std::string LiveLoop::pace_text() const {
     if (!real_time_ || of_real_time() == 0 || of_real_time() >= 0.97) return "";
     double picture = 0;
-    for (const auto& [name, t] : screen_.times())
+    for (const auto& [name, t] : live_renderer_.times())
         if (name != "encode") picture += t.wall;
     const TimeKeys& time = simulation_->scene().time;
     return fmt::format("{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms, an image {:.0f} ms", of_real_time(),
@@ -276,8 +277,8 @@ void LiveLoop::wait_for_real_time() {
 void LiveLoop::run(const std::function<bool()>& stop) {
     stop_ = stop;
     while (!stop()) {
-        screen_.check();
-        if (!screen_.after(0, 0.1)) continue;  // people see it from its beginning: the first picture takes long
+        live_renderer_.check();
+        if (!live_renderer_.after(0, 0.1)) continue;  // people see it from its beginning: the first picture takes long
         const Orders orders = controls_.take(0.1);
         follow(orders);
         if (state_ != State::running || !(orders.playing || orders.step)) {
@@ -296,8 +297,8 @@ void LiveLoop::run(const std::function<bool()>& stop) {
 
 std::string LiveLoop::save_recording() const {
     const std::lock_guard lock(recording_mutex_);
-    journal_.write(time_);
-    return journal_.text(time_);
+    recording_.write(time_);
+    return recording_.text(time_);
 }
 
 }  // namespace whorl

@@ -13,7 +13,7 @@
 #include "tools/film/frame_loop.h"
 #include "tools/film/report.h"
 #include "tools/live/controls.h"
-#include "tools/live/screen.h"
+#include "tools/live/live_renderer.h"
 
 namespace whorl {
 
@@ -34,7 +34,7 @@ private:
 class LiveLoop : public FrameLoopHost {
 public:
     /// @param real_time never faster than the film would play @param say reports to users how it keeps up
-    LiveLoop(Controls& controls, Screen& screen, Journal& journal, Status& status, bool real_time,
+    LiveLoop(Controls& controls, LiveRenderer& live_renderer, ChangeRecording& recording, Status& status, bool real_time,
              std::function<void(const std::string&)> say);
     /// Until `stop` says so. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
@@ -62,8 +62,8 @@ private:
     void set_pictures(const SceneFile& file) override;
 
     Controls& controls_;
-    Screen& screen_;
-    Journal& journal_;
+    LiveRenderer& live_renderer_;
+    ChangeRecording& recording_;
     Status& status_;
     bool real_time_;
     std::function<void(const std::string&)> say_;
@@ -78,7 +78,7 @@ private:
     std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions of the simulation, its last step and its last image
     enum class State { running, ended, diverged } state_ = State::running;
     std::string why_;  ///< it diverged
-    Incidents incidents_;
+    RunProblems incidents_;
 
     std::unique_ptr<Table> budget_;  ///< what each frame gave up, from the first one on that had a budget
     double spent_ = 0;               ///< s, wall, that the frames since the start took; waiting and pauses do not count

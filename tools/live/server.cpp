@@ -53,8 +53,8 @@ std::string without_limit(const Request& request) {
     return no_body || request.has_header("Content-Length") ? "" : "the Content-Length is missing";
 }
 
-Caller caller_of(const Request& request) {
-    Caller c{request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Sec-Fetch-Site"), ""};
+RequestOrigin origin_of(const Request& request) {
+    RequestOrigin c{request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Sec-Fetch-Site"), ""};
     if (request.has_param("token")) c.token = request.get_param_value("token");
     const std::string bearer = request.get_header_value("Authorization");
     if (c.token.empty() && bearer.rfind("Bearer ", 0) == 0) c.token = bearer.substr(7);
@@ -88,7 +88,7 @@ struct LiveServer::Http {
 
     ServerOptions options;
     Controls& controls;
-    Screen& screen;
+    LiveRenderer& live_renderer;
     Status& status;
     httplib::Server server;
     int port = 0;
@@ -99,7 +99,7 @@ struct LiveServer::Http {
     std::thread thread;
     std::map<std::string, std::string> methods;  ///< GET or POST, by path
 
-    Http(ServerOptions o, Controls& c, Screen& s, Status& t) : options(std::move(o)), controls(c), screen(s), status(t) {}
+    Http(ServerOptions o, Controls& c, LiveRenderer& s, Status& t) : options(std::move(o)), controls(c), live_renderer(s), status(t) {}
 
     void bind() {
         // Nobody else may take the port while we have it (the default would allow that); one that a run just left is free at once.
@@ -149,8 +149,8 @@ struct LiveServer::Http {
 
 Json LiveServer::Http::state() const {
     Json json = status.get();
-    for (const auto& [name, t] : screen.times()) json["ms"][name] = 1e3 * t.wall;
-    const auto newest = screen.newest();
+    for (const auto& [name, t] : live_renderer.times()) json["ms"][name] = 1e3 * t.wall;
+    const auto newest = live_renderer.newest();
     const auto notice = controls.newest_notice();
     json["playing"] = controls.playing();
     if (const std::string problem = controls.file_problem(); !problem.empty())
@@ -161,7 +161,7 @@ Json LiveServer::Http::state() const {
     json["picture"] = newest ? Json(newest->number) : Json();
     json["picture_frame"] = newest ? Json(newest->frame) : Json();
     json["viewers"] = pictures.count();
-    json["device"] = screen.device();
+    json["device"] = live_renderer.device();
     json["memory_bytes"] = resident_memory();
     json["notice"] = notice ? Json{{"number", notice->number}, {"error", notice->error}, {"text", notice->text}} : Json();
     const SceneFile file = controls.file();
@@ -208,7 +208,7 @@ void LiveServer::Http::get_stream(const Request& request, Response& response) {
             for (;;) {
                 if (ending || !sink.is_writable()) return false;
                 const bool wait = !last->picture || last->again || once;
-                auto picture = screen.after(last->picture ? last->picture->number : 0, wait ? wake_up : at_once);
+                auto picture = live_renderer.after(last->picture ? last->picture->number : 0, wait ? wake_up : at_once);
                 last->again = picture == nullptr;
                 if (!picture && wait) continue;
                 if (picture) last->picture = std::move(picture);
@@ -304,7 +304,7 @@ void LiveServer::Http::post_control(const nlohmann::json& order, Response& respo
 /// A look needs no new frame: it is drawn at once.
 void LiveServer::Http::show_look() {
     const auto wanted = controls.picture();
-    screen.look(wanted.how, wanted.revision);
+    live_renderer.look(wanted.how, wanted.revision);
 }
 
 void LiveServer::Http::post_set(const nlohmann::json& changes, Response& response) {
@@ -315,7 +315,7 @@ void LiveServer::Http::post_set(const nlohmann::json& changes, Response& respons
 
 void LiveServer::Http::get_picture(const Request&, Response& response) {
     controls.viewer_came();
-    const auto picture = screen.newest() ? screen.newest() : screen.after(0, 5);
+    const auto picture = live_renderer.newest() ? live_renderer.newest() : live_renderer.after(0, 5);
     if (!picture) return refuse(response, 503, "no image yet");
     response.set_header("X-Frame", std::to_string(picture->frame));
     response.set_header("X-Time", fmt::format("{}", picture->time));
@@ -374,7 +374,7 @@ void LiveServer::Http::check_every_request() {
                                  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
                                  "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}});
     server.set_pre_routing_handler([this](const Request& request, Response& response) {
-        Caller caller = caller_of(request);
+        RequestOrigin caller = origin_of(request);
         if (is_part_of_page(request.path)) caller.token = options.token;
         if (const std::string why = access->refusal(caller); !why.empty()) refuse(response, 403, why);
         else if (const std::string limitless = without_limit(request); !limitless.empty()) refuse(response, 400, limitless);
@@ -417,8 +417,8 @@ void LiveServer::Http::serve_page() {
         });
 }
 
-LiveServer::LiveServer(ServerOptions options, Controls& controls, Screen& screen, Status& status)
-    : http_(std::make_unique<Http>(std::move(options), controls, screen, status)) {
+LiveServer::LiveServer(ServerOptions options, Controls& controls, LiveRenderer& live_renderer, Status& status)
+    : http_(std::make_unique<Http>(std::move(options), controls, live_renderer, status)) {
     http_->bind();
 }
 

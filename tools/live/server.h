@@ -16,7 +16,7 @@ struct ServerOptions {
 class LiveServer {
 public:
     /// Binds. @throws EnvironmentError if the address is taken or cannot be had
-    LiveServer(ServerOptions options, Controls& controls, Screen& screen, Status& status);
+    LiveServer(ServerOptions options, Controls& controls, LiveRenderer& live_renderer, Status& status);
     ~LiveServer();
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;

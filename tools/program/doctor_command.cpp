@@ -9,7 +9,7 @@
 #include "engine/core/clock.h"
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
-#include "engine/scene/free_memory.h"
+#include "engine/scene/available_memory.h"
 #include "render/gl/renderer.h"
 #include "render/surface/surface.h"
 #include "render/video/encoder.h"
@@ -63,7 +63,7 @@ Findings look_around() {
     f.encoder = encoder_version();
     f.cores = std::thread::hardware_concurrency();
     f.threads = threads();
-    f.memory = static_cast<double>(total_memory()), f.free = free_memory();
+    f.memory = static_cast<double>(total_memory()), f.free = available_memory();
     if (!f.draws()) f.packages.insert(f.packages.end(), {"libegl1", "libegl-mesa0", "libgl1-mesa-dri"});
     if (f.encoder.empty()) f.packages.emplace_back("ffmpeg");
     return f;

@@ -5,9 +5,9 @@
 #include <memory>
 #include <thread>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "engine/core/whole_file.h"
 #include "render/video/encoder.h"
 #include "tools/farm/stages.h"
 #include "tools/film/panel_scenes.h"

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "engine/core/whole_file.h"
+#include "engine/core/atomic_file.h"
 #include "engine/scene/read.h"
 #include "render/export/ply.h"
 #include "tools/convert/splishsplash.h"

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <memory>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/parallel.h"
-#include "engine/core/whole_file.h"
 #include "tools/film/progress.h"
 #include "tools/film/report.h"
 #include "tools/film/run_folder.h"
@@ -73,16 +73,16 @@ int live(LiveOptions options) {
     if (recorded > 0) controls.tell(false, fmt::format("{} recorded changes are left out: whorl render repeats them", recorded));
 
     InterruptGuard interrupt;
-    Screen screen(size.width, size.height, 1 / controls.file().scene.time.fps);
+    LiveRenderer live_renderer(size.width, size.height, 1 / controls.file().scene.time.fps);
     Status status;
-    LiveServer server(options.server, controls, screen, status);  // an occupied port is reported before anything is written
+    LiveServer server(options.server, controls, live_renderer, status);  // an occupied port is reported before anything is written
     const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out,
                                               options.shared.overwrite);
-    Journal journal(folder.path());
+    ChangeRecording recording(folder.path());
     const auto say = [&](const std::string& text) {
         if (!options.shared.quiet) fmt::print(stderr, "whorl: {}\n", text);
     };
-    LiveLoop loop(controls, screen, journal, status, !options.unpaced, say);
+    LiveLoop loop(controls, live_renderer, recording, status, !options.unpaced, say);
     write_report(folder.path(), loop.simulation(), "running");
     struct Serving {  // ends before its data sources
         LiveServer& server;
@@ -99,10 +99,10 @@ int live(LiveOptions options) {
     loop.run([&] { return interrupt.interrupted(); });
 
     server.stop();
-    screen.close();
+    live_renderer.close();
     write_report(folder.path(), loop.simulation(), "done");
     if (!options.shared.quiet)
-        fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", journal.file().string(),
+        fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", recording.file().string(),
                    controls.options().quality);
     return exit_done;
 }

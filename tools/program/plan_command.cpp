@@ -5,8 +5,8 @@
 
 #include "engine/core/parallel.h"
 #include "engine/probes/comparison.h"
-#include "engine/scene/free_memory.h"
-#include "engine/sim/simulation.h"
+#include "engine/scene/available_memory.h"
+#include "engine/simulation/simulation.h"
 #include "tools/cost/estimate.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
@@ -41,7 +41,7 @@ int plan(const Options& options) {
     Preview preview{file, plan, simulation};
     add_cost(preview, watch_coarse_run(options.json));
     if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of the panels' runs
-    if (const std::string warning = memory_warning(preview.cost, free_memory()); !warning.empty()) plan.warnings.push_back(warning);
+    if (const std::string warning = memory_warning(preview.cost, available_memory()); !warning.empty()) plan.warnings.push_back(warning);
     print_preview(preview, options.json);
     return exit_done;
 }

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/cost/estimate.h"
 #include "tools/scene_file/scene_file.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "engine/core/clock.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"

@@ -8,8 +8,8 @@
 #include <limits>
 #include <thread>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/clock.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/csv.h"
 #include "tools/farm/stages.h"
 #include "tools/film/progress.h"

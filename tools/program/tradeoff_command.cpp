@@ -7,12 +7,12 @@
 #include <memory>
 #include <optional>
 
-#include "engine/core/whole_file.h"
+#include "engine/core/atomic_file.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/program/sweep.h"
 #include "tools/scene_file/scene_changes.h"
-#include "tools/study/front.h"
+#include "tools/study/pareto_search.h"
 #include "tools/study/plot.h"
 
 namespace whorl {
@@ -224,7 +224,7 @@ private:
     const Sweep& sweep_;
     const Study& study_;
     const SweepOptions& options_;
-    const FrontSearch search_;
+    const ParetoSearch search_;
     fs::path reference_;
     std::deque<Row> rows_;            ///< in the order of their start
     std::vector<std::size_t> front_;  ///< rows

@@ -47,7 +47,7 @@ int encode(const EncodeOptions& options) {
         throw InputError({"--out", 0, 0}, "folder not found: \"" + around.string() + "\"", "make it first");
     const double fps = given_fps.value_or(scene.time.fps);
     if (fps < least_video_fps)
-        throw InputError(given_fps ? Place{"--fps", 0, 0} : scene.place("time.fps"),
+        throw InputError(given_fps ? FileLocation{"--fps", 0, 0} : scene.place("time.fps"),
                          fmt::format("{:g} frames a second are too few for a video", fps), given_fps ? "" : "give more with --fps",
                          fmt::format("allowed: at least {:g}", least_video_fps));
     check_encoder();

@@ -87,7 +87,7 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyValue>& changes) {
         return fresh;
     } catch (const InputError& error) {
         for (Problem problem : error.problems()) {
-            problem.place = changes.empty() ? Place{} : changes.back().value.place;
+            problem.place = changes.empty() ? FileLocation{} : changes.back().value.place;
             problems.push_back(std::move(problem));
         }
         throw InputError(std::move(problems));

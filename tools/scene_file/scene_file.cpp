@@ -7,10 +7,10 @@
 #include <cstdio>
 
 #include "engine/core/utf8.h"
+#include "engine/io/byte_io.h"
 #include "engine/io/csv.h"
-#include "engine/io/packed.h"
 #include "engine/scene/checks.h"
-#include "engine/scene/model_facts.h"
+#include "engine/scene/model_traits.h"
 #include "engine/scene/read.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"

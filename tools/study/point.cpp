@@ -14,9 +14,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "engine/core/atomic_file.h"
 #include "engine/core/clock.h"
 #include "engine/core/utf8.h"
-#include "engine/core/whole_file.h"
 #include "engine/io/checkpoint.h"
 #include "render/video/process.h"
 #include "tools/process/json_text.h"

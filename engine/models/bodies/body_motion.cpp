@@ -2,21 +2,21 @@
 
 namespace whorl {
 
-void KickBodies::operator()(const Surroundings& around) const {
-    for (Solid& solid : around.solids.all)
-        if (solid.body) solid.body->velocity += static_cast<double>(around.step.dt) * around.step.gravity.cast<double>();
-    around.solids.place_bodies();
-    around.layer.follow(around.solids);
+void KickBodies::operator()(const InteractionContext& context) const {
+    for (Solid& solid : context.solids.all)
+        if (solid.body) solid.body->velocity += static_cast<double>(context.step.dt) * context.step.gravity.cast<double>();
+    context.solids.place_bodies();
+    context.boundary.follow(context.solids);
 }
 
-void MoveBodies::operator()(const Surroundings& around) const {
-    const StepContext& step = around.step;
+void MoveBodies::operator()(const InteractionContext& context) const {
+    const StepContext& step = context.step;
     if (touch) {
         BodyContacts contacts;
-        contacts.find(around.solids, around.layer, contact_step(step));
-        contacts.resolve(around.solids);
+        contacts.find(context.solids, context.boundary, contact_step(step));
+        contacts.resolve(context.solids);
     }
-    for (Solid& solid : around.solids.all)
+    for (Solid& solid : context.solids.all)
         if (solid.body) solid.body->move(static_cast<double>(step.dt));
 }
 
@@ -25,9 +25,9 @@ ContactStep contact_step(const StepContext& step, double clearance) {
             clearance};
 }
 
-double lightness(const Solids& solids, const SolidParticles& layer, Real mass) {
+double lightness(const Solids& solids, const BoundaryParticles& boundary, Real mass) {
     std::vector<double> touching(solids.all.size(), 0);
-    for (const Index k : layer.solid) touching[k] += static_cast<double>(mass);
+    for (const Index k : boundary.solid) touching[k] += static_cast<double>(mass);
     double least = 1;
     for (std::size_t k = 0; k < solids.all.size(); ++k)
         if (solids.all[k].body && touching[k] > 0) least = std::min(least, solids.all[k].body->mass / touching[k]);

@@ -6,12 +6,12 @@ namespace whorl {
 namespace {
 
 template <class Wanted>
-std::vector<Index> particles_near(const Surroundings& around, const Wanted& wanted) {
+std::vector<Index> particles_near(const InteractionContext& context, const Wanted& wanted) {
     std::vector<Index> near;
-    for (Index i = 0; i < around.solid_pairs.size(); ++i) {
+    for (Index i = 0; i < context.solid_pairs.size(); ++i) {
         bool touches = false;
-        for (std::size_t k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1] && !touches; ++k)
-            touches = wanted(static_cast<std::size_t>(around.layer.solid[around.solid_pairs.other[k]]));
+        for (std::size_t k = context.solid_pairs.first[i]; k < context.solid_pairs.first[i + 1] && !touches; ++k)
+            touches = wanted(static_cast<std::size_t>(context.boundary.solid[context.solid_pairs.other[k]]));
         if (touches) near.push_back(i);
     }
     return near;
@@ -19,12 +19,12 @@ std::vector<Index> particles_near(const Surroundings& around, const Wanted& want
 
 }  // namespace
 
-std::vector<Index> particles_at(const Surroundings& around, std::size_t k) {
-    return particles_near(around, [k](std::size_t solid) { return solid == k; });
+std::vector<Index> particles_at(const InteractionContext& context, std::size_t k) {
+    return particles_near(context, [k](std::size_t solid) { return solid == k; });
 }
 
-std::vector<Index> particles_at_bodies(const Surroundings& around) {
-    return particles_near(around, [&](std::size_t solid) { return around.solids.all[solid].body.has_value(); });
+std::vector<Index> particles_at_bodies(const InteractionContext& context) {
+    return particles_near(context, [&](std::size_t solid) { return context.solids.all[solid].body.has_value(); });
 }
 
 Remainder::Remainder(const Solids& solids, Push kind) : kind_(kind) {

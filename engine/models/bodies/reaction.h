@@ -5,14 +5,14 @@
 
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
 /// The particles that have a neighbour in the layer of solid k, in order.
-std::vector<Index> particles_at(const Surroundings& around, std::size_t k);
+std::vector<Index> particles_at(const InteractionContext& context, std::size_t k);
 /// In that of any free body.
-std::vector<Index> particles_at_bodies(const Surroundings& around);
+std::vector<Index> particles_at_bodies(const InteractionContext& context);
 
 /// Solids whose ledger a stage writes: all, or those that are not unknowns of its solve.
 enum class Writes { all, driven };
@@ -29,19 +29,20 @@ struct PushAt {
 /// @param scale mass [kg], times dt [s] if `act` gives accelerations
 /// @param act i -> (s, r, distance) -> change of the velocity of particle i by solid particle s: Vec3 or PushAt
 template <class Act>
-void react(const Surroundings& around, Push kind, Read<field::role> role, Real scale, const Act& act, Writes writes = Writes::all) {
-    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
-        Solid& solid = around.solids.all[k];
+void react(const InteractionContext& context, Push kind, Read<field::role> role, Real scale, const Act& act, Writes writes = Writes::all) {
+    for (std::size_t k = 0; k < context.solids.all.size(); ++k) {
+        Solid& solid = context.solids.all[k];
         if (!solid.keeps_ledger() || (writes == Writes::driven && solid.body)) continue;
-        const std::vector<Index> near = particles_at(around, k);
+        const std::vector<Index> near = particles_at(context, k);
         const Vec3d centre = solid.centre();
         const auto each = [&](Index i, const auto& f) {
             if (role[i] != 0) return;
             const auto& on_i = act(i);
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                if (static_cast<std::size_t>(around.layer.solid[s]) != k) return;
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                if (static_cast<std::size_t>(context.boundary.solid[s]) != k) return;
                 const PushAt on = on_i(s, r, distance);
-                f(s, (around.layer.position[s] + r - on.back).template cast<double>() - centre, Vec3d(-on.push.template cast<double>()));
+                f(s, (context.boundary.position[s] + r - on.back).template cast<double>() - centre,
+                  Vec3d(-on.push.template cast<double>()));
             });
         };
         const Wrench sum = parallel_sum(static_cast<Index>(near.size()), Wrench{}, [&](Index e) {
@@ -50,9 +51,9 @@ void react(const Surroundings& around, Push kind, Read<field::role> role, Real s
             return one;
         });
         solid.receive(kind, static_cast<double>(scale) * sum);
-        if (kind == Push::viscous || around.layer.pressed.empty()) continue;
+        if (kind == Push::viscous || context.boundary.pressed.empty()) continue;
         for (const Index i : near)
-            each(i, [&](Index s, const Vec3d&, const Vec3d& push) { around.layer.pressed[s] += static_cast<double>(scale) * push; });
+            each(i, [&](Index s, const Vec3d&, const Vec3d& push) { context.boundary.pressed[s] += static_cast<double>(scale) * push; });
     }
 }
 
@@ -88,11 +89,11 @@ private:
 /// solids, unless fluid in a nozzle has a part in it.
 /// @param change i -> change of the velocity since `rest` was made [m/s]
 template <class Change>
-void share_rest(const Remainder& rest, const Surroundings& around, Read<field::role> role, Span<const Vec3> x, const Change& change,
+void share_rest(const Remainder& rest, const InteractionContext& context, Read<field::role> role, Span<const Vec3> x, const Change& change,
                 const std::vector<std::size_t>& exact = {}) {
-    if (!around.solids.any_probed() || parallel_sum(role.size(), [&](Index i) { return role[i] != 0; }) > 0) return;
-    const Wrench gained = static_cast<double>(around.step.mass) * momentum_of(role, x, change);
-    rest.share(around.solids, around.step, -1 * (gained + rest.received(around.solids)), exact);
+    if (!context.solids.any_probed() || parallel_sum(role.size(), [&](Index i) { return role[i] != 0; }) > 0) return;
+    const Wrench gained = static_cast<double>(context.step.mass) * momentum_of(role, x, change);
+    rest.share(context.solids, context.step, -1 * (gained + rest.received(context.solids)), exact);
 }
 
 }  // namespace whorl

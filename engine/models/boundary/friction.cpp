@@ -17,10 +17,10 @@ Real height_above(Real from_particle, Real depth) { return std::max(from_particl
 }  // namespace
 
 template <class Kernel>
-Mat3 WallFriction::share_of(const Kernel& kernel, const Surroundings& around, Index s, const Vec3& r, Real open) const {
-    const StepContext& step = around.step;
-    const Solid& solid = around.solids.all[around.layer.solid[s]];
-    const Vec3& normal = around.layer.normal[s];
+Mat3 WallFriction::share_of(const Kernel& kernel, const InteractionContext& context, Index s, const Vec3& r, Real open) const {
+    const StepContext& step = context.step;
+    const Solid& solid = context.solids.all[context.boundary.solid[s]];
+    const Vec3& normal = context.boundary.normal[s];
     const Real above = r.dot(normal), softening = Real(0.01) * step.support * step.support / 4;
     if (!solid.partial_slip() || above <= 0) return Mat3::Zero();  // beyond an edge the face of s does not face i
     const Real height = height_above(above, step.spacing / 2);
@@ -29,7 +29,7 @@ Mat3 WallFriction::share_of(const Kernel& kernel, const Surroundings& around, In
         const Real slope = -2 * factor_ * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
         along += (form_ == FrictionForm::central ? slope : slope / (distance * distance + softening)) * (height + below);
     });
-    along *= open * column_ * around.layer.volume[s] / (height + static_cast<Real>(solid.slip_length));
+    along *= open * column_ * context.boundary.volume[s] / (height + static_cast<Real>(solid.slip_length));
     Mat3 T = Mat3::Identity();
     if (step.dimensions() == 2) T(2, 2) = 0;
     T -= normal * normal.transpose();
@@ -37,14 +37,14 @@ Mat3 WallFriction::share_of(const Kernel& kernel, const Surroundings& around, In
     return along * (form_ == FrictionForm::central ? T : Mat3(tangential * tangential.transpose()));
 }
 
-void WallFriction::set(FrictionForm form, const Surroundings& around, SolidGate gate, Real solid_factor) {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
+void WallFriction::set(FrictionForm form, const InteractionContext& context, SolidGate gate, Real solid_factor) {
+    const BoundaryParticles& boundary = context.boundary;
+    const StepContext& step = context.step;
     acts_ = false;
-    if (std::none_of(around.solids.all.begin(), around.solids.all.end(), [](const Solid& solid) { return solid.partial_slip(); }) ||
-        layer.size() == 0)
+    if (std::none_of(context.solids.all.begin(), context.solids.all.end(), [](const Solid& solid) { return solid.partial_slip(); }) ||
+        boundary.size() == 0)
         return;
-    const Index n = around.solid_pairs.size();
+    const Index n = context.solid_pairs.size();
     coefficient_.resize(n), load_.resize(n), counted_.resize(n);
     std::vector<char> touched(n, 0);
     const int dimensions = step.dimensions();
@@ -58,16 +58,16 @@ void WallFriction::set(FrictionForm form, const Surroundings& around, SolidGate 
             Mat3 coefficient = Mat3::Zero();
             Vec3 load = Vec3::Zero();
             Real counted = 0;
-            const Real open = gate.weight(kernel, i, around.solid_pairs, layer.volume, solid_factor);
+            const Real open = gate.weight(kernel, i, context.solid_pairs, boundary.volume, solid_factor);
             if (open > 0)
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
-                    const Mat3 share = share_of(kernel, around, s, r, open);
+                context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real) {
+                    const Mat3 share = share_of(kernel, context, s, r, open);
                     if (share.isZero(0)) return;
-                    const Solid& solid = around.solids.all[layer.solid[s]];
-                    const Real height = height_above(r.dot(layer.normal[s]), step.spacing / 2);
+                    const Solid& solid = context.solids.all[boundary.solid[s]];
+                    const Real height = height_above(r.dot(boundary.normal[s]), step.spacing / 2);
                     coefficient += share;
                     counted += share.trace() / static_cast<Real>(dimensions - 1) * (height + static_cast<Real>(solid.slip_length)) * height;
-                    load += share * solid.pose.velocity_at(layer.position[s] + r);
+                    load += share * solid.pose.velocity_at(boundary.position[s] + r);
                     touched[i] = 1;
                 });
             coefficient_[i] = coefficient;
@@ -78,16 +78,16 @@ void WallFriction::set(FrictionForm form, const Surroundings& around, SolidGate 
     acts_ = parallel_sum(n, [&](Index i) { return touched[i]; }) > 0;
 }
 
-void WallFriction::write_ledgers(const Surroundings& around, Read<field::role> role, Span<const Vec3> u,
+void WallFriction::write_ledgers(const InteractionContext& context, Read<field::role> role, Span<const Vec3> u,
                                  const std::function<Real(Index)>& nu) const {
     if (!acts_) return;
-    const SolidParticles& layer = around.layer;
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
-        react(around, Push::viscous, role, -around.step.mass * around.step.dt, [&](Index i) {
-            const Real open = nu(i) * gate_.weight(kernel, i, around.solid_pairs, layer.volume, solid_factor_);
+    const BoundaryParticles& boundary = context.boundary;
+    with_kernel(context.step.kernel, context.step.support, [&](const auto& kernel) {
+        react(context, Push::viscous, role, -context.step.mass * context.step.dt, [&](Index i) {
+            const Real open = nu(i) * gate_.weight(kernel, i, context.solid_pairs, boundary.volume, solid_factor_);
             return [&, i, open](Index s, const Vec3& r, Real) {
-                const Vec3 wall = around.solids.all[layer.solid[s]].pose.velocity_at(layer.position[s] + r);
-                return Vec3(share_of(kernel, around, s, r, open) * (u[i] - wall));
+                const Vec3 wall = context.solids.all[boundary.solid[s]].pose.velocity_at(boundary.position[s] + r);
+                return Vec3(share_of(kernel, context, s, r, open) * (u[i] - wall));
             };
         });
     });

@@ -5,7 +5,7 @@
 
 #include "engine/models/boundary/wall.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -30,7 +30,7 @@ enum class FrictionForm {
 class WallFriction {
 public:
     /// @param gate weight of a particle's friction @param solid_factor see models/boundary/wall.h
-    void set(FrictionForm form, const Surroundings& around, SolidGate gate, Real solid_factor);
+    void set(FrictionForm form, const InteractionContext& context, SolidGate gate, Real solid_factor);
     /// Whether any particle feels it.
     bool acts() const { return acts_; }
     const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()
@@ -39,12 +39,13 @@ public:
     /// A model with its own energy for all of V counts the rest.
     Real counted(Index i) const { return counted_[i]; }
     /// Writes the friction of a step to the ledgers. @param u velocities that it acts on @param nu of a particle [m^2/s]
-    void write_ledgers(const Surroundings& around, Read<field::role> role, Span<const Vec3> u, const std::function<Real(Index)>& nu) const;
+    void write_ledgers(const InteractionContext& context, Read<field::role> role, Span<const Vec3> u,
+                       const std::function<Real(Index)>& nu) const;
 
 private:
     /// Share of solid particle s in F_i. @param open weight of the gate
     template <class Kernel>
-    Mat3 share_of(const Kernel& kernel, const Surroundings& around, Index s, const Vec3& r, Real open) const;
+    Mat3 share_of(const Kernel& kernel, const InteractionContext& context, Index s, const Vec3& r, Real open) const;
 
     FrictionForm form_ = FrictionForm::central;
     Real factor_ = 1, column_ = 1;

@@ -5,8 +5,8 @@
 #include "engine/geometry/solids.h"
 #include "engine/math/kernel.h"
 #include "engine/particles/field.h"
+#include "engine/particles/interaction_context.h"
 #include "engine/particles/step_context.h"
-#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -73,8 +73,8 @@ std::vector<char> slips(const Solids& solids);
 /// points into the solid. One that a step brought through a solid, or nearer to its far side, is put back where it met it: so plates of any
 /// thickness hold. A free body gets the impulse that the particle loses; the two then part as they meet, with
 /// their common mass.
-struct KeepOutside {
-    void operator()(const Surroundings& around, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
+struct PushOutOfSolids {
+    void operator()(const InteractionContext& context, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
 };
 
 }  // namespace whorl

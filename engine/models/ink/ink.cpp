@@ -8,8 +8,8 @@
 
 namespace whorl {
 
-void InkDiffusion::operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const {
-    const StepContext& step = around.step;
+void InkDiffusion::operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const {
+    const StepContext& step = context.step;
     const double longest = viscous_step(static_cast<double>(step.support), diffusion);
     const int parts = std::max(1, static_cast<int>(std::ceil(static_cast<double>(step.dt) / longest)));
     const Real share = static_cast<Real>(diffusion) * step.dt / static_cast<Real>(parts), V = step.volume;
@@ -17,7 +17,7 @@ void InkDiffusion::operator()(const Surroundings& around, Write<field::ink_chang
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(c.size(), [&](Index i) {
             Real moment = 0;
-            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+            context.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 for (Index l = 0; l < group.padded(); ++l) moment -= W.slope(group.distance[l]) * group.distance[l] * group.distance[l];
             });
             // A particle that is all but alone has nearly no moment: it must not give more than it has.
@@ -28,7 +28,7 @@ void InkDiffusion::operator()(const Surroundings& around, Write<field::ink_chang
                 Real sum[3] = {0, 0, 0};
                 const Vec3 own = c[i];
                 const Real of_own = n[i];
-                around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+                context.pairs.groups_of(i, [&](const Pairs::Group& group) {
                     Real other[3][Pairs::Group::most], of_other[Pairs::Group::most];
                     group.gather(c.data(), other), group.gather(n.data(), of_other);
                     for (Index l = 0; l < group.padded(); ++l) {
@@ -81,16 +81,16 @@ InkRange range_around(const FluidPairs& pairs, Index i, Real reach, const Vec3* 
 
 }  // namespace
 
-void CarryInk::operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const {
+void CarryInk::operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const {
     const ProjectionSystem& s = *system;
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(c.size(), [&](Index i) {
             change[i].setZero();
             if (s.shift[i] == Vec3::Zero()) return;
-            const auto [least, most] = range_around(around.pairs, i, 2 * step.spacing, c.data());
+            const auto [least, most] = range_around(context.pairs, i, 2 * step.spacing, c.data());
             if ((most - least).maxCoeff() < Real(1e-6)) return;  // the pictures show steps of 1/255
-            const Vec3 there = c[i] + carried(W, s.whole, around.pairs, i, step.volume, c.data(), s.shift[i]);
+            const Vec3 there = c[i] + carried(W, s.whole, context.pairs, i, step.volume, c.data(), s.shift[i]);
             change[i] = there.cwiseMax(least).cwiseMin(most) - c[i];
         });
     });

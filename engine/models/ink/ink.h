@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "engine/math/expression_field.h"
-#include "engine/models/projection/projection_system.h"
+#include "engine/models/pressure/projection/projection_system.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -31,7 +31,7 @@ struct ink_change {
 /// is kept, and no ink passes walls and surfaces. A step longer than this is stable for is made of several.
 struct InkDiffusion {
     double diffusion = 0;  ///< m^2/s
-    void operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const;
+    void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
 };
 
 /// Fluid in a box has the inks that the box gives.
@@ -48,7 +48,7 @@ struct InkSources {
 /// neighbours'.
 struct CarryInk {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const Surroundings& around, Write<field::ink_change> change, Update<field::ink> c) const;
+    void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
 };
 
 }  // namespace whorl

@@ -86,17 +86,17 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
 /// A solid particle that the fluid sticks to, as a neighbour with the volume V_s for m/rho_j. Velocity and spin are continued behind the
 /// surface, so that on it the fluid has those of the solid.
 template <class Form, class Kernel>
-void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, const Own& own, Real softening,
-               Real gate, Index s, const Vec3& r, Real distance) {
-    const SolidParticles& layer = around.layer;
-    const Solid& solid = around.solids.all[layer.solid[s]];
+void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, const InteractionContext& context, const Own& own,
+               Real softening, Real gate, Index s, const Vec3& r, Real distance) {
+    const BoundaryParticles& boundary = context.boundary;
+    const Solid& solid = context.solids.all[boundary.solid[s]];
     if (!solid.sticks()) return;
     const auto add = [](Sum3& sum, const Vec3& v) { sum.x += v.x(), sum.y += v.y(), sum.z += v.z(); };
     const bool both_u = options.curl_velocity == CurlForm::symmetric, both_w = options.curl_spin == CurlForm::symmetric;
-    const Real stretch = WallShear{around.step.spacing / 2}.stretch(r, layer.normal[s]);
-    const Vec3 wall = solid.pose.velocity_at(layer.position[s] + r);
-    const Vec3 u_is = stretch * (own.u - wall) + (wall - layer.velocity[s]);
-    const Real slope = W.slope(distance), b = gate * options.solid_factor * layer.volume[s] / around.step.mass;
+    const Real stretch = WallShear{context.step.spacing / 2}.stretch(r, boundary.normal[s]);
+    const Vec3 wall = solid.pose.velocity_at(boundary.position[s] + r);
+    const Vec3 u_is = stretch * (own.u - wall) + (wall - boundary.velocity[s]);
+    const Real slope = W.slope(distance), b = gate * options.solid_factor * boundary.volume[s] / context.step.mass;
     const Vec3 u_i = own.share * own.u, u_s = u_i - own.share * u_is + own.turning.cross(r);
     add(all.curl_u, slope * b * Vec3((both_u ? -1 : 1) * u_i - u_s).cross(r));
     if constexpr (Form::curl_alone) return;
@@ -112,10 +112,10 @@ void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, con
 }
 
 template <class Form, class Kernel>
-void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const Surroundings& around, Index i, const Own& own,
+void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, const InteractionContext& context, Index i, const Own& own,
                 Real softening, Real gate) {
-    around.solid_pairs.of(
-        i, [&](Index s, const Vec3& r, Real distance) { add_solid<Form>(all, W, options, around, own, softening, gate, s, r, distance); });
+    context.solid_pairs.of(
+        i, [&](Index s, const Vec3& r, Real distance) { add_solid<Form>(all, W, options, context, own, softening, gate, s, r, distance); });
 }
 
 }  // namespace
@@ -123,10 +123,10 @@ void add_solids(Sums& all, const Kernel& W, const MicropolarOptions& options, co
 Micropolar::Micropolar(MicropolarOptions options) : options_(std::move(options)), torque_(options_.torque) {}
 
 template <class Kernel, class Form>
-EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
+EnergyWork Micropolar::advance(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
                                Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
                                Read<field::spin> w) {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     const MicropolarOptions& o = options_;
     const Real lattice = Form::printed ? Real(1) : 1 / lattice_gradient(step.kernel, step.support, step.spacing),
                along_pairs = Form::printed ? Real(1) : along_pairs_factor(step.kernel, step.support, step.spacing),
@@ -136,14 +136,14 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
     const Real alpha = o.part_a_step(o.smoothing_velocity, dt) / dt, beta = o.part_a_step(o.smoothing_spin, dt) / dt;
     const Real mu = static_cast<Real>(o.pair_viscosity), mu_central = static_cast<Real>(o.central_viscosity),
                gamma = static_cast<Real>(o.spin_viscosity);
-    const bool any_torque = !torque_.is_zero(), any_solids = around.layer.size() > 0;
+    const bool any_torque = !torque_.is_zero(), any_solids = context.boundary.size() > 0;
 
     const auto own_of = [&](Index i, Real share, const Vec3& push) {
         const Real b = 1 / rho[i];
         const Vec3 turning = o.co_rotating ? push : Vec3(Vec3::Zero());
         return Own{u[i], w[i], push, turning, share, b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
     };
-    const auto gate_of = [&](Index i) { return o.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, o.solid_factor); };
+    const auto gate_of = [&](Index i) { return o.gate.weight(kernel, i, context.solid_pairs, context.boundary.volume, o.solid_factor); };
     // With c = curl u - 2 w, the part q of the coupling that is composed pushes the flow by -q/2 curl c and the spin by q/2 times what c
     // loses for w: minus the derivatives of sum V q |c|^2/4. Both are linear: w becomes w (lambda - q)/lambda - c q/(2 lambda).
     const Real part = Form::composed ? static_cast<Real>(o.composed_coupling / o.coupling) : Real(0), share = 1 - part;
@@ -153,18 +153,18 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         parallel_for(u.size(), [&](Index i) {
             const Own own = own_of(i, 1, w[i]);
             Sums s;
-            add_fluid<CurlAlone>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data(), nullptr);
-            if (any_solids && around.solid_pairs.count(i) > 0) add_solids<CurlAlone>(s, kernel, o, around, i, own, softening, gate_of(i));
+            add_fluid<CurlAlone>(s, kernel, context.pairs, i, own, softening, rho.data(), u.data(), w.data(), nullptr);
+            if (any_solids && context.solid_pairs.count(i) > 0) add_solids<CurlAlone>(s, kernel, o, context, i, own, softening, gate_of(i));
             const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.w);
             push_[i] = share * own.w - part / 2 * (s.curl_u.times(m * lattice) - decay);
         });
         push = push_;
     }
-    react(around, Push::viscous, role, m * m * dt, [&](Index i) {
+    react(context, Push::viscous, role, m * m * dt, [&](Index i) {
         return [&, i, gate = gate_of(i)](Index q, const Vec3& r, Real distance) {
             const Own own = own_of(i, share, push[i]);
             Sums s;
-            add_solid<Form>(s, kernel, o, around, own, softening, gate, q, r, distance);
+            add_solid<Form>(s, kernel, o, context, own, softening, gate, q, r, distance);
             return Vec3(s.viscous.times(lattice * mu) + s.central.times(along_pairs * mu_central) +
                         s.curl_w.times(lattice * lambda * own.b));
         };
@@ -178,8 +178,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
         const Own own = own_of(i, share, push[i]);
         const Real b = own.b;
         Sums s;
-        add_fluid<Form>(s, kernel, around.pairs, i, own, softening, rho.data(), u.data(), w.data(), push.data());
-        if (any_solids && around.solid_pairs.count(i) > 0) add_solids<Form>(s, kernel, o, around, i, own, softening, gate_of(i));
+        add_fluid<Form>(s, kernel, context.pairs, i, own, softening, rho.data(), u.data(), w.data(), push.data());
+        if (any_solids && context.solid_pairs.count(i) > 0) add_solids<Form>(s, kernel, o, context, i, own, softening, gate_of(i));
 
         Vec3 viscous = s.viscous.times(m * lattice * mu);
         if constexpr (Form::central) viscous += s.central.times(m * along_pairs * mu_central);
@@ -210,10 +210,10 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const Surroundings& around,
     });
 }
 
-void Micropolar::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+void Micropolar::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::density> rho,
                             Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a,
                             Write<field::spin_change> change, Update<field::spin> w) {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     if (!torque_.is_zero()) torque_.each(step.time, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
     const Read<field::spin> spin{w.values};
     report.work = with_kernel(step.kernel, step.support, [&](const auto& kernel) {
@@ -221,13 +221,13 @@ void Micropolar::operator()(const Surroundings& around, StepReport& report, Read
         const bool composed = options_.composed_coupling > 0;
         if (options_.printed)
             return options_.central_viscosity != 0
-                       ? advance<Kernel, Forms<true, false, false, true>>(kernel, around, role, rho, u, a, change, spin)
-                       : advance<Kernel, Forms<false, false, false, true>>(kernel, around, role, rho, u, a, change, spin);
+                       ? advance<Kernel, Forms<true, false, false, true>>(kernel, context, role, rho, u, a, change, spin)
+                       : advance<Kernel, Forms<false, false, false, true>>(kernel, context, role, rho, u, a, change, spin);
         if (options_.central_viscosity != 0)
-            return composed ? advance<Kernel, Forms<true, true>>(kernel, around, role, rho, u, a, change, spin)
-                            : advance<Kernel, Forms<true, false>>(kernel, around, role, rho, u, a, change, spin);
-        return composed ? advance<Kernel, Forms<false, true>>(kernel, around, role, rho, u, a, change, spin)
-                        : advance<Kernel, Forms<false, false>>(kernel, around, role, rho, u, a, change, spin);
+            return composed ? advance<Kernel, Forms<true, true>>(kernel, context, role, rho, u, a, change, spin)
+                            : advance<Kernel, Forms<true, false>>(kernel, context, role, rho, u, a, change, spin);
+        return composed ? advance<Kernel, Forms<false, true>>(kernel, context, role, rho, u, a, change, spin)
+                        : advance<Kernel, Forms<false, false>>(kernel, context, role, rho, u, a, change, spin);
     });
     parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
 }

@@ -7,7 +7,7 @@
 
 #include "engine/math/expression_field.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 #include "engine/sph/curl.h"
 #include "engine/sph/gate.h"
 
@@ -58,13 +58,13 @@ struct MicropolarOptions {
 class Micropolar {
 public:
     explicit Micropolar(MicropolarOptions options);
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::density> rho,
                     Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
                     Update<field::spin> w);
 
 private:
     template <class Kernel, class Form>
-    EnergyWork advance(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
+    EnergyWork advance(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
                        Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change, Read<field::spin> w);
     MicropolarOptions options_;
     ExpressionField torque_;

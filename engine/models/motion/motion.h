@@ -1,6 +1,6 @@
 #pragma once
 /// The frame of every step: external acceleration, kick, move. Order: Gravity, (forces that add to the acceleration), Kick,
-/// (models that change the velocity: viscosity, pressure), Move, KeepOutside. Kick before Move makes it symplectic Euler.
+/// (models that change the velocity: viscosity, pressure), Move, PushOutOfSolids. Kick before Move makes it symplectic Euler.
 #include <cmath>
 #include <vector>
 

@@ -6,18 +6,18 @@
 
 namespace whorl {
 
-void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D) {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
+void BodyRows::build(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, DensityRate& D) {
+    const BoundaryParticles& boundary = context.boundary;
+    const StepContext& step = context.step;
     bodies_.clear();
     mass_ = static_cast<double>(step.mass);
-    if (!around.solids.any_free()) return;
-    contacts_.find(around.solids, layer, contact_step(step));
-    start_ = velocities_of(around.solids);
-    const std::vector<Index> near = particles_at_bodies(around);
-    for (std::size_t k = 0; k < around.solids.all.size(); ++k) {
-        if (!around.solids.all[k].body) continue;
-        const RigidBody& state = *around.solids.all[k].body;
+    if (!context.solids.any_free()) return;
+    contacts_.find(context.solids, boundary, contact_step(step));
+    start_ = velocities_of(context.solids);
+    const std::vector<Index> near = particles_at_bodies(context);
+    for (std::size_t k = 0; k < context.solids.all.size(); ++k) {
+        if (!context.solids.all[k].body) continue;
+        const RigidBody& state = *context.solids.all[k].body;
         Body body{k, std::vector<Touch>(near.size())};
         with_kernel(step.kernel, step.support, [&](const auto& W) {
             parallel_for(static_cast<Index>(near.size()), [&](Index e) {
@@ -26,12 +26,12 @@ void BodyRows::build(const WallImage& wall, const Surroundings& around, Span<con
                 touch.h.setZero();
                 Real w = 0;
                 const Real left = 1 - D.mirrors.part(touch.particle);
-                around.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
-                    const WallImage::Share share = wall.share(W, r, distance, layer, s);
+                context.solid_pairs.of(touch.particle, [&](Index s, const Vec3& r, Real distance) {
+                    const WallImage::Share share = wall.share(W, r, distance, boundary, s);
                     w += left * share.value;
-                    if (static_cast<std::size_t>(layer.solid[s]) != k) return;
+                    if (static_cast<std::size_t>(boundary.solid[s]) != k) return;
                     touch.h += share.gradient;
-                    touch.arm = layer.position[s] + r - state.centre.cast<Real>();
+                    touch.arm = boundary.position[s] + r - state.centre.cast<Real>();
                 });
                 const SolidGate::Gated gated = wall.gate.gated(w);
                 touch.h *= left * gated.slope * WallImage::free_volume(gated.sum).slope * D.fill[touch.particle] * rho[touch.particle];

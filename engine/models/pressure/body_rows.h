@@ -2,7 +2,7 @@
 /// The columns of D (density_rate.h) that belong to free bodies: their velocities are unknowns of the same solve.
 #include "engine/geometry/body_contact.h"
 #include "engine/models/pressure/density_rate.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -19,7 +19,7 @@ namespace whorl {
 class BodyRows {
 public:
     /// @param D built; its diagonal gets the bodies' share
-    void build(const WallImage& wall, const Surroundings& around, Span<const Real> rho, DensityRate& D);
+    void build(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, DensityRate& D);
     bool empty() const { return bodies_.empty(); }
     /// Whether fluid is in reach of a body.
     bool touched() const {

@@ -44,10 +44,10 @@ PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { re
 
 /// No displacement lowers all densities at once (their mean is lowest on a lattice), and asking for it would tear the fluid apart with
 /// pressures that grow without bound.
-bool fills_periodic_domain(const Surroundings& around, Index n) {
-    const StepContext& step = around.step;
+bool fills_periodic_domain(const InteractionContext& context, Index n) {
+    const StepContext& step = context.step;
     double volume = n * static_cast<double>(step.volume);
-    for (const Solid& solid : around.solids.all)
+    for (const Solid& solid : context.solids.all)
         if (solid.body) volume += solid.body->volume;
     return step.domain.all_periodic() && volume > 0.98 * step.domain.volume();
 }
@@ -208,7 +208,7 @@ bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
 
 /// The image of j pushes i as that of i pushes j. Along the wall the two are opposite; across it both act where the line from i to the
 /// image meets the wall: so their torque is kept.
-std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(const Surroundings& around, Span<const Real> q,
+std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(const InteractionContext& context, Span<const Real> q,
                                                                                Index i) const {
     std::vector<ByImages> all;
     if (D_.mirrors.size() == 0) return all;
@@ -220,7 +220,7 @@ std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(c
         for (int m = 0; m < image.count; ++m) {
             const Vec3& normal = image.wall[m].normal;
             // From i to the wall; the wall of j may be a period away.
-            const Real both = r.dot(normal), other = image.wall[m].height(around.pairs.x_own[j]), height = both - other;
+            const Real both = r.dot(normal), other = image.wall[m].height(context.pairs.x_own[j]), height = both - other;
             const Real push = -(height < other ? 2 : 1) * (D_.fill[i] * q[i] + D_.fill[j] * q[j]) * c * both;
             if (height > other || !(push > 0)) continue;
             auto found = std::find_if(all.begin(), all.end(), [&](const ByImages& by) { return by.acts_on(normal); });
@@ -231,33 +231,33 @@ std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(c
     });
     for (ByImages& by : all) {
         by.back /= by.push;
-        around.solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) {
-            if (by.acts_on(around.layer.normal[s])) by.weights += by.weight(around.step.support, distance);
+        context.solid_pairs.of(i, [&](Index s, const Vec3&, Real distance) {
+            if (by.acts_on(context.boundary.normal[s])) by.weights += by.weight(context.step.support, distance);
         });
     }
     return all;
 }
 
-void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
-                                       Span<const Real> q) const {
-    const SolidParticles& layer = around.layer;
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& W) {
-        const auto share = [&](Index s, const Vec3& r, Real distance) { return wall.share(W, r, distance, layer, s); };
+void ConstraintPressure::write_ledgers(const WallImage& wall, const InteractionContext& context, Read<field::role> role,
+                                       Span<const Real> rho, Span<const Real> q) const {
+    const BoundaryParticles& boundary = context.boundary;
+    with_kernel(context.step.kernel, context.step.support, [&](const auto& W) {
+        const auto share = [&](Index s, const Vec3& r, Real distance) { return wall.share(W, r, distance, boundary, s); };
         const Mirrors& mirrors = D_.mirrors;
         react(
-            around, Push::pressure, role, around.step.mass,
+            context, Push::pressure, role, context.step.mass,
             [&](Index i) {
                 Real w = 0;
                 const Real left = 1 - mirrors.part(i);
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += left * share(s, r, distance).value; });
+                context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += left * share(s, r, distance).value; });
                 const SolidGate::Gated gated = wall.gate.gated(w);
                 const Real of_i = left * q[i] * D_.fill[i] * rho[i] * gated.slope * WallImage::free_volume(gated.sum).slope;
-                const std::vector<ByImages> by_images = pushes_of_images(around, q, i);
+                const std::vector<ByImages> by_images = pushes_of_images(context, q, i);
                 return [&, of_i, by_images](Index s, const Vec3& r, Real distance) {
                     PushAt push = Vec3(-of_i * share(s, r, distance).gradient);
                     for (const ByImages& by : by_images)
-                        if (by.acts_on(layer.normal[s])) {
-                            push.push += by.weight(around.step.support, distance) / by.weights * by.push * by.normal;
+                        if (by.acts_on(boundary.normal[s])) {
+                            push.push += by.weight(context.step.support, distance) / by.weights * by.push * by.normal;
                             push.back = by.back;
                         }
                     return push;
@@ -267,11 +267,11 @@ void ConstraintPressure::write_ledgers(const WallImage& wall, const Surroundings
     });
 }
 
-void ConstraintPressure::find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q,
+void ConstraintPressure::find_pressures(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Real> q,
                                         Span<Real> p) const {
     constexpr Real touching = Real(0.1);  // w of a particle that touches a flat wall is 0.15 and more
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
+    const BoundaryParticles& boundary = context.boundary;
+    const StepContext& step = context.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(D_.size(), [&](Index i) {
             const Real own = D_.fill[i] * q[i], left = 1 - D_.mirrors.part(i);
@@ -279,14 +279,14 @@ void ConstraintPressure::find_pressures(const WallImage& wall, const Surrounding
             const auto add = [&](Index j, const Vec3& r, Real distance, Real weight) {
                 pairs -= (own + D_.fill[j] * q[j]) * step.mass / 2 * weight * W.slope(distance) * r * r.transpose();
             };
-            around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) { add(j, r, distance, 1); });
+            context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) { add(j, r, distance, 1); });
             D_.mirrors.of(i, [&](Index g, const Vec3& r, Real distance, Real weight) { add(D_.mirrors.owner(g), r, distance, weight); });
             Mat3 across = Mat3::Zero();
             Real w = 0;
-            if (layer.size() > 0)
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const Vec3& normal = layer.normal[s];
-                    const WallImage::Share share = wall.share(W, r, distance, layer, s);
+            if (boundary.size() > 0)
+                context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const Vec3& normal = boundary.normal[s];
+                    const WallImage::Share share = wall.share(W, r, distance, boundary, s);
                     w += share.value, across += share.value * normal * normal.transpose();
                     walls -= share.gradient * std::max(Real(0), r.dot(normal) - step.spacing / 2) * normal.transpose();
                 });
@@ -335,34 +335,35 @@ Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, co
     return most > 0 && rate > most ? static_cast<Real>(most / rate) : Real(1);
 }
 
-void ConstraintPressure::add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u,
+void ConstraintPressure::add_bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> u,
                                   Span<const Real> q, Span<const Padded> force) {
     constexpr Real most = Real(0.02);  // of the rest density: beyond it the move is larger than the linear range of the densities
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     const Index n = D_.size();
     Column<Real> bend(static_cast<std::size_t>(n));
     Column<Vec3> expected(static_cast<std::size_t>(n));  // velocities after the step, by the last pressure
     parallel_for(n, [&](Index i) { expected[i] = u[i] - force[i].head<3>(); });
-    D_.bend(wall, around, rho, expected, bodies_.poses_after(q, around.solids), bend);
+    D_.bend(wall, context, rho, expected, bodies_.poses_after(q, context.solids), bend);
     parallel_for(n, [&](Index i) { b_[i] += std::clamp(bend[i], -most * step.rest_density, most * step.rest_density) / step.dt; });
 }
 
-void ConstraintPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
-                                    Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p) {
-    const StepContext& step = around.step;
+void ConstraintPressure::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role,
+                                    Write<field::density> rho, Update<field::velocity> u, Update<field::constraint_pressure> multiplier,
+                                    Write<field::pressure> p) {
+    const StepContext& step = context.step;
     const Index n = rho.size();
     const Real rho_0 = step.rest_density;
     const Span<Real> q = multiplier.values;
     b_.resize(n);
     residual_.resize(n);
-    const WallImage wall(around, options_.gate);
-    D_.build(wall, around, role, Read<field::velocity>{u.values}, rho.values, b_);
-    bodies_.build(wall, around, rho.values, D_);
-    const bool filled = fills_periodic_domain(around, n);
+    const WallImage wall(context, options_.gate);
+    D_.build(wall, context, role, Read<field::velocity>{u.values}, rho.values, b_);
+    bodies_.build(wall, context, rho.values, D_);
+    const bool filled = fills_periodic_domain(context, n);
     const Real target = filled ? static_cast<Real>(parallel_sum(n, [&](Index i) { return static_cast<double>(rho[i]); }) / n) : rho_0;
     const double mean_rate = filled ? parallel_sum(n, [&](Index i) { return static_cast<double>(b_[i]); }) / n : 0;
     const Real time = correction_time(u.values, step),
-               calm = filled || around.layer.size() == 0 ? Real(1) : calm_share(rho.values, u.values, step);
+               calm = filled || context.boundary.size() == 0 ? Real(1) : calm_share(rho.values, u.values, step);
     std::vector<char> at_bodies(static_cast<std::size_t>(n), 0);
     bodies_.mark(at_bodies);
     parallel_for(n, [&](Index i) {
@@ -370,16 +371,16 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
         b_[i] += rate > 0 ? calm * rate : rate;
         q[i] = D_.diagonal[i] > 0 ? q[i] / D_.virial[i] * step.dt / (rho[i] * rho[i]) : 0;
     });
-    ConstraintMatrix matrix{D_, {}, Column<Padded>(D_.x.size()), around.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
+    ConstraintMatrix matrix{D_, {}, Column<Padded>(D_.x.size()), context.pairs.x_own, step.spacing, bodies_.empty() ? nullptr : &bodies_};
     matrix.push(q);
-    if (filled || has_free_surface(q, step)) add_bend(wall, around, rho.values, u.values, q, matrix.force);
+    if (filled || has_free_surface(q, step)) add_bend(wall, context, rho.values, u.values, q, matrix.force);
     const auto fastest = static_cast<Real>(filled ? largest_speed(u.values) : 0);
     report.solves.push_back({SolveKind::pressure, filled ? solve_filled(matrix, step, mean_rate, fastest, q) : solve(matrix, step, q)});
     if (!filled && !has_free_surface(q, step) && limit_level(q, step)) {
         matrix.push(q);
         Eigen::AlignedBox3f box;
         for (Index i = 0; i < n; ++i)
-            if (q[i] > 0) box.extend(around.pairs.x_own[i].cast<float>());
+            if (q[i] > 0) box.extend(context.pairs.x_own[i].cast<float>());
         report.full = fmt::format(
             "fluid without room at {:.4g} s: solids squeeze what fills the space from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) "
             "m; {:.2g} m^{} are too much after this step",
@@ -388,15 +389,15 @@ void ConstraintPressure::operator()(const Surroundings& around, StepReport& repo
                 static_cast<double>(step.dt * step.volume / step.rest_density),
             step.dimensions());
     }
-    const auto& solids = around.solids.all;
+    const auto& solids = context.solids.all;
     // Images in two walls with one normal push a pair unequally.
     const bool unequal =
         D_.mirrors.size() > 0 && std::all_of(solids.begin(), solids.end(), [](const Solid& solid) { return solid.keeps_ledger(); });
-    const Remainder rest = unequal ? Remainder(around.solids, Push::pressure) : Remainder();
-    bodies_.push(q, around.solids);
-    write_ledgers(wall, around, role, rho.values, q);
-    if (unequal) share_rest(rest, around, role, around.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
-    if (step.to_frame_time) find_pressures(wall, around, rho.values, q, p.values);
+    const Remainder rest = unequal ? Remainder(context.solids, Push::pressure) : Remainder();
+    bodies_.push(q, context.solids);
+    write_ledgers(wall, context, role, rho.values, q);
+    if (unequal) share_rest(rest, context, role, context.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
+    if (step.to_frame_time) find_pressures(wall, context, rho.values, q, p.values);
     if (filled) matrix.push(q);  // solve() has left it there
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();

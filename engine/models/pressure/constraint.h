@@ -2,11 +2,11 @@
 /// Incompressible pressure as a constraint: no density exceeds the rest density (docs/physics.md 3).
 ///
 /// Stages of a step, in order: Density (if the viscosity needs one), Gravity, (forces), Kick, (viscosity; an implicit one between
-/// ExpectForce and ForgetForce), DampUnresolved, ConstraintPressure, (TakeForce), Move, KeepOutside.
+/// ExpectForce and ForgetForce), DampUnresolved, ConstraintPressure, (TakeForce), Move, PushOutOfSolids.
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/pressure_matrix.h"
 #include "engine/models/pressure/pressure_options.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -56,7 +56,7 @@ class ConstraintPressure {
 public:
     explicit ConstraintPressure(const PressureOptions& options, ConstraintPreconditionerSetup preconditioner = diagonal_scaling)
         : options_(options), preconditioner_(std::move(preconditioner)) {}
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Write<field::density> rho,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Write<field::density> rho,
                     Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p);
 
 private:
@@ -92,7 +92,7 @@ private:
     /// is slower, and where nothing moves or has weight
     Real calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const;
     /// Adds e/dt to b_. @param force D^T q
-    void add_bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
+    void add_bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q, const StepContext& step) const;
     /// For a full room that a solid squeezes: nothing can give way, and a pressure that is the same everywhere, and pushes nothing, grows
@@ -108,15 +108,16 @@ private:
         bool acts_on(const Vec3& n) const { return n.dot(normal) > Real(0.99); }
         static Real weight(Real reach, Real distance) { return (reach - distance) * (reach - distance); }
     };
-    std::vector<ByImages> pushes_of_images(const Surroundings& around, Span<const Real> q, Index i) const;
+    std::vector<ByImages> pushes_of_images(const InteractionContext& context, Span<const Real> q, Index i) const;
     /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i, and the forces of images.
-    void write_ledgers(const WallImage& wall, const Surroundings& around, Read<field::role> role, Span<const Real> rho,
+    void write_ledgers(const WallImage& wall, const InteractionContext& context, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
     /// Pressures for frames and probes: those that the forces of q amount to. Of a particle's part of the stress,
     ///   s_i = rho_i/dt (1/2 sum_j |c_ij| (f_i q_i + f_j q_j) r_ij r_ij^T + f_i q_i rho_i sum_s h_is |grad w_is| n_s^T),   h_is height
     ///   above s,
     /// the mean over all directions, and at walls that over their normals: layers press less along a wall than across.
-    void find_pressures(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Real> q, Span<Real> p) const;
+    void find_pressures(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Real> q,
+                        Span<Real> p) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
 
     PressureOptions options_;
@@ -127,7 +128,7 @@ private:
 };
 
 /// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
-bool fills_periodic_domain(const Surroundings& around, Index n);
+bool fills_periodic_domain(const InteractionContext& context, Index n);
 
 /// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step
 /// turn the forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's

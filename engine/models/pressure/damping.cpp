@@ -7,13 +7,13 @@
 
 namespace whorl {
 
-void DampUnresolved::operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u) {
-    const StepContext& step = around.step;
+void DampUnresolved::operator()(const InteractionContext& context, Read<field::role> role, Update<field::velocity> u) {
+    const StepContext& step = context.step;
     const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing) + tension_ / static_cast<double>(step.mass));
     const auto c = static_cast<Real>(std::min(0.3, rate_ * static_cast<double>(step.dt) * fall));
     if (!(c > 0)) return;
     const Column<Vec3> change = with_kernel(step.kernel, step.support, [&](const auto& W) {
-        return find_changes(W, around.pairs, step, u, find_gradients(W, around.pairs, step, u), c);
+        return find_changes(W, context.pairs, step, u, find_gradients(W, context.pairs, step, u), c);
     });
     parallel_for(u.size(), [&](Index i) {
         if (role[i] == 0) u[i] += change[i];
@@ -32,7 +32,7 @@ DampUnresolved::Stretching DampUnresolved::find_gradients(const Kernel& W, const
             alignas(64) Real v[3][most], w[most];
             group.gather(u.values.data(), v);
             for (Index l = 0; l < group.padded(); ++l)
-                w[l] = W.value(group.distance[l]) * step.volume / std::max(group.distance[l] * group.distance[l], smallest);
+                w[l] = W.value(group.distance[l]) * step.volume / std::max(group.distance[l] * group.distance[l], min_positive);
             for (int a = 0; a < 3; ++a)
                 for (int b = 0; b < 3; ++b) {
                     Real r_r = 0, u_r = 0;
@@ -76,7 +76,7 @@ Column<Vec3> DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pai
                 const Real stretched = (d[0] + along[0][l]) * x * x + (d[1] + along[1][l]) * y * y + (d[2] + along[2][l]) * z * z +
                                        (o[0] + across[0][l]) * x * y + (o[1] + across[1][l]) * y * z + (o[2] + across[2][l]) * z * x;
                 const Real e_r = (v[0][l] - u[i][0]) * x + (v[1][l] - u[i][1]) * y + (v[2][l] - u[i][2]) * z + stretched / 2;
-                pull[l] = W.value(r) * step.volume * e_r / std::max(r * r, smallest);
+                pull[l] = W.value(r) * step.volume * e_r / std::max(r * r, min_positive);
             }
             for (int a = 0; a < 3; ++a) {
                 Real part = 0;

@@ -2,7 +2,7 @@
 /// Damping of motion that the particles cannot resolve.
 #include "engine/core/column.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -15,7 +15,7 @@ class DampUnresolved {
 public:
     /// @param tension surface tension [N/m]
     explicit DampUnresolved(double rate, double tension = 0) : rate_(rate), tension_(tension) {}
-    void operator()(const Surroundings& around, Read<field::role> role, Update<field::velocity> u);
+    void operator()(const InteractionContext& context, Read<field::role> role, Update<field::velocity> u);
 
 private:
     /// Symmetric part of the velocity's gradient: the diagonal, and twice the other entries [1/s].

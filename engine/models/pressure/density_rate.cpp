@@ -9,11 +9,11 @@
 
 namespace whorl {
 
-WallImage::WallImage(const Surroundings& around, SolidGate solid_gate)
-    : WallImage(around.step.kernel, around.step.support, around.step.spacing, solid_gate) {
-    if (!around.solids.any_free()) return;
-    for (const Solid& solid : around.solids.all)
-        constant_when_near.push_back(solid.body && solid.body->mass < static_cast<double>(around.step.rest_density) * solid.body->volume);
+WallImage::WallImage(const InteractionContext& context, SolidGate solid_gate)
+    : WallImage(context.step.kernel, context.step.support, context.step.spacing, solid_gate) {
+    if (!context.solids.any_free()) return;
+    for (const Solid& solid : context.solids.all)
+        constant_when_near.push_back(solid.body && solid.body->mass < static_cast<double>(context.step.rest_density) * solid.body->volume);
 }
 
 WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
@@ -87,24 +87,24 @@ void DensityRate::join_rows(const Pairs& fluid) {
     first = joined_first_, other = joined_;
 }
 
-void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
-                        Span<Real> rate) {
-    mirrors.find(around, wall.gate.threshold > 0);
-    const StepContext& step = around.step;
-    const Span<const Vec3> of_images = mirrors.velocities(u.values, [&](Index k) { return around.solids.all[k].pose.velocity; });
-    const Index n = around.pairs.size();
-    join_rows(around.pairs);
+void DensityRate::build(const WallImage& wall, const InteractionContext& context, Read<field::role> role, Read<field::velocity> u,
+                        Span<Real> rho, Span<Real> rate) {
+    mirrors.find(context, wall.gate.threshold > 0);
+    const StepContext& step = context.step;
+    const Span<const Vec3> of_images = mirrors.velocities(u.values, [&](Index k) { return context.solids.all[k].pose.velocity; });
+    const Index n = context.pairs.size();
+    join_rows(context.pairs);
     resize_tightly(slope, other.size() + most_lanes);  // bend() reads whole groups
-    period = around.pairs.period;
+    period = context.pairs.period;
     x.resize(n + mirrors.size()), fill.resize(n), own.resize(n), diagonal.resize(n), free.resize(n), virial.resize(n);
     for (Index g = 0; g < mirrors.size(); ++g) x[n + g] = padded(mirrors.pairs().x_other[g]);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        parallel_for(around.pairs.size(), [&](Index i) {
+        parallel_for(context.pairs.size(), [&](Index i) {
             Real change = 0, wall_change = 0;
-            x[i] = padded(around.pairs.x_own[i]);
+            x[i] = padded(context.pairs.x_own[i]);
             Real* to = slope.data() + first[i];
             const DensityRow row = density_row(
-                wall, W, around, mirrors, i,
+                wall, W, context, mirrors, i,
                 [&]<bool image>(const Pairs::Group& group, const Real* c) {
                     to = std::copy(c, c + group.count, to);
                     alignas(64) Real v[3][Pairs::Group::most];
@@ -117,8 +117,8 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
                 },
                 [&](Index s, const Vec3& r, const WallImage::Share& share) {
                     // The solid's velocity at x_i: fluid that moves and turns with a solid keeps its density.
-                    const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
-                    wall_change += share.gradient.dot(u[i] - pose.velocity_at(around.layer.position[s] + r));
+                    const Pose& pose = context.solids.all[context.boundary.solid[s]].pose;
+                    wall_change += share.gradient.dot(u[i] - pose.velocity_at(context.boundary.position[s] + r));
                 });
             const Real f = row.fill;
             fill[i] = f;
@@ -133,20 +133,20 @@ void DensityRate::build(const WallImage& wall, const Surroundings& around, Read<
     });
 }
 
-void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v,
+void DensityRate::bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> v,
                        const std::vector<Pose>& poses, Span<Real> change) const {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     const Span<const Vec3> of_images = mirrors.velocities(v, [&](Index k) { return poses[k].velocity; });
     const Real dt = step.dt, mass = step.mass;
     std::vector<SolidMotion> motions;
-    for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(around.solids.all[k], poses[k], dt);
+    for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(context.solids.all[k], poses[k], dt);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(size(), [&](Index i) {
             // Change of the fluid's sum, which was rho_i/f_i.
             Real linear = 0, moved = mass * W.value(0);
             const Real left = 1 - mirrors.part(i);
             const Real* c = slope.data() + first[i];
-            mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
+            mirrors.groups_of(context.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
                 alignas(64) Real u[3][Pairs::Group::most];
                 group.gather(image ? of_images.data() : v.data(), u);
                 for (int a = 0; a < 3; ++a)
@@ -165,16 +165,16 @@ void DensityRate::bend(const WallImage& wall, const Surroundings& around, Span<c
             });
             const Real bent = moved - rho[i] / fill[i] - linear;
             change[i] = fill[i] * bent;
-            if (!(left > 0) || around.layer.size() == 0 || around.solid_pairs.count(i) == 0) return;
+            if (!(left > 0) || context.boundary.size() == 0 || context.solid_pairs.count(i) == 0) return;
             Real w = 0, w_moved = 0, w_linear = 0;
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Index k = around.layer.solid[s];
-                const Vec3 at = around.layer.position[s] + r, straight = dt * v[i];
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                const Index k = context.boundary.solid[s];
+                const Vec3 at = context.boundary.position[s] + r, straight = dt * v[i];
                 const Vec3 to = r + (motions[k].rests ? straight : motions[k].relative(at, v[i], dt));
-                const WallImage::Share share = wall.share(W, r, distance, around.layer, s);
+                const WallImage::Share share = wall.share(W, r, distance, context.boundary, s);
                 w += share.value;
                 w_linear += share.gradient.dot(motions[k].rests ? straight : Vec3(dt * (v[i] - poses[k].velocity_at(at))));
-                w_moved += wall.share(W, to, to.norm(), around.layer, s).value;
+                w_moved += wall.share(W, to, to.norm(), context.boundary, s).value;
             });
             if (left < 1) w *= left, w_linear *= left, w_moved *= left;
             const SolidGate::Gated gated = wall.gate.gated(w);

@@ -8,7 +8,7 @@
 #include "engine/math/kernel.h"
 #include "engine/models/pressure/mirrors.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
@@ -26,11 +26,11 @@ struct WallImage {
     Real spacing;  ///< m
     Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
     /// By solid, 1: w stays as it is at `nearest`; empty: on it goes everywhere. So for free bodies lighter than the fluid: they would
-    /// float 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/sim/bodies.cpp).
+    /// float 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/simulation/bodies.cpp).
     std::vector<char> constant_when_near;
     SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
-    WallImage(const Surroundings& around, SolidGate gate);
+    WallImage(const InteractionContext& context, SolidGate gate);
 
     /// Contribution of a solid particle to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
     struct Share {
@@ -38,10 +38,10 @@ struct WallImage {
         Vec3 gradient;
     };
     template <class Kernel>
-    Share share(const Kernel& W, const Vec3& r, Real distance, const SolidParticles& layer, Index s) const {
-        const Vec3& normal = layer.normal[s];
-        if (layer.behind[s] == 0) return edge_share(W, r, layer, s);
-        const Real V = factor * layer.volume[s] * layer.behind[s], height = r.dot(normal);
+    Share share(const Kernel& W, const Vec3& r, Real distance, const BoundaryParticles& boundary, Index s) const {
+        const Vec3& normal = boundary.normal[s];
+        if (boundary.behind[s] == 0) return edge_share(W, r, boundary, s);
+        const Real V = factor * boundary.volume[s] * boundary.behind[s], height = r.dot(normal);
         Vec3 g = r;
         Real beyond = 0;   // how much closer than `nearest`
         if (height > 0) {  // else s belongs to a face that does not face i
@@ -52,14 +52,14 @@ struct WallImage {
         }
         const Real slope = W.slope(distance);
         g *= V * slope;
-        if (!constant_when_near.empty() && constant_when_near[layer.solid[s]]) beyond = 0;
+        if (!constant_when_near.empty() && constant_when_near[boundary.solid[s]]) beyond = 0;
         return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
     }
     /// A convex edge is seen as an image before each face that i is in front of, h -> h [1 + (stretch - 1)(h/d - 1)], other edges at their
     /// positions.
     template <class Kernel>
-    [[gnu::noinline]] Share edge_share(const Kernel& W, const Vec3& r, const SolidParticles& layer, Index s) const {
-        const Vec3 &normal = layer.normal[s], &one = layer.face[s];
+    [[gnu::noinline]] Share edge_share(const Kernel& W, const Vec3& r, const BoundaryParticles& boundary, Index s) const {
+        const Vec3 &normal = boundary.normal[s], &one = boundary.face[s];
         Vec3 image = r, g = r;
         const auto face = [&](const Vec3& n) {
             const Real h = r.dot(n), near = (stretch - 1) / spacing * h;
@@ -74,7 +74,7 @@ struct WallImage {
             if (other.isZero()) face(rest);
             else face((rest + other) / 2), face((rest - other) / 2);
         }
-        const Real V = factor * layer.volume[s], distance = image.norm(), slope = W.slope(distance);
+        const Real V = factor * boundary.volume[s], distance = image.norm(), slope = W.slope(distance);
         return {V * W.value(distance), -V * slope * distance * distance * virial, V * slope * g};
     }
     /// The share of the volume around i that solids, which fill w of it, leave to the fluid: 1 - w, but never 0, and how much it shrinks
@@ -101,13 +101,13 @@ struct DensityRow {
 
 /// @param fluid_neighbours called as <image>(group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
 template <class Kernel, class Fluid, class SolidPart>
-DensityRow density_row(const WallImage& wall, const Kernel& W, const Surroundings& around, const Mirrors& mirrors, Index i,
+DensityRow density_row(const WallImage& wall, const Kernel& W, const InteractionContext& context, const Mirrors& mirrors, Index i,
                        Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
-    const Real mass = around.step.mass;
+    const Real mass = context.step.mass;
     Vec3 fluid = Vec3::Zero(), walls = Vec3::Zero();
     Real density = mass * W.value(0), squares = 0, pull = 0, w = 0, wall_pull = 0;
     const Real left = 1 - mirrors.part(i);
-    mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
+    mirrors.groups_of(context.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
         alignas(64) Real c[Pairs::Group::most];
         Real x = 0, y = 0, z = 0, sum = 0, sum_squares = 0, sum_pull = 0;
         for (Index l = 0; l < group.padded(); ++l) {
@@ -126,9 +126,9 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
         pull += sum_pull;
         fluid_neighbours.template operator()<image>(group, static_cast<const Real*>(c));
     });
-    if (left > 0 && around.layer.size() > 0)
-        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-            const WallImage::Share share = wall.share(W, r, distance, around.layer, s);
+    if (left > 0 && context.boundary.size() > 0)
+        context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            const WallImage::Share share = wall.share(W, r, distance, context.boundary, s);
             w += share.value;
             wall_pull += share.pull;
             walls += share.gradient;
@@ -145,18 +145,19 @@ DensityRow density_row(const WallImage& wall, const Kernel& W, const Surrounding
 
 /// The density of density_row() alone.
 template <class Kernel>
-Real density_at(const WallImage& wall, const Kernel& W, const Surroundings& around, const Mirrors& mirrors, Index i) {
+Real density_at(const WallImage& wall, const Kernel& W, const InteractionContext& context, const Mirrors& mirrors, Index i) {
     Real sum = W.value(0), w = 0;
     const Real left = 1 - mirrors.part(i);
-    mirrors.groups_of(around.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
+    mirrors.groups_of(context.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* weight) {
         Real part = 0;
         for (Index l = 0; l < group.padded(); ++l) part += (image ? weight[l] : Real(1)) * W.value(group.distance[l]);
         sum += part;
     });
-    if (left > 0 && around.layer.size() > 0)
-        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { w += wall.share(W, r, distance, around.layer, s).value; });
+    if (left > 0 && context.boundary.size() > 0)
+        context.solid_pairs.of(i,
+                               [&](Index s, const Vec3& r, Real distance) { w += wall.share(W, r, distance, context.boundary, s).value; });
     if (left < 1) w *= left;
-    return around.step.mass * sum / WallImage::free_volume(wall.gate.gated(w).sum).left;
+    return context.step.mass * sum / WallImage::free_volume(wall.gate.gated(w).sum).left;
 }
 
 /// Three components and a zero: one vector register.
@@ -184,12 +185,12 @@ struct DensityRate {
     Index size() const { return static_cast<Index>(own.size()); }
 
     /// @param rho written @param rate D u with prescribed and solid velocities included
-    void build(const WallImage& wall, const Surroundings& around, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
+    void build(const WallImage& wall, const InteractionContext& context, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                Span<Real> rate);
     /// rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], the error of D for a straight move, with fixed neighbours; solids turn
     /// as they do within a step. @param rho at x @param poses of the solids: free bodies move with the velocities in them
-    void bend(const WallImage& wall, const Surroundings& around, Span<const Real> rho, Span<const Vec3> v, const std::vector<Pose>& poses,
-              Span<Real> change) const;
+    void bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> v,
+              const std::vector<Pose>& poses, Span<Real> change) const;
     /// Calls f(j, g) for row i: neighbours, or owners of images that are, and g_ij.
     template <class F>
     void row(Index i, const F& f) const {

@@ -2,7 +2,7 @@
 /// The last step's pressure force before an implicit viscosity (docs/physics.md 3).
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -17,35 +17,36 @@ struct pressure_force {
 /// rest slips along sticking walls by about dt/rho times the pressure's gradient. Free bodies the same: without it a plate that presses
 /// fluid out of a gap h sinks faster by a factor of about 1 + 12 nu dt/h^2.
 struct ExpectForce {
-    void operator()(const Surroundings& around, Read<field::role> role, Update<field::pressure_force> a, Update<field::velocity> u) const {
-        const StepContext& step = around.step;
+    void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
+                    Update<field::velocity> u) const {
+        const StepContext& step = context.step;
         const Real most = step.spacing / (10 * step.dt * step.dt);  // an impact's pressure is not expected again
         parallel_for(u.size(), [&](Index i) {
             if (role[i] != 0 || !(a[i].norm() < most)) a[i].setZero();
             u[i] += step.dt * a[i];
         });
-        each_body(around, [&](RigidBody& body) {
+        each_body(context, [&](RigidBody& body) {
             if (!(body.pressed.force.norm() < static_cast<double>(most) * body.mass)) body.pressed = {};
             body.push(static_cast<double>(step.dt) * body.pressed);
         });
     }
 
     template <class Change>
-    static void each_body(const Surroundings& around, const Change& change) {
-        if (!around.solids.any_free()) return;
-        for (Solid& solid : around.solids.all)
+    static void each_body(const InteractionContext& context, const Change& change) {
+        if (!context.solids.any_free()) return;
+        for (Solid& solid : context.solids.all)
             if (solid.body) change(*solid.body);
-        around.solids.place_bodies();
-        around.layer.follow(around.solids);
+        context.solids.place_bodies();
+        context.boundary.follow(context.solids);
     }
 };
 
 /// Before the pressure's solve: u -= dt a. Keeps u, for TakeForce.
 struct ForgetForce {
-    void operator()(const Surroundings& around, Update<field::pressure_force> a, Update<field::velocity> u) const {
-        const StepContext& step = around.step;
+    void operator()(const InteractionContext& context, Update<field::pressure_force> a, Update<field::velocity> u) const {
+        const StepContext& step = context.step;
         parallel_for(u.size(), [&](Index i) { a[i] = u[i] -= step.dt * a[i]; });
-        ExpectForce::each_body(around, [&](RigidBody& body) {
+        ExpectForce::each_body(context, [&](RigidBody& body) {
             body.push(-static_cast<double>(step.dt) * body.pressed);
             body.pressed = {body.mass * body.velocity, body.spin_momentum};
         });
@@ -54,10 +55,10 @@ struct ForgetForce {
 
 /// After it: a = du/dt.
 struct TakeForce {
-    void operator()(const Surroundings& around, Update<field::pressure_force> a, Read<field::velocity> u) const {
-        const StepContext& step = around.step;
+    void operator()(const InteractionContext& context, Update<field::pressure_force> a, Read<field::velocity> u) const {
+        const StepContext& step = context.step;
         parallel_for(u.size(), [&](Index i) { a[i] = (u[i] - a[i]) / step.dt; });
-        for (Solid& solid : around.solids.all)
+        for (Solid& solid : context.solids.all)
             if (solid.body) {
                 Wrench& pressed = solid.body->pressed;  // the momenta before the solve
                 pressed = {solid.body->mass * solid.body->velocity - pressed.force, solid.body->spin_momentum - pressed.torque};

@@ -18,45 +18,45 @@ Vec3 apart(const Pairs& pairs, Index i, Index j) {
 
 }  // namespace
 
-void Mirrors::find(const Surroundings& around, bool none) {
+void Mirrors::find(const InteractionContext& context, bool none) {
     images_.clear(), part_.clear();
-    if (none || around.layer.flat.empty()) return;
-    const Column<Real> flat = flat_now(around);
-    const Index n = around.pairs.size();
+    if (none || context.boundary.flat.empty()) return;
+    const Column<Real> flat = flat_now(context);
+    const Index n = context.pairs.size();
     part_.assign(static_cast<std::size_t>(n), 0);
     seen_.resize(part_.size());
-    parallel_for(n, [&](Index i) { look(around, flat, i); });
+    parallel_for(n, [&](Index i) { look(context, flat, i); });
     find_images(n);
-    place(around.pairs.x_own);
-    find_pairs(around.pairs);
+    place(context.pairs.x_own);
+    find_pairs(context.pairs);
 }
 
-/// SolidParticles::flat, reduced near solids that move against it, and 0 on solids that turn.
-Column<Real> Mirrors::flat_now(const Surroundings& around) {
-    const SolidParticles& layer = around.layer;
-    Column<Real> flat = layer.flat;
-    if (!around.solids.any_moving()) return flat;
-    parallel_for(layer.size(), [&](Index s) {
-        const Solid& own = around.solids.all[layer.solid[s]];
+/// BoundaryParticles::flat, reduced near solids that move against it, and 0 on solids that turn.
+Column<Real> Mirrors::flat_now(const InteractionContext& context) {
+    const BoundaryParticles& boundary = context.boundary;
+    Column<Real> flat = boundary.flat;
+    if (!context.solids.any_moving()) return flat;
+    parallel_for(boundary.size(), [&](Index s) {
+        const Solid& own = context.solids.all[boundary.solid[s]];
         if (!own.pose.angular_velocity.isZero(0)) flat[s] = 0;
-        for (const Solid& other : around.solids.all)
+        for (const Solid& other : context.solids.all)
             if (&other != &own && flat[s] > 0 && (own.moves() || other.moves()))
-                flat[s] = std::min(flat[s], flat_beside(other.distance(layer.position[s]), around.step.support));
+                flat[s] = std::min(flat[s], flat_beside(other.distance(boundary.position[s]), context.step.support));
     });
     return flat;
 }
 
 /// The walls that the solid neighbours of i belong to.
-void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
-    const Real d = around.step.spacing, reach = around.step.support;
+void Mirrors::look(const InteractionContext& context, Span<const Real> flat, Index i) {
+    const Real d = context.step.spacing, reach = context.step.support;
     Seen& seen = seen_[i];
     seen.count = 0;
-    if (around.solid_pairs.count(i) == 0) return;
+    if (context.solid_pairs.count(i) == 0) return;
     Real all = 0, mirrors = 0, lowest = d;
     bool skew = false;
-    around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+    context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
         if (flat[s] < 0 || !(distance < reach)) return;
-        const Vec3& normal = around.layer.normal[s];
+        const Vec3& normal = context.boundary.normal[s];
         const Real height = r.dot(normal) - d / 2;
         if (height < d / 2 - reach) return;  // the far side of a wall whose fluid is out of reach
         const Real weight = (reach - distance) * (reach - distance);
@@ -68,7 +68,7 @@ void Mirrors::look(const Surroundings& around, Span<const Real> flat, Index i) {
             skew |= std::abs(turn) > Real(0.01) && turn > Real(-0.99);
         }
         if (seen.count == 3) skew = true;
-        else seen.wall[seen.count++] = {normal, around.pairs.x_own[i].dot(normal) - height, around.layer.solid[s]};
+        else seen.wall[seen.count++] = {normal, context.pairs.x_own[i].dot(normal) - height, context.boundary.solid[s]};
     });
     if (skew || mirrors == 0) seen.count = 0;
     else part_[i] = mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // on the wall its own image pushes nothing

@@ -3,19 +3,19 @@
 #include <vector>
 
 #include "engine/core/parallel.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
 /// The space behind a flat wall is full of images of the fluid. They are neighbours like others,
 ///   rho_i = (m W_ii + sum_j m W_ij + sum_g (a_i + a_j)/2 m W(x_i - x_g))/(1 - (1 - a_i) w_i),   x_g = x_j - 2 h_j n,
 /// with j the particle (also i) whose image is g; near two or three walls at right angles there are images of images. a_i is 1 where the
-/// walls about i are flat and 0 elsewhere (SolidParticles::flat), and nearer than d/10 to a wall, which an impact alone reaches. As W
+/// walls about i are flat and 0 elsewhere (BoundaryParticles::flat), and nearer than d/10 to a wall, which an impact alone reaches. As W
 /// depends on r_ij^2 + 4 h_i h_j, g pushes i as the image of i pushes j.
 class Mirrors {
 public:
     /// @param none no wall shows images
-    void find(const Surroundings& around, bool none = false);
+    void find(const InteractionContext& context, bool none = false);
     /// Images.
     Index size() const { return static_cast<Index>(images_.size()); }
     /// Rows of images: row i names those near the particle i.
@@ -92,8 +92,8 @@ private:
             return false;
         }
     };
-    static Column<Real> flat_now(const Surroundings& around);
-    void look(const Surroundings& around, Span<const Real> flat, Index i);
+    static Column<Real> flat_now(const InteractionContext& context);
+    void look(const InteractionContext& context, Span<const Real> flat, Index i);
     void find_images(Index particles);
     void find_pairs(const FluidPairs& fluid);
 

@@ -25,8 +25,8 @@ constexpr Real full_enough = Real(0.85);
 /// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
 /// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
 template <class Kernel>
-void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho) {
-    const auto D = static_cast<Real>(around.step.dimensions());
+void PoissonPressure::classify(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Read<field::density> rho) {
+    const auto D = static_cast<Real>(context.step.dimensions());
     parallel_for(rho.size(), [&](Index i) {
         PressureClass& mine = class_[i];
         spread_[i] = 1;
@@ -34,69 +34,73 @@ void PoissonPressure::classify(const Kernel& kernel, const Surroundings& around,
             mine = PressureClass::prescribed;
             return;
         }
-        const Index fluid_neighbours = around.pairs.count(i), solid_neighbours = around.layer.size() > 0 ? around.solid_pairs.count(i) : 0;
+        const Index fluid_neighbours = context.pairs.count(i),
+                    solid_neighbours = context.boundary.size() > 0 ? context.solid_pairs.count(i) : 0;
         if (fluid_neighbours == 0) {
             mine = solid_neighbours == 0 ? PressureClass::isolated : PressureClass::separated;
             return;
         }
         Real divergence = 0;
-        around.pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= around.step.volume * kernel.derivative(r) * r; });
+        context.pairs.of(i, [&](Index, const Vec3&, Real r) { divergence -= context.step.volume * kernel.derivative(r) * r; });
         if (solid_neighbours > 0)
-            around.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
-                divergence -= gate_[i] * options_.solid_factor * around.layer.volume[s] * kernel.derivative(r) * r;
+            context.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) {
+                divergence -= gate_[i] * options_.solid_factor * context.boundary.volume[s] * kernel.derivative(r) * r;
             });
-        mine = divergence < full_enough * D && rho[i] < around.step.rest_density ? PressureClass::surface : PressureClass::poisson;
+        mine = divergence < full_enough * D && rho[i] < context.step.rest_density ? PressureClass::surface : PressureClass::poisson;
         if (mine == PressureClass::poisson && !options_.printed) spread_[i] = std::max(full_enough, divergence / D);
     });
 }
 
 template <class Kernel>
-void PoissonPressure::weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho) {
+void PoissonPressure::weigh(const Kernel& kernel, const InteractionContext& context, Read<field::density> rho) {
     constexpr Real least = Real(0.25);  // of the space that solids leave: between two walls
-    const bool walls = around.layer.size() > 0;
-    const Real lacking = walls && !options_.printed ? lacking_along_wall(around.step.kernel, around.step.support, around.step.spacing) : 0;
+    const bool walls = context.boundary.size() > 0;
+    const Real lacking =
+        walls && !options_.printed ? lacking_along_wall(context.step.kernel, context.step.support, context.step.spacing) : 0;
     parallel_for(rho.size(), [&](Index i) {
-        gate_[i] = walls ? options_.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options_.solid_factor) : Real(1);
+        gate_[i] = walls ? options_.gate.weight(kernel, i, context.solid_pairs, context.boundary.volume, options_.solid_factor) : Real(1);
         Real behind = 0;
-        if (walls) around.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) { behind += around.layer.volume[s] * kernel.value(r); });
-        const Real ratio = around.step.rest_density / rho[i];
+        if (walls) context.solid_pairs.of(i, [&](Index s, const Vec3&, Real r) { behind += context.boundary.volume[s] * kernel.value(r); });
+        const Real ratio = context.step.rest_density / rho[i];
         weight_[i] = ratio * ratio;
         fill_[i] = 1 / std::max(least, 1 - lacking * gate_[i] * options_.solid_factor * behind);
     });
 }
 
 template <class Kernel>
-Real PoissonPressure::solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const {
-    return gate_[i] * options_.solid_factor * around.layer.volume[s] / spread_[i] * kernel.slope(distance);
+Real PoissonPressure::solid_slope(const Kernel& kernel, const InteractionContext& context, Index i, Index s, Real distance) const {
+    return gate_[i] * options_.solid_factor * context.boundary.volume[s] / spread_[i] * kernel.slope(distance);
 }
 
 /// Contribution of solid particle s to D_i, without the weight of i.
 template <class Kernel>
-Vec3 PoissonPressure::of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const {
-    const Vec3& normal = around.layer.normal[s];
-    if (options_.printed) return solid_slope(kernel, around, i, s, distance) * r;
-    const Real stretch = WallShear{around.step.spacing / 2}.stretch(r, normal);
-    return solid_slope(kernel, around, i, s, distance) * (r + (stretch - 1) * r.dot(normal) * normal);
+Vec3 PoissonPressure::of_solid(const Kernel& kernel, const InteractionContext& context, Index i, Index s, const Vec3& r,
+                               Real distance) const {
+    const Vec3& normal = context.boundary.normal[s];
+    if (options_.printed) return solid_slope(kernel, context, i, s, distance) * r;
+    const Real stretch = WallShear{context.step.spacing / 2}.stretch(r, normal);
+    return solid_slope(kernel, context, i, s, distance) * (r + (stretch - 1) * r.dot(normal) * normal);
 }
 
 /// The pressure of solid particle s is p_i and the weight of the fluid between them, rho_0 g.(x_s - x_i) along the normal. That part is
 /// known before the solve. Without it the lowest layer's pressure is too high by that of its weight, and the topmost layer of a full box
 /// falls.
 template <class Kernel>
-void PoissonPressure::carry(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const {
-    if (around.layer.size() == 0 || options_.printed) return;
-    const StepContext& step = around.step;
+void PoissonPressure::carry(const Kernel& kernel, const InteractionContext& context, Read<field::role> role,
+                            Update<field::velocity> u) const {
+    if (context.boundary.size() == 0 || options_.printed) return;
+    const StepContext& step = context.step;
     const auto carried = [&](Index i, Index s, const Vec3& r, Real distance) {
-        const Vec3& normal = around.layer.normal[s];
-        return Vec3(solid_slope(kernel, around, i, s, distance) * step.gravity.dot(normal) * std::max(Real(0), r.dot(normal)) * r);
+        const Vec3& normal = context.boundary.normal[s];
+        return Vec3(solid_slope(kernel, context, i, s, distance) * step.gravity.dot(normal) * std::max(Real(0), r.dot(normal)) * r);
     };
     parallel_for(matrix_.size(), [&](Index i) {
         if (class_[i] != PressureClass::poisson) return;
         Vec3 sum = Vec3::Zero();
-        around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += carried(i, s, r, distance); });
+        context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += carried(i, s, r, distance); });
         u[i] += step.dt * weight_[i] * sum;
     });
-    react(around, Push::pressure, role, step.mass * step.dt, [&](Index i) {
+    react(context, Push::pressure, role, step.mass * step.dt, [&](Index i) {
         const Real weight = class_[i] == PressureClass::poisson ? weight_[i] : 0;
         return [&, i, weight](Index s, const Vec3& r, Real distance) { return Vec3(weight * carried(i, s, r, distance)); };
     });
@@ -110,9 +114,9 @@ Real PoissonPressure::source(const StepContext& step, Real factor, Real error, R
 
 /// Row i is multiplied by w_i V; as printed by V_i = V sqrt(w_i), which makes the matrix symmetric.
 template <bool printed, class Kernel>
-void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& context, Read<field::density> rho, Update<field::velocity> u,
                                Update<field::pressure> p) {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     const Real V = step.volume;
     const Real enough = V * Real(1e-6) / (step.spacing * step.spacing);
     const Real alone = V * kernel.value(0) + touching_wall_sum(step.kernel, step.support, step.spacing);  // a separated particle at a wall
@@ -128,7 +132,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         Real row = 0, pin = 0, rate = 0;
         Vec3 uniform = Vec3::Zero();
         bool surface = false;
-        around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+        context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real filled = between(i, j), slope = kernel.slope(distance);
             const Vec3 gradient = filled * V * slope * r;
             rate += (u[i] - u[j]).dot(gradient);
@@ -146,10 +150,10 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
                 pin += c, surface = true;
             }
         });
-        if (around.layer.size() > 0)
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Vec3 gradient = of_solid(kernel, around, i, s, r, distance);
-                rate += (u[i] - around.layer.velocity[s]).dot(gradient);
+        if (context.boundary.size() > 0)
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                const Vec3 gradient = of_solid(kernel, context, i, s, r, distance);
+                rate += (u[i] - context.boundary.velocity[s]).dot(gradient);
                 uniform += own * gradient;
             });
         if (printed) uniform *= std::sqrt(factor / own);
@@ -158,7 +162,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const Surroundings& around,
         b_[i] = source(step, factor, rho[i] / step.rest_density - (unknown || printed ? 1 : alone), rate);
         if (unknown) {
             matrix_.pin[i] = pin;
-            matrix_.diagonal[i] = std::max(row + pin, smallest);
+            matrix_.diagonal[i] = std::max(row + pin, min_positive);
             touches_surface_[i] = surface;
         } else {
             // Between two facing walls the gradients cancel: no pressure pushes anywhere.
@@ -231,46 +235,46 @@ void PoissonPressure::solve(const StepContext& step, StepReport& report, Update<
 
 /// u_i -= dt/rho_0 (D^T p)_i / V
 template <class Kernel>
-void PoissonPressure::push(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
+void PoissonPressure::push(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Update<field::velocity> u,
                            Update<field::pressure> p) const {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     parallel_for(matrix_.size(), [&](Index i) {
         if (class_[i] == PressureClass::prescribed) return;
         const Real own = weight_[i] * p[i];
         Vec3 sum = Vec3::Zero();
-        around.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+        context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real other = class_[j] == PressureClass::prescribed ? own : weight_[j] * p[j];
             sum += between(i, j) * step.volume * (own + other) * kernel.slope(distance) * r;
         });
-        if (own != 0 && around.layer.size() > 0)
-            around.solid_pairs.of(i,
-                                  [&](Index s, const Vec3& r, Real distance) { sum += own * of_solid(kernel, around, i, s, r, distance); });
+        if (own != 0 && context.boundary.size() > 0)
+            context.solid_pairs.of(
+                i, [&](Index s, const Vec3& r, Real distance) { sum += own * of_solid(kernel, context, i, s, r, distance); });
         u[i] -= step.dt / step.rest_density * sum;
     });
-    react(around, Push::pressure, role, -step.dt * step.mass / step.rest_density, [&](Index i) {
+    react(context, Push::pressure, role, -step.dt * step.mass / step.rest_density, [&](Index i) {
         const Real own = weight_[i] * p[i];
-        return [&, i, own](Index s, const Vec3& r, Real distance) { return Vec3(own * of_solid(kernel, around, i, s, r, distance)); };
+        return [&, i, own](Index s, const Vec3& r, Real distance) { return Vec3(own * of_solid(kernel, context, i, s, r, distance)); };
     });
 }
 
-void PoissonPressure::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+void PoissonPressure::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::density> rho,
                                  Update<field::velocity> u, Update<field::pressure> p) {
-    const Index n = around.pairs.size();
+    const Index n = context.pairs.size();
     class_.resize(n), touches_surface_.resize(n), gate_.resize(n), b_.resize(n), weight_.resize(n), fill_.resize(n), spread_.resize(n);
     matrix_.unknown.resize(n);
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
-        weigh(kernel, around, rho);
-        classify(kernel, around, role, rho);
+    with_kernel(context.step.kernel, context.step.support, [&](const auto& kernel) {
+        weigh(kernel, context, rho);
+        classify(kernel, context, role, rho);
         parallel_for(n, [&](Index i) { matrix_.unknown[i] = class_[i] == PressureClass::poisson; });
-        matrix_.lay_out(around.pairs, around.step.spacing);
-        carry(kernel, around, role, u);
-        if (options_.printed) set_rows<true>(kernel, around, rho, u, p);
-        else set_rows<false>(kernel, around, rho, u, p);
+        matrix_.lay_out(context.pairs, context.step.spacing);
+        carry(kernel, context, role, u);
+        if (options_.printed) set_rows<true>(kernel, context, rho, u, p);
+        else set_rows<false>(kernel, context, rho, u, p);
         closed_.find(matrix_, touches_surface_, options_.printed ? untied : weakly_tied);
-        if (options_.printed) closed_.take_means_away(b_);
-        else take_mean_errors_away(around.step, rho);
-        solve(around.step, report, p);
-        push(kernel, around, role, u, p);
+        if (options_.printed) closed_.subtract_means(b_);
+        else take_mean_errors_away(context.step, rho);
+        solve(context.step, report, p);
+        push(kernel, context, role, u, p);
     });
 }
 

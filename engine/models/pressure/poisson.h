@@ -2,13 +2,13 @@
 /// Incompressible pressure: a Poisson equation for the density that the step would end with (docs/physics.md 3; Takahashi et al. 2016).
 ///
 /// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), DampUnresolved,
-/// PoissonPressure, Move, KeepOutside.
+/// PoissonPressure, Move, PushOutOfSolids.
 #include <vector>
 
 #include "engine/models/pressure/pressure_matrix.h"
 #include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -22,7 +22,7 @@ class PoissonPressure {
 public:
     explicit PoissonPressure(const PressureOptions& options, PressurePreconditionerSetup preconditioner = jacobi)
         : options_(options), preconditioner_(std::move(preconditioner)) {}
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::density> rho,
                     Update<field::velocity> u, Update<field::pressure> p);
 
     const std::vector<PressureClass>& classes() const { return class_; }
@@ -30,18 +30,18 @@ public:
 
 private:
     template <class Kernel>
-    void classify(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Read<field::density> rho);
+    void classify(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Read<field::density> rho);
     template <class Kernel>
-    void weigh(const Kernel& kernel, const Surroundings& around, Read<field::density> rho);
+    void weigh(const Kernel& kernel, const InteractionContext& context, Read<field::density> rho);
     template <class Kernel>
-    Real solid_slope(const Kernel& kernel, const Surroundings& around, Index i, Index s, Real distance) const;
+    Real solid_slope(const Kernel& kernel, const InteractionContext& context, Index i, Index s, Real distance) const;
     template <class Kernel>
-    void carry(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u) const;
+    void carry(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Update<field::velocity> u) const;
     Real between(Index i, Index j) const { return 2 * std::min(fill_[i], fill_[j]) / (spread_[i] + spread_[j]); }
     template <class Kernel>
-    Vec3 of_solid(const Kernel& kernel, const Surroundings& around, Index i, Index s, const Vec3& r, Real distance) const;
+    Vec3 of_solid(const Kernel& kernel, const InteractionContext& context, Index i, Index s, const Vec3& r, Real distance) const;
     template <bool printed, class Kernel>
-    void set_rows(const Kernel& kernel, const Surroundings& around, Read<field::density> rho, Update<field::velocity> u,
+    void set_rows(const Kernel& kernel, const InteractionContext& context, Read<field::density> rho, Update<field::velocity> u,
                   Update<field::pressure> p);
     SolveReport solve_rows(const StepContext& step, double unknowns, Span<Real> x);
     Real source(const StepContext& step, Real factor, Real error, Real rate) const;
@@ -49,7 +49,7 @@ private:
     void choose_zero(const StepContext& step, Span<Real> x) const;
     void solve(const StepContext& step, StepReport& report, Update<field::pressure> p);
     template <class Kernel>
-    void push(const Kernel& kernel, const Surroundings& around, Read<field::role> role, Update<field::velocity> u,
+    void push(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Update<field::velocity> u,
               Update<field::pressure> p) const;
 
     PressureOptions options_;

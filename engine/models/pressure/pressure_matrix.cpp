@@ -68,13 +68,13 @@ void ClosedRegions::take_pins_away(PressureMatrix& matrix) const {
     for (const ClosedRegion& region : all) {
         if (!region.singular) continue;
         for (Index k : region.members) {
-            matrix.diagonal[k] = std::max(matrix.diagonal[k] - matrix.pin[k], smallest);
+            matrix.diagonal[k] = std::max(matrix.diagonal[k] - matrix.pin[k], min_positive);
             matrix.pin[k] = 0;
         }
     }
 }
 
-void ClosedRegions::take_means_away(Span<Real> b) const {
+void ClosedRegions::subtract_means(Span<Real> b) const {
     for (const ClosedRegion& component : all) {
         if (!component.singular) continue;
         double mean = 0;

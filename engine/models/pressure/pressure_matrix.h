@@ -58,7 +58,7 @@ struct ClosedRegions {
     /// pressure.
     void take_pins_away(PressureMatrix& matrix) const;
     /// Subtracts the mean of b over each singular region, so that it is solvable; the walls absorb the residual.
-    void take_means_away(Span<Real> b) const;
+    void subtract_means(Span<Real> b) const;
 };
 
 }  // namespace whorl

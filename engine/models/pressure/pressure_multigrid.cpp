@@ -200,7 +200,7 @@ ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& opti
         levels->inverse_diagonal.resize(A.size());
         parallel_for(A.size(), [&](Index i) {
             const Real diagonal = A.D.diagonal[i];
-            levels->inverse_diagonal[i] = diagonal > smallest ? 1 / diagonal : 0;
+            levels->inverse_diagonal[i] = diagonal > min_positive ? 1 / diagonal : 0;
         });
         levels->ready(coarse_matrix(A, levels->groups), std::move(cells), options.coarse);
         return joined(std::move(levels), A.presses, options, [&A](Span<const Real> q, Span<Real> Aq) { A.multiply(q, Aq); });

@@ -14,15 +14,15 @@ void TaitPressure::operator()(const StepContext& step, Read<field::density> rho,
     parallel_for(p.size(), [&](Index i) { p[i] = std::max(stiffness * (std::pow(rho[i] / step.rest_density, gamma) - 1) + p0, Real(0)); });
 }
 
-void SoundDamping::operator()(const Surroundings& around, Read<field::velocity> u, Update<field::pressure> p) const {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
+void SoundDamping::operator()(const InteractionContext& context, Read<field::velocity> u, Update<field::pressure> p) const {
+    const BoundaryParticles& boundary = context.boundary;
+    const StepContext& step = context.step;
     const auto zeta = static_cast<Real>(options.sound_damping * options.sound_speed * step.support / 2);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(p.size(), [&](Index i) {
             const Vec3 own = u[i];
             Real rate = 0;  // D rho/D t
-            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+            context.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real other[3][Pairs::Group::most], part = 0;
                 group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l)
@@ -32,11 +32,11 @@ void SoundDamping::operator()(const Surroundings& around, Read<field::velocity> 
                 rate += part;
             });
             rate *= step.mass;
-            if (layer.size() > 0) {
+            if (boundary.size() > 0) {
                 const Real mass = step.rest_density * options.solid_factor *
-                                  options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    rate += mass * layer.volume[s] * kernel.slope(distance) * (own - layer.velocity[s]).dot(r);
+                                  options.gate.weight(kernel, i, context.solid_pairs, boundary.volume, options.solid_factor);
+                context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    rate += mass * boundary.volume[s] * kernel.slope(distance) * (own - boundary.velocity[s]).dot(r);
                 });
             }
             p[i] = std::max(p[i] + zeta * rate, Real(0));
@@ -44,14 +44,14 @@ void SoundDamping::operator()(const Surroundings& around, Read<field::velocity> 
     });
 }
 
-void NozzlePressure::operator()(const Surroundings& around, Read<field::role> role, Update<field::density> rho,
+void NozzlePressure::operator()(const InteractionContext& context, Read<field::role> role, Update<field::density> rho,
                                 Update<field::pressure> p) const {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(p.size(), [&](Index j) {
             if (role[j] == 0) return;
             Real weights = 0, sum = 0;
-            around.pairs.of(j, [&](Index i, const Vec3& r, Real distance) {
+            context.pairs.of(j, [&](Index i, const Vec3& r, Real distance) {
                 if (role[i] != 0) return;
                 const Real w = kernel.value(distance);
                 weights += w, sum += w * (p[i] + step.rest_density * step.gravity.dot(r));
@@ -62,13 +62,13 @@ void NozzlePressure::operator()(const Surroundings& around, Read<field::role> ro
     });
 }
 
-void ArtificialViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
-                                     Update<field::acceleration> a) const {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
+void ArtificialViscosity::operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
+                                     Read<field::velocity> u, Update<field::acceleration> a) const {
+    const BoundaryParticles& boundary = context.boundary;
+    const StepContext& step = context.step;
     const Real h = step.support / 2, strength = static_cast<Real>(options.artificial_viscosity.value_or(0) * options.sound_speed) * h;
     const Real softening = Real(0.01) * h * h;
-    const std::vector<char> slip = slips(around.solids);
+    const std::vector<char> slip = slips(context.solids);
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         // (u_ij . r_ij)/(r^2 + 0.01 h^2) grad W_ij
         const auto along = [&](const Vec3& u_ij, const Vec3& r, Real distance) {
@@ -78,7 +78,7 @@ void ArtificialViscosity::operator()(const Surroundings& around, Read<field::rol
             const Vec3 own = u[i];
             const Real own_rho = rho[i];
             Vec3 sum = Vec3::Zero();
-            around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+            context.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real density[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
                 group.gather(rho.data(), density), group.gather(u.data(), other);
                 for (Index l = 0; l < group.padded(); ++l) {
@@ -89,22 +89,22 @@ void ArtificialViscosity::operator()(const Surroundings& around, Read<field::rol
                 }
                 sum += Vec3(part[0], part[1], part[2]);
             });
-            const Real factor = layer.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume,
-                                                                                              options.solid_factor)
-                                                 : 0;
+            const Real factor = boundary.size() > 0 ? options.solid_factor * options.gate.weight(kernel, i, context.solid_pairs,
+                                                                                                 boundary.volume, options.solid_factor)
+                                                    : 0;
             if (factor > 0)
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    if (slip[layer.solid[s]]) return;
-                    sum += factor * layer.volume[s] * along(own - layer.velocity[s], r, distance);
+                context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    if (slip[boundary.solid[s]]) return;
+                    sum += factor * boundary.volume[s] * along(own - boundary.velocity[s], r, distance);
                 });
             a[i] += strength * sum;
         });
-        react(around, Push::viscous, role, step.mass * step.dt, [&](Index i) {
+        react(context, Push::viscous, role, step.mass * step.dt, [&](Index i) {
             const Real factor =
-                options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor);
+                options.solid_factor * options.gate.weight(kernel, i, context.solid_pairs, boundary.volume, options.solid_factor);
             return [&, i, factor](Index s, const Vec3& r, Real distance) {
-                if (slip[layer.solid[s]]) return Vec3(Vec3::Zero());
-                return Vec3(strength * factor * layer.volume[s] * along(u[i] - layer.velocity[s], r, distance));
+                if (slip[boundary.solid[s]]) return Vec3(Vec3::Zero());
+                return Vec3(strength * factor * boundary.volume[s] * along(u[i] - boundary.velocity[s], r, distance));
             };
         });
     });
@@ -136,32 +136,32 @@ void add_pressure(const Kernel& kernel, const FluidPairs& pairs, const StepConte
 
 }  // namespace
 
-void PressureAcceleration::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
-                                      Update<field::acceleration> a) const {
-    const StepContext& step = around.step;
+void PressureAcceleration::operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
+                                      Read<field::pressure> p, Update<field::acceleration> a) const {
+    const StepContext& step = context.step;
     const bool difference = options.gradient == GradientForm::difference;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        if (difference) add_pressure<true>(kernel, around.pairs, step, rho, p, a);
-        else add_pressure<false>(kernel, around.pairs, step, rho, p, a);
-        if (around.layer.size() == 0) return;
+        if (difference) add_pressure<true>(kernel, context.pairs, step, rho, p, a);
+        else add_pressure<false>(kernel, context.pairs, step, rho, p, a);
+        if (context.boundary.size() == 0) return;
         const auto push = [&](Index i, Index s, const Vec3& r, Real distance) {
             // p_s + p_i, or p_s - p_i, with p_s = p_i - rho_0 g.r.
             const Real even = difference ? 0 : 2 * p[i], least = difference ? -p[i] : 0;
             const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
-            return Vec3(both * around.layer.volume[s] * kernel.slope(distance) * r);
+            return Vec3(both * context.boundary.volume[s] * kernel.slope(distance) * r);
         };
         // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
         const auto share = [&](Index i) {
-            return options.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options.solid_factor) * step.rest_density *
+            return options.gate.weight(kernel, i, context.solid_pairs, context.boundary.volume, options.solid_factor) * step.rest_density *
                    options.solid_factor / (rho[i] * rho[i]);
         };
         parallel_for(a.size(), [&](Index i) {
             if (!(p[i] > 0)) return;
             Vec3 sum = Vec3::Zero();
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += push(i, s, r, distance); });
             a[i] -= share(i) * sum;
         });
-        react(around, Push::pressure, role, step.mass * step.dt, [&](Index i) {
+        react(context, Push::pressure, role, step.mass * step.dt, [&](Index i) {
             const Real of_i = p[i] > 0 ? share(i) : 0;
             return [&, i, of_i](Index s, const Vec3& r, Real distance) { return Vec3(-of_i * push(i, s, r, distance)); };
         });

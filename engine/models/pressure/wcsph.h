@@ -2,11 +2,11 @@
 /// Weakly compressible pressure: an equation of state, explicit in time.
 ///
 /// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity,
-/// Kick, Move, KeepOutside. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice
+/// Kick, Move, PushOutOfSolids. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice
 /// that melts stays warm.
 #include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -20,7 +20,7 @@ struct TaitPressure {
 /// (Adami, Hu, Adams 2012): p_j = max(0, sum_i W_ji (p_i + rho_0 g . r_ji)/sum_i W_ji) over the free i. Its own density reflects the
 /// packing within the nozzle, which must not push on the fluid in front.
 struct NozzlePressure {
-    void operator()(const Surroundings& around, Read<field::role> role, Update<field::density> rho, Update<field::pressure> p) const;
+    void operator()(const InteractionContext& context, Read<field::role> role, Update<field::density> rho, Update<field::pressure> p) const;
 };
 
 /// p_i = max(0, p_i + b c0 R/2 (D rho/D t)_i),   (D rho/D t)_i = sum_j m u_ij . grad W_ij + rho_0 sum_s f V_s u_is . grad W_is
@@ -28,7 +28,7 @@ struct NozzlePressure {
 /// momentum and angular momentum, and does nothing to a flow that keeps its density (free fall, rotation, shear).
 struct SoundDamping {
     PressureOptions options;
-    void operator()(const Surroundings& around, Read<field::velocity> u, Update<field::pressure> p) const;
+    void operator()(const InteractionContext& context, Read<field::velocity> u, Update<field::pressure> p) const;
 };
 
 /// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij, h = R/2, rho_ij the mean     (Monaghan 1992, for receding
@@ -36,7 +36,7 @@ struct SoundDamping {
 /// their volumes.
 struct ArtificialViscosity {
     PressureOptions options;
-    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
+    void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
                     Update<field::acceleration> a) const;
 };
 
@@ -51,7 +51,7 @@ struct ArtificialViscosity {
 /// basin. In the difference form it is p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only that weight pushes.
 struct PressureAcceleration {
     PressureOptions options;
-    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
+    void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,
                     Update<field::acceleration> a) const;
 };
 

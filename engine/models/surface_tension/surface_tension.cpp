@@ -38,7 +38,7 @@ double Cohesion::bulk_energy(double d) const {
     return density * sum;
 }
 
-double Skin::flat_tension() {
+double SurfaceIndicator::flat_tension() {
     const Cohesion cohesion(1, 1);
     const double inside = cohesion.bulk_energy(1), dz = 0.01;
     double sum = 0;
@@ -50,7 +50,7 @@ double Skin::flat_tension() {
     return sum / 2;
 }
 
-double Skin::strength(bool spread) {
+double SurfaceIndicator::strength(bool spread) {
     static const double flat = flat_tension();
     return 1 / ((spread ? packed_spread : packed) * flat);
 }
@@ -66,7 +66,7 @@ Real SurfaceTension::potential(const Cohesion& cohesion, Index i) const {
 void SurfaceTension::find_shares(const Cohesion& cohesion, Index count, double spacing) {
     share_.resize(count);
     const auto over_inside = static_cast<Real>(static_cast<double>(cohesion.density) / cohesion.bulk_energy(spacing));
-    parallel_for(count, [&](Index i) { share_[i] = Skin::share(potential(cohesion, i) * over_inside); });
+    parallel_for(count, [&](Index i) { share_[i] = SurfaceIndicator::share(potential(cohesion, i) * over_inside); });
 }
 
 /// The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's
@@ -105,7 +105,7 @@ void SurfaceTension::spread_pulls(const Cohesion& cohesion, Read<field::role> ro
                     if (!(shares > 0) || role[j] != 0) continue;
                     const Vec3 r(group.r[0][l], group.r[1][l], group.r[2][l]);
                     const Real p = std::max(Real(0), 1 - group.distance[l] * over_length);
-                    sum += shares * p * p * (change_[j] - change_[i]).dot(r) / std::max(r.squaredNorm(), smallest) * r;
+                    sum += shares * p * p * (change_[j] - change_[i]).dot(r) / std::max(r.squaredNorm(), min_positive) * r;
                 }
             });
             spread_[i] += K * sum;
@@ -114,14 +114,16 @@ void SurfaceTension::spread_pulls(const Cohesion& cohesion, Read<field::role> ro
     }
 }
 
-void SurfaceTension::operator()(const Surroundings& around, Read<field::position> x, Read<field::role> role, Update<field::velocity> u) {
-    Solids& solids = around.solids;
-    const StepContext& step = around.step;
+void SurfaceTension::operator()(const InteractionContext& context, Read<field::position> x, Read<field::role> role,
+                                Update<field::velocity> u) {
+    Solids& solids = context.solids;
+    const StepContext& step = context.step;
     const double d = static_cast<double>(step.spacing);
     const Cohesion cohesion(options_.tension, d);
     search_.find(x.values, cohesion.length, step.domain, pairs_);
     if (skin_pulls()) find_shares(cohesion, x.size(), d);
-    const Real strength = skin_pulls() ? static_cast<Real>(Skin::strength(options_.spread)) : 1, impulse = strength * step.dt / step.mass;
+    const Real strength = skin_pulls() ? static_cast<Real>(SurfaceIndicator::strength(options_.spread)) : 1,
+               impulse = strength * step.dt / step.mass;
     const Real slope = impulse * cohesion.strength / cohesion.length, over_length = 1 / cohesion.length;
     /// Change of the velocity of i by the pull of a solid.
     const auto wetted = [&](Index i, std::size_t k) {

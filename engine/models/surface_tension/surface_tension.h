@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "engine/particles/field.h"
+#include "engine/particles/interaction_context.h"
 #include "engine/particles/search.h"
-#include "engine/particles/surroundings.h"
 
 namespace whorl {
 
@@ -59,7 +59,7 @@ struct Cohesion {
 /// hard do not flow: they jam. A particle that has its neighbours needs no pull. c is the potential that its neighbours give it over
 /// that inside a lattice; the share s(c) is 1 up to c = bare and 0 from c = complete on, which a packed, moving inside does not fall
 /// below. Pairs pull with (s_i + s_j)/2 times strength().
-struct Skin {
+struct SurfaceIndicator {
     static constexpr double bare = 0.9, complete = 0.985;  ///< the outermost layer of a lattice has c = 0.69, the second 0.95
     /// The tension that drops of 6 to 11 spacings in radius have, over that of a uniform density: their outermost particles come a
     /// little closer. Chosen between the values from pressure and period (0.86 to 0.88, 0.88 to 0.95).
@@ -83,7 +83,7 @@ struct Skin {
 class SurfaceTension {
 public:
     explicit SurfaceTension(SurfaceTensionOptions options) : options_(std::move(options)) {}
-    void operator()(const Surroundings& around, Read<field::position> x, Read<field::role> role, Update<field::velocity> u);
+    void operator()(const InteractionContext& context, Read<field::position> x, Read<field::role> role, Update<field::velocity> u);
 
 private:
     bool skin_pulls() const { return !options_.internal_pressure; }

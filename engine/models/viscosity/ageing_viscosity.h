@@ -52,7 +52,7 @@ struct AgeingViscosityByPlace {
 };
 
 /// age_i += dt as above, where no viscosity asks for the age but an export does.
-struct GrowOlder {
+struct AdvanceAge {
     void operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const {
         parallel_for(age.size(), [&](Index i) {
             if (role[i] >= 0) age[i] += step.dt;

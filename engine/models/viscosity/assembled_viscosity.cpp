@@ -5,7 +5,7 @@
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/strain/moment.h"
+#include "engine/models/viscosity/strain/moment.h"
 
 namespace whorl {
 namespace {
@@ -64,32 +64,33 @@ struct AssembledOperator::Gradients {
         return at_wall(i) && distance > 0 ? penalty[i].twice * rest_volume * solid_gradW[pair].norm() * stretch[pair] / distance : 0;
     }
     /// Velocity relative to u_i, with the factor stretch, which continues the shear behind the surface.
-    Vec3 velocity(const Surroundings& around, Index s, const Vec3& r, std::size_t pair) const {
-        const Pose& pose = around.solids.all[around.layer.solid[s]].pose;
-        const Vec3 x = around.layer.position[s];
-        const Vec3 there = pose.velocity_over(around.step.dt, x);
-        return stretch[pair] == 1 ? there : Vec3(((stretch[pair] - 1) * pose.velocity_over(around.step.dt, x + r) + there) / stretch[pair]);
+    Vec3 velocity(const InteractionContext& context, Index s, const Vec3& r, std::size_t pair) const {
+        const Pose& pose = context.solids.all[context.boundary.solid[s]].pose;
+        const Vec3 x = context.boundary.position[s];
+        const Vec3 there = pose.velocity_over(context.step.dt, x);
+        return stretch[pair] == 1 ? there
+                                  : Vec3(((stretch[pair] - 1) * pose.velocity_over(context.step.dt, x + r) + there) / stretch[pair]);
     }
 };
 
-void AssembledOperator::set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role,
+void AssembledOperator::set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role,
                                Read<field::density> rho, Read<field::viscosity> mu, Span<const Mat3> before) {
-    const StepContext& step = around.step;
+    const StepContext& step = context.step;
     const std::size_t n = static_cast<std::size_t>(mu.size());
     Gradients g;
     g.rest_volume = step.volume;
     g.own_volume = !options.printed;
     printed_ = options.printed;
-    g.gradW.resize(around.pairs.other.size());
+    g.gradW.resize(context.pairs.other.size());
     g.omega.resize(n), g.alpha.resize(n), g.stress.resize(n), g.volume.resize(n);
     parallel_for(mu.size(), [&](Index i) {
         g.volume[i] = step.mass / rho[i];
         g.stress[i] = step.mass * step.dt * mu[i] / (rho[i] * rho[i]);
         if (options.share != 1) g.stress[i] *= options.share;
     });
-    const std::vector<char> slip = slips(around.solids);
-    const bool walls = around.layer.size() > 0, springs_act = options.penalty > 0;
-    if (walls) g.solid_gradW.resize(around.solid_pairs.other.size()), g.stretch.resize(around.solid_pairs.other.size());
+    const std::vector<char> slip = slips(context.solids);
+    const bool walls = context.boundary.size() > 0, springs_act = options.penalty > 0;
+    if (walls) g.solid_gradW.resize(context.solid_pairs.other.size()), g.stretch.resize(context.solid_pairs.other.size());
     if (springs_act) g.spring.resize(g.gradW.size()), g.penalty.resize(n);
     const WallShear shear{step.spacing / 2};
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
@@ -97,8 +98,8 @@ void AssembledOperator::set_up(const ViscosityOptions& options, const Surroundin
             Vec3 omega = Vec3::Zero(), alpha = Vec3::Zero();
             Mat3d moment = Mat3d::Zero();
             Real springs = 0;
-            std::size_t k = around.pairs.first[i];
-            around.pairs.of(i, [&](Index, const Vec3& r, Real distance) {
+            std::size_t k = context.pairs.first[i];
+            context.pairs.of(i, [&](Index, const Vec3& r, Real distance) {
                 g.gradW[k] = kernel_gradient(kernel, r, distance);
                 if (springs_act) {
                     g.spring[k] = distance > 0 ? step.volume * g.gradW[k].norm() / distance : 0;
@@ -107,13 +108,13 @@ void AssembledOperator::set_up(const ViscosityOptions& options, const Surroundin
                 omega += g.gradW[k++];
             });
             if (walls) {
-                k = around.solid_pairs.first[i];
-                const Real factor =
-                    options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, around.layer.volume, options.solid_factor);
-                around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                    const Real volume = slip[around.layer.solid[s]] ? 0 : factor * around.layer.volume[s];
+                k = context.solid_pairs.first[i];
+                const Real factor = options.solid_factor *
+                                    options.gate.weight(kernel, i, context.solid_pairs, context.boundary.volume, options.solid_factor);
+                context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                    const Real volume = slip[context.boundary.solid[s]] ? 0 : factor * context.boundary.volume[s];
                     const Vec3 gradW = volume / step.volume * kernel_gradient(kernel, r, distance);
-                    g.stretch[k] = springs_act ? shear.stretch(r, around.layer.normal[s]) : 1;
+                    g.stretch[k] = springs_act ? shear.stretch(r, context.boundary.normal[s]) : 1;
                     g.solid_gradW[k] = g.stretch[k] * gradW;
                     omega += g.solid_gradW[k];
                     if (const Real w = distance > 0 ? step.volume * gradW.norm() / distance : 0; springs_act && w > 0) {
@@ -128,9 +129,9 @@ void AssembledOperator::set_up(const ViscosityOptions& options, const Surroundin
                 const Real c = options.penalty * g.stress[i] / g.volume[i] * static_cast<Real>(kernel.dimensions / moment.trace());
                 g.penalty[i] = {m.inverse.cast<Real>() * step.volume / g.volume[i], m.resolved.cast<Real>(), 2 * c, 2 * c * springs};
             }
-            for (k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) alpha += g.a(i, around.pairs.other[k], k);
+            for (k = context.pairs.first[i]; k < context.pairs.first[i + 1]; ++k) alpha += g.a(i, context.pairs.other[k], k);
             if (walls)
-                for (k = around.solid_pairs.first[i]; k < around.solid_pairs.first[i + 1]; ++k) alpha += g.solid_a(i, k);
+                for (k = context.solid_pairs.first[i]; k < context.solid_pairs.first[i + 1]; ++k) alpha += g.solid_a(i, k);
             g.omega[i] = omega;
             g.alpha[i] = alpha;
         });
@@ -138,32 +139,32 @@ void AssembledOperator::set_up(const ViscosityOptions& options, const Surroundin
     free_.resize(n);
     for (std::size_t i = 0; i < n; ++i) free_[i] = role.values[i] == 0;
     touches_wall_ = parallel_sum(static_cast<Index>(g.solid_gradW.size()), [&](Index k) { return g.solid_gradW[k] != Vec3::Zero(); }) > 0;
-    assemble(g, around.pairs);
+    assemble(g, context.pairs);
     known_force_.clear();
     gradients_.reset();
-    if (touches_wall_ || !before.empty()) set_known_force(g, around, before);
+    if (touches_wall_ || !before.empty()) set_known_force(g, context, before);
     Column<Mat3> blocks(n);
     parallel_for(mu.size(), [&](Index i) { blocks[i] = block(i, i); });
     diagonal_.set(std::move(blocks), free_);
-    if (touches_wall_ && around.solids.any_probed()) gradients_ = std::make_shared<const Gradients>(std::move(g));
+    if (touches_wall_ && context.solids.any_probed()) gradients_ = std::make_shared<const Gradients>(std::move(g));
 }
 
 // Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i, and the penalty's pull.
 void AssembledOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
     if (!gradients_) return;
-    const Surroundings& around = step.around;
+    const InteractionContext& context = step.context;
     const Gradients& g = *gradients_;
-    react(around, Push::viscous, step.role, around.step.mass, [&](Index i) {
+    react(context, Push::viscous, step.role, context.step.mass, [&](Index i) {
         Mat3 a = u[i] * g.alpha[i].transpose();
-        for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) {
-            const Index j = around.pairs.other[k];
+        for (std::size_t k = context.pairs.first[i]; k < context.pairs.first[i + 1]; ++k) {
+            const Index j = context.pairs.other[k];
             a -= u[j] * g.a(i, j, k).transpose();
         }
         const Mat3 Q = known_stress_[i] + g.stress_of(i, a);
         return [&, i, Q](Index s, const Vec3& r, Real distance) {
-            std::size_t k = around.solid_pairs.first[i];
-            while (around.solid_pairs.other[k] != s) ++k;
-            const Vec3 pull = g.solid_spring(i, k, distance) * (u[i] - g.velocity(around, s, r, k));
+            std::size_t k = context.solid_pairs.first[i];
+            while (context.solid_pairs.other[k] != s) ++k;
+            const Vec3 pull = g.solid_spring(i, k, distance) * (u[i] - g.velocity(context, s, r, k));
             return PushAt(-(Q * g.solid_gradW[k]) - pull, g.at_wall(i) ? Vec3(r / g.stretch[k]) : Vec3(Vec3::Zero()));
         };
     });
@@ -212,27 +213,27 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
 }
 
 /// m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of T and the velocities of the solids alone.
-void AssembledOperator::set_known_force(const Gradients& g, const Surroundings& around, Span<const Mat3> before) {
+void AssembledOperator::set_known_force(const Gradients& g, const InteractionContext& context, Span<const Mat3> before) {
     const Index n = size();
     Column<Mat3> Q(n);
     known_force_.assign(n, Vec3::Zero());
     parallel_for(n, [&](Index i) {
         Mat3 A = Mat3::Zero();
-        std::size_t k = touches_wall_ ? around.solid_pairs.first[i] : 0;
+        std::size_t k = touches_wall_ ? context.solid_pairs.first[i] : 0;
         if (touches_wall_)
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                const Vec3 velocity = g.velocity(around, s, r, k);
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                const Vec3 velocity = g.velocity(context, s, r, k);
                 A -= velocity * g.solid_a(i, k).transpose();
                 known_force_[i] -= g.solid_spring(i, k++, distance) * velocity;
             });
-        Q[i] = g.stress_of(i, A, before.empty() ? Mat3(Mat3::Zero()) : curvature_strain(before[i], around.step.dt));
+        Q[i] = g.stress_of(i, A, before.empty() ? Mat3(Mat3::Zero()) : curvature_strain(before[i], context.step.dt));
     });
     parallel_for(n, [&](Index i) {
         Vec3 sum = known_force_[i] + Q[i] * g.omega[i];
-        for (std::size_t k = around.pairs.first[i]; k < around.pairs.first[i + 1]; ++k) sum += Q[around.pairs.other[k]] * g.gradW[k];
+        for (std::size_t k = context.pairs.first[i]; k < context.pairs.first[i + 1]; ++k) sum += Q[context.pairs.other[k]] * g.gradW[k];
         known_force_[i] = sum;
     });
-    if (around.solids.any_probed()) known_stress_ = std::move(Q);
+    if (context.solids.any_probed()) known_stress_ = std::move(Q);
 }
 
 Mat3 AssembledOperator::block(Index i, Index j) const {

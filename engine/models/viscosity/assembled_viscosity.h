@@ -6,7 +6,7 @@
 /// Stages of a step, in order: Density, VelocityGradient, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include <memory>
 
-#include "engine/models/strain/curvature.h"
+#include "engine/models/viscosity/strain/curvature.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
 namespace whorl {
@@ -28,7 +28,7 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 class AssembledOperator final : public ImplicitOperator {
 public:
     /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
-    void set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::density> rho,
+    void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
                 Read<field::viscosity> mu, Span<const Mat3> before = {});
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -57,7 +57,7 @@ private:
     };
     static constexpr Index rows_size = 256;
     void assemble(const Gradients& g, const FluidPairs& pairs);
-    void set_known_force(const Gradients& g, const Surroundings& around, Span<const Mat3> before);
+    void set_known_force(const Gradients& g, const InteractionContext& context, Span<const Mat3> before);
     Vec3 row_times(Index i, Span<const Vec3> u, bool free_only) const;
 
     std::vector<Rows> rows_;
@@ -80,11 +80,11 @@ inline constexpr double most_assembled_bytes = 4e9;
 class AssembledViscosity {
 public:
     explicit AssembledViscosity(ViscosityOptions options) : options_(options) {}
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last) {
-        operator_.set_up(options_, around, role, rho, mu, options_.printed ? Span<const Mat3>() : Span<const Mat3>(before.values));
-        solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
+        operator_.set_up(options_, context, role, rho, mu, options_.printed ? Span<const Mat3>() : Span<const Mat3>(before.values));
+        solve_implicit(operator_, options_.limits, {context, report, role, x, u, last});
     }
 
 private:

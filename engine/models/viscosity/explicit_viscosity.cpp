@@ -11,10 +11,10 @@ namespace whorl {
 namespace {
 
 /// @param u smoothed by the part alpha; `change` written
-void smooth(const Surroundings& around, Real alpha, bool printed, Read<field::role> role, Read<field::density> rho, Span<Vec3> change,
-            Span<Vec3> u) {
-    const FluidPairs& pairs = around.pairs;
-    const StepContext& step = around.step;
+void smooth(const InteractionContext& context, Real alpha, bool printed, Read<field::role> role, Read<field::density> rho,
+            Span<Vec3> change, Span<Vec3> u) {
+    const FluidPairs& pairs = context.pairs;
+    const StepContext& step = context.step;
     const Real densities = printed ? 1 : 2;  // in the mean of the pair
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(static_cast<Index>(u.size()), [&](Index i) {
@@ -39,16 +39,16 @@ void smooth(const Surroundings& around, Real alpha, bool printed, Read<field::ro
 
 }  // namespace
 
-void XsphViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
-                               Update<field::velocity> u) const {
-    smooth(around, alpha, printed, role, rho, change.values, u.values);
+void XsphViscosity::operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
+                               Write<field::smoothing> change, Update<field::velocity> u) const {
+    smooth(context, alpha, printed, role, rho, change.values, u.values);
 }
 
-void XsphSpin::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+void XsphSpin::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::density> rho,
                           Write<field::smoothing> change, Update<field::spin> w) const {
-    smooth(around, beta, true, role, rho, change.values, w.values);
+    smooth(context, beta, true, role, rho, change.values, w.values);
     if (!report.work) return;
-    report.work->smoothing += micro_inertia * static_cast<double>(around.step.mass) *
+    report.work->smoothing += micro_inertia * static_cast<double>(context.step.mass) *
                               parallel_sum(w.size(), [&](Index i) { return static_cast<double>(change[i].dot(w[i] - change[i] / 2)); });
 }
 
@@ -73,36 +73,36 @@ struct Monaghan {
 };
 
 template <class Kernel, class Form>
-void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOptions& options, const Surroundings& around,
+void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOptions& options, const InteractionContext& context,
                    Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity> u,
                    Update<field::acceleration> a) {
-    const SolidParticles& layer = around.layer;
-    const StepContext& step = around.step;
-    const std::vector<char> slip = slips(around.solids);
+    const BoundaryParticles& boundary = context.boundary;
+    const StepContext& step = context.step;
+    const std::vector<char> slip = slips(context.solids);
     WallFriction friction;
-    friction.set(options.without_spin() == LaplacianForm::monaghan ? FrictionForm::along : FrictionForm::central, around, options.gate,
+    friction.set(options.without_spin() == LaplacianForm::monaghan ? FrictionForm::along : FrictionForm::central, context, options.gate,
                  options.solid_factor);
     const WallShear shear{step.spacing / 2};
     // The solids' share in rho_i a_i, but for the weight of all of them at i.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
-        const auto whose = static_cast<std::size_t>(layer.solid[s]);
+        const auto whose = static_cast<std::size_t>(boundary.solid[s]);
         if (slip[whose]) return Vec3(Vec3::Zero());
-        const Real stretch = shear.stretch(r, layer.normal[s]);
+        const Real stretch = shear.stretch(r, boundary.normal[s]);
         // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
-        const Vec3 wall = around.solids.all[whose].pose.velocity_at(layer.position[s] + r);
-        const Vec3 u_is = stretch * (u[i] - wall) + (wall - layer.velocity[s]);
-        return Vec3(layer.volume[s] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
+        const Vec3 wall = context.solids.all[whose].pose.velocity_at(boundary.position[s] + r);
+        const Vec3 u_is = stretch * (u[i] - wall) + (wall - boundary.velocity[s]);
+        return Vec3(boundary.volume[s] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
     };
     const auto weight = [&](Index i) {
-        return layer.size() > 0
-                   ? options.solid_factor * options.gate.weight(kernel, i, around.solid_pairs, layer.volume, options.solid_factor)
+        return boundary.size() > 0
+                   ? options.solid_factor * options.gate.weight(kernel, i, context.solid_pairs, boundary.volume, options.solid_factor)
                    : Real(0);
     };
     parallel_for(a.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         const Vec3 own = u[i];
         const Real own_mu = mu[i];
-        around.pairs.groups_of(i, [&](const Pairs::Group& group) {
+        context.pairs.groups_of(i, [&](const Pairs::Group& group) {
             Real density[Pairs::Group::most], other_mu[Pairs::Group::most], other[3][Pairs::Group::most], part[3] = {0, 0, 0};
             group.gather(rho.data(), density), group.gather(mu.data(), other_mu), group.gather(u.data(), other);
             for (Index l = 0; l < group.padded(); ++l) {
@@ -116,26 +116,26 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOption
             sum += Vec3(part[0], part[1], part[2]);
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
             // The wall's area does not depend on the density of the kernel sums there: the acceleration is mu/rho_0 times that.
             if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];
     });
-    react(around, Push::viscous, role, step.mass * step.dt, [&](Index i) {
+    react(context, Push::viscous, role, step.mass * step.dt, [&](Index i) {
         return
             [&, i, of_i = weight(i) / rho[i]](Index s, const Vec3& r, Real distance) { return Vec3(of_i * by_solid(i, s, r, distance)); };
     });
-    friction.write_ledgers(around, role, u.values, [&](Index i) { return mu[i] / step.rest_density; });
+    friction.write_ledgers(context, role, u.values, [&](Index i) { return mu[i] / step.rest_density; });
 }
 
 }  // namespace
 
-void ExplicitViscosity::operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
-                                   Read<field::velocity> u, Update<field::acceleration> a) const {
-    const StepContext& step = around.step;
+void ExplicitViscosity::operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
+                                   Read<field::viscosity> mu, Read<field::velocity> u, Update<field::acceleration> a) const {
+    const StepContext& step = context.step;
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
-        const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, around, role, rho, mu, u, a); };
+        const auto add = [&](const auto& form) { add_viscosity(kernel, form, options, context, role, rho, mu, u, a); };
         const bool monaghan = options.without_spin() == LaplacianForm::monaghan;
         if (monaghan && options.printed) add(Monaghan(step.kernel, step.support));
         else if (monaghan) add(Monaghan(step.kernel, step.support, step.spacing));

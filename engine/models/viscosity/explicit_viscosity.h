@@ -5,7 +5,7 @@
 #include "engine/models/boundary/wall.h"
 #include "engine/models/viscosity/viscosity_options.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -21,7 +21,7 @@ struct smoothing {
 struct XsphViscosity {
     Real alpha = Real(0.002);
     bool printed = false;
-    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
+    void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Write<field::smoothing> change,
                     Update<field::velocity> u) const;
 };
 
@@ -32,7 +32,7 @@ inline double xsph_viscosity(double alpha, double support, double dt) { return a
 struct XsphSpin {
     Real beta = Real(0.125);
     double micro_inertia = 1;
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::density> rho,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::density> rho,
                     Write<field::smoothing> change, Update<field::spin> w) const;
 };
 
@@ -43,7 +43,7 @@ struct XsphSpin {
 /// velocity, continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ViscosityOptions options;
-    void operator()(const Surroundings& around, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
+    void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                     Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 

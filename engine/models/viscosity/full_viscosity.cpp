@@ -2,12 +2,12 @@
 
 namespace whorl {
 
-void FullViscosity::operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+void FullViscosity::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
                                Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                                Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate) {
-    operator_.set_up(options_, around, role, mu, {}, before.values);
-    set_up_coarse(around.pairs, around.step, role, x, aggregate.values);
-    solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
+    operator_.set_up(options_, context, role, mu, {}, before.values);
+    set_up_coarse(context.pairs, context.step, role, x, aggregate.values);
+    solve_implicit(operator_, options_.limits, {context, report, role, x, u, last});
 }
 
 void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,

@@ -2,7 +2,7 @@
 /// Implicit viscosity in its full form, variational and matrix-free (viscous_operator.h).
 ///
 /// Stages of a step, in order: VelocityGradient, Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
-#include "engine/models/strain/curvature.h"
+#include "engine/models/viscosity/strain/curvature.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
 namespace whorl {
@@ -19,7 +19,7 @@ struct viscous_aggregate {
 class FullViscosity {
 public:
     explicit FullViscosity(ViscosityOptions options) : options_(options) {}
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
 
@@ -35,11 +35,11 @@ private:
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(ViscosityOptions options) : options_(options) { options_.correction = false; }
-    void operator()(const Surroundings& around, StepReport& report, Read<field::role> role, Read<field::position> x,
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::density> rho, Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last) {
-        operator_.set_up(options_, around, role, mu, rho.values, before.values);
-        solve_implicit(operator_, options_.limits, {around, report, role, x, u, last});
+        operator_.set_up(options_, context, role, mu, rho.values, before.values);
+        solve_implicit(operator_, options_.limits, {context, report, role, x, u, last});
     }
 
 private:

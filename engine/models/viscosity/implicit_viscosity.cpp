@@ -63,17 +63,17 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const Index n = s.u.size();
     const double prescribed = parallel_sum(n, [&](Index i) { return s.role[i] != 0; });
     const bool alone = !A.touches_wall() && prescribed == 0;
-    const bool turning = A.rotations_are_free() && !s.around.step.domain.any_periodic();
+    const bool turning = A.rotations_are_free() && !s.context.step.domain.any_periodic();
     const ViscousBodies* bodies = A.bodies();
     const std::size_t all = static_cast<std::size_t>(n) + (bodies ? static_cast<std::size_t>(bodies->entries()) : 0);
     const RigidMotions rigid = alone ? RigidMotions(s.x.values, turning, bodies) : RigidMotions();
     Column<Vec3> u(all);
     std::copy(s.u.values.begin(), s.u.values.end(), u.begin());
-    if (bodies) bodies->read(s.around.solids, Span<Vec3>(u).subspan(n));
+    if (bodies) bodies->read(s.context.solids, Span<Vec3>(u).subspan(n));
 
     // The first guess may not bring momentum from outside: a force of the last step by a wall that is not in touch any more.
     Column<Vec3> change(all, Vec3::Zero()), guess(all), b(all), z(all, Vec3::Zero());
-    parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.around.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
+    parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.context.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
     rigid.remove(change);
     parallel_for(static_cast<Index>(all), [&](Index i) { guess[i] = u[i] + change[i]; });
     A.force(guess, b);
@@ -104,12 +104,12 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     }
     s.report.solves.push_back({SolveKind::viscosity, solved});
     parallel_for(n, [&](Index i) {
-        s.last[i] = s.around.step.dt > 0 ? Vec3(change[i] / s.around.step.dt) : Vec3(Vec3::Zero());
+        s.last[i] = s.context.step.dt > 0 ? Vec3(change[i] / s.context.step.dt) : Vec3(Vec3::Zero());
         s.u[i] += change[i];
     });
-    const Remainder rest(s.around.solids, Push::viscous);
-    if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.around.solids);
-    if (!s.around.solids.any_probed()) return;
+    const Remainder rest(s.context.solids, Push::viscous);
+    if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.context.solids);
+    if (!s.context.solids.any_probed()) return;
     // The solve left (dE/du)/m: it contains the forces of solids and prescribed particles; the solver's residual is its distance from 0.
     for (std::size_t k = 0; k < all; ++k) u[k] += change[k];
     A.force(u, z);
@@ -117,7 +117,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     Wrench residual = momentum_of(s.role, s.x.values, [&](Index i) { return Vec3(z[i] - (u[i] - change[i])); });
     if (bodies)
         residual += bodies->residual(Span<const Vec3>(z).subspan(n), Span<const Vec3>(u).subspan(n), Span<const Vec3>(change).subspan(n));
-    rest.share(s.around.solids, s.around.step, -static_cast<double>(s.around.step.mass) * residual);
+    rest.share(s.context.solids, s.context.step, -static_cast<double>(s.context.step.mass) * residual);
 }
 
 void BlockDiagonal::set(Column<Mat3> B, std::vector<char> free) {

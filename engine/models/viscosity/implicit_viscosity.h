@@ -4,7 +4,7 @@
 #include "engine/math/solve.h"
 #include "engine/models/viscosity/viscous_bodies.h"
 #include "engine/particles/field.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -45,7 +45,7 @@ public:
 
 /// Input of the stage of an implicit viscosity.
 struct ImplicitStep {
-    const Surroundings& around;
+    const InteractionContext& context;
     StepReport& report;
     Read<field::role> role;
     Read<field::position> x;

@@ -3,29 +3,29 @@
 #include <limits>
 
 #include "engine/core/parallel.h"
-#include "engine/models/strain/curvature.h"
-#include "engine/models/strain/moment.h"
 #include "engine/models/viscosity/sticking_walls.h"
+#include "engine/models/viscosity/strain/curvature.h"
+#include "engine/models/viscosity/strain/moment.h"
 
 namespace whorl {
 
-void ViscousOperator::set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
-                             Span<const Real> density, Span<const Mat3> before) {
+void ViscousOperator::set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role,
+                             Read<field::viscosity> mu, Span<const Real> density, Span<const Mat3> before) {
     const std::size_t n = static_cast<std::size_t>(mu.size());
-    pairs_ = &around.pairs;
+    pairs_ = &context.pairs;
     options_ = options;
     use_coarse(nullptr);
-    pair_.resize(around.pairs.other.size());
+    pair_.resize(context.pairs.other.size());
     M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
     wall_.clear(), wall_moment_.clear();
     dt_nu_.resize(n);
-    friction_.set(FrictionForm::central, around, options.gate, options.solid_factor);
-    if (around.layer.size() > 0) set_up_wall(options, around);
-    set_up_bodies(options, around);
-    set_up_moments(options, around.step, role, mu, density);
-    set_up_curvature(before, around.step.dt);
+    friction_.set(FrictionForm::central, context, options.gate, options.solid_factor);
+    if (context.boundary.size() > 0) set_up_wall(options, context);
+    set_up_bodies(options, context);
+    set_up_moments(options, context.step, role, mu, density);
+    set_up_curvature(before, context.step.dt);
     set_up_blocks(options);
     if (bodies()) set_up_body_blocks();
 }
@@ -83,18 +83,18 @@ void ViscousOperator::set_up_moments(const ViscosityOptions& options, const Step
     });
 }
 
-void ViscousOperator::set_up_wall(const ViscosityOptions& options, const Surroundings& around) {
+void ViscousOperator::set_up_wall(const ViscosityOptions& options, const InteractionContext& context) {
     wall_.assign(K_.size(), {});
     wall_moment_.assign(K_.size(), Mat3d::Zero());
     std::vector<char> touches(K_.size(), 0);
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
-        const StickingWalls walls(kernel, around, options);
-        parallel_for(around.solid_pairs.size(), [&](Index i) {
+    with_kernel(context.step.kernel, context.step.support, [&](const auto& kernel) {
+        const StickingWalls walls(kernel, context, options);
+        parallel_for(context.solid_pairs.size(), [&](Index i) {
             Wall& wall = wall_[i];
             Mat3 gradient = Mat3::Zero();
             Vec3 pull = Vec3::Zero();
             const Real factor = walls.factor(i);
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
                 const Real w = walls.weight(factor, s, distance), stretch = walls.stretch(s, r);
                 if (!(w > 0)) return;
                 wall_moment_[i] += (w * r * r.transpose()).template cast<double>();

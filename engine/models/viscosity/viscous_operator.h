@@ -3,10 +3,10 @@
 /// in viscous_operator.cpp, its product in viscous_operator_product.cpp, its coarse level in viscous_operator_coarse.cpp, free bodies in
 /// viscous_operator_bodies.cpp.
 #include "engine/models/boundary/friction.h"
-#include "engine/models/strain/coarse_level.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
+#include "engine/models/viscosity/strain/coarse_level.h"
 #include "engine/models/viscosity/viscosity_options.h"
-#include "engine/particles/surroundings.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -29,7 +29,7 @@ public:
     /// Coefficients for these positions.
     /// @param density [kg/m^3], of the uncorrected form; empty: at rest
     /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
-    void set_up(const ViscosityOptions& options, const Surroundings& around, Read<field::role> role, Read<field::viscosity> mu,
+    void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
@@ -76,13 +76,13 @@ private:
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
     void set_up_moments(const ViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
-    void set_up_wall(const ViscosityOptions& options, const Surroundings& around);
+    void set_up_wall(const ViscosityOptions& options, const InteractionContext& context);
     void set_up_curvature(Span<const Mat3> before, Real dt);
     void set_up_blocks(const ViscosityOptions& options);
     void spread(Span<const Vec3> u, bool free_only) const;
     void stress(Span<const Vec3> u, bool with_known) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
-    void set_up_bodies(const ViscosityOptions& options, const Surroundings& around);
+    void set_up_bodies(const ViscosityOptions& options, const InteractionContext& context);
     void set_up_body_blocks();
     struct CoarseRows;
     /// Subtracts the bodies' velocities from the sums at i; and the forces of i on them, once its stress is known.

@@ -19,18 +19,18 @@ Vec3 turning_part(const Mat3& M) { return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0),
 
 }  // namespace
 
-void ViscousOperator::set_up_bodies(const ViscosityOptions& options, const Surroundings& around) {
+void ViscousOperator::set_up_bodies(const ViscosityOptions& options, const InteractionContext& context) {
     bodies_ = {};
-    if (around.layer.size() == 0 || !around.solids.any_free()) return;
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
-        const StickingWalls walls(kernel, around, options);
-        bodies_.set_up(around.solids, around.step.mass, size(), particles_at_bodies(around), [&](Index i, std::size_t k) {
+    if (context.boundary.size() == 0 || !context.solids.any_free()) return;
+    with_kernel(context.step.kernel, context.step.support, [&](const auto& kernel) {
+        const StickingWalls walls(kernel, context, options);
+        bodies_.set_up(context.solids, context.step.mass, size(), particles_at_bodies(context), [&](Index i, std::size_t k) {
             BodyTouch touch;
             const Real factor = walls.factor(i);
-            around.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
-                if (static_cast<std::size_t>(around.layer.solid[s]) != k) return;
+            context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) {
+                if (static_cast<std::size_t>(context.boundary.solid[s]) != k) return;
                 const Real w = walls.weight(factor, s, distance), stretch = walls.stretch(s, r);
-                touch.arm = around.layer.position[s] + r - around.solids.all[k].body->centre.cast<Real>();
+                touch.arm = context.boundary.position[s] + r - context.solids.all[k].body->centre.cast<Real>();
                 touch.g += stretch * w * r;
                 touch.N += w * r * r.transpose();
                 touch.h += stretch * stretch * w;
@@ -65,12 +65,12 @@ void ViscousOperator::set_body_forces(Index i, Span<const Vec3> u, const Vec3& o
 
 // F_s as above, of solids whose velocity is known: stretch F_s at x_i - r/stretch.
 void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
-    const Surroundings& around = step.around;
-    if (around.layer.size() == 0) return;
-    with_kernel(around.step.kernel, around.step.support, [&](const auto& kernel) {
-        const StickingWalls walls(kernel, around, options_);
+    const InteractionContext& context = step.context;
+    if (context.boundary.size() == 0) return;
+    with_kernel(context.step.kernel, context.step.support, [&](const auto& kernel) {
+        const StickingWalls walls(kernel, context, options_);
         react(
-            around, Push::viscous, step.role, around.step.mass,
+            context, Push::viscous, step.role, context.step.mass,
             [&](Index i) {
                 return [&, i, factor = walls.factor(i), Q = Q_[i].matrix()](Index s, const Vec3& r, Real distance) {
                     const Real w = walls.weight(factor, s, distance), stretch = walls.stretch(s, r);
@@ -79,7 +79,7 @@ void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u
             },
             Writes::driven);
     });
-    friction_.write_ledgers(around, step.role, u, [&](Index i) { return dt_nu_[i] / around.step.dt; });
+    friction_.write_ledgers(context, step.role, u, [&](Index i) { return dt_nu_[i] / context.step.dt; });
 }
 
 void ViscousOperator::sum_bodies(Span<const Vec3> u, Span<Vec3> y) const {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/geometry/body_contact.h"
-#include "engine/particles/solid_sampling.h"
+#include "engine/particles/boundary_sampling.h"
 
 using namespace whorl;
 
@@ -28,7 +28,7 @@ Solid free_box(const Vec3d& min, const Vec3d& max, double density) {
 /// Bodies alone: steps of contact and motion.
 struct Stage {
     Solids solids;
-    SolidParticles layer;
+    BoundaryParticles boundary;
     ContactStep step;
     Vec3d weight = Vec3d(0, -9.81, 0);
     explicit Stage(double spacing) {
@@ -36,22 +36,22 @@ struct Stage {
     }
     void place() {
         solids.set_time(0, step.dt);
-        layer = sample_solids(solids, static_cast<Real>(step.spacing), step.domain);
+        boundary = sample_solids(solids, static_cast<Real>(step.spacing), step.domain);
     }
     void run(double seconds) {
         for (long k = std::lround(seconds / step.dt); k > 0; --k) {
             for (Solid& solid : solids.all)
                 if (solid.body) solid.body->velocity += step.dt * weight;
             solids.place_bodies();
-            layer.follow(solids);
+            boundary.follow(solids);
             step.gravity = weight.norm();
             BodyContacts contacts;
-            contacts.find(solids, layer, step);
+            contacts.find(solids, boundary, step);
             contacts.resolve(solids);
             for (Solid& solid : solids.all)
                 if (solid.body) solid.body->move(step.dt);
             solids.place_bodies();
-            layer.follow(solids);
+            boundary.follow(solids);
         }
     }
 };
@@ -68,7 +68,7 @@ TEST_CASE("volume, centre and inertia of box, sphere and cylinder agree with tho
          {std::pair(box({0.1, 0, 0}, {0.4, 0.2, 0.5}), 1e-5), std::pair(ball, 8e-3), std::pair(can, 5e-3)}) {
         const auto shape = make_shape(keys);
         INFO(keys.kind);
-        const Bulk exact = shape->bulk(), summed = bulk_of(shape->mesh(0, 0));
+        const MassProperties exact = shape->bulk(), summed = bulk_of(shape->mesh(0, 0));
         CHECK(summed.volume == Approx(exact.volume).epsilon(tolerance));
         CHECK((summed.centre - exact.centre).norm() < 1e-6);
         CHECK((summed.inertia() - exact.inertia()).norm() < tolerance * exact.inertia().norm());
@@ -241,7 +241,7 @@ TEST_CASE("while contacts hold, bodies answer a change of load as their velociti
     stage.place();
     for (std::size_t k : {1, 2}) stage.solids.all[k].body->velocity = Vec3d(k == 2 ? 1.0 : 0.0, -0.02, 0);
     BodyContacts contacts;
-    contacts.find(stage.solids, stage.layer, stage.step);
+    contacts.find(stage.solids, stage.boundary, stage.step);
     const BodyVector free = velocities_of(stage.solids), held = contacts.velocities(free);
     contacts.hold();
     CHECK(std::abs(held[1]) < 1e-6);

@@ -6,8 +6,8 @@
 #include "engine/geometry/plane.h"
 #include "engine/geometry/shape.h"
 #include "engine/models/pressure/density_rate.h"
+#include "engine/particles/boundary_sampling.h"
 #include "engine/particles/search.h"
-#include "engine/particles/solid_sampling.h"
 
 using namespace whorl;
 
@@ -28,7 +28,7 @@ Domain cube(Real half, std::array<bool, 3> periodic = {false, false, false}) {
 }
 
 /// Distances to the nearest other particle, over the spacing: the smallest and the largest.
-std::pair<double, double> gaps(const SolidParticles& particles, Real spacing, const Domain& domain) {
+std::pair<double, double> gaps(const BoundaryParticles& particles, Real spacing, const Domain& domain) {
     Pairs pairs;
     NeighbourSearch().find(particles.position, 2 * spacing, domain, pairs);
     double least = 1e9, most = 0;
@@ -136,7 +136,7 @@ TEST_CASE("every solid gets one layer half a spacing deep, without crowding and 
             solids.all.push_back(solid_of(one.shape));
             solids.all[0].inside = inside;
             solids.set_time(0, 1e-3);
-            const SolidParticles particles = sample_solids(solids, d, cube(2));
+            const BoundaryParticles particles = sample_solids(solids, d, cube(2));
             for (Index s = 0; s < particles.size(); ++s) {
                 const Vec3& x = particles.position[s];
                 // Beyond the edges of a container the corners of the layer are further from the shape: sqrt(3)/2 spacings at most.
@@ -170,7 +170,7 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     solids.set_time(0, 1e-3);
     // 2.06 is no whole number of spacings: the lattice is fitted to the period.
     Domain domain{Vec3(Real(-1.03), -1, -1), Vec3(Real(1.03), 1, 1), {true, false, true}};
-    const SolidParticles particles = sample_solids(solids, d, domain);
+    const BoundaryParticles particles = sample_solids(solids, d, domain);
     CHECK(particles.size() == 21 * 20);
     // 1/sum W over a lattice without end, 2.06/21 by 0.1 m.
     const CubicKernel W(2 * d);
@@ -184,7 +184,7 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     // Inclined, periodic along z; and far outside the domain nothing is left.
     solids.all[0] = solid_of(make_plane({0, 0, 0}, {-1, 2, 0}));
     solids.set_time(0, 1e-3);
-    const SolidParticles inclined = sample_solids(solids, d, domain);
+    const BoundaryParticles inclined = sample_solids(solids, d, domain);
     Domain along_z = domain;
     along_z.periodic = {false, false, true};
     const auto [least, most] = gaps(inclined, d, along_z);
@@ -203,7 +203,7 @@ TEST_CASE("a box through a periodic domain has no ends and no seam there", "[geo
         solids.all.push_back(solid_of(make_box({-1, -0.5, -0.5}, {1, 0.5, 0.5})));
         solids.all[0].inside = inside;
         solids.set_time(0, 1e-3);
-        const SolidParticles particles = sample_solids(solids, d, domain);
+        const BoundaryParticles particles = sample_solids(solids, d, domain);
         CHECK(particles.size() == 20 * (inside ? 44 : 36));
         const auto [least, most] = gaps(particles, d, domain);
         CHECK(least == Approx(1).epsilon(1e-3));
@@ -222,7 +222,7 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
     };
     // An upright bar that is rotated into a flat domain equals one that was made lying.
     const Domain flat{Vec3(-2, -1, Real(-0.3)), Vec3(2, 1, Real(0.3)), {}};
-    const SolidParticles laid = sampled(make_box({-0.1, -0.1, -1.5}, {0.1, 0.1, 1.5}), {0, std::numbers::pi / 2, 0}, flat);
+    const BoundaryParticles laid = sampled(make_box({-0.1, -0.1, -1.5}, {0.1, 0.1, 1.5}), {0, std::numbers::pi / 2, 0}, flat);
     CHECK(laid.size() == sampled(make_box({-1.5, -0.1, -0.1}, {1.5, 0.1, 0.1}), {0, 0, 0}, flat).size());
 
     // A rod that crosses a periodic face keeps its far end.
@@ -236,7 +236,7 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
     const bool along_x = GENERATE(false, true);
     const Domain domain = cube(1, {along_x, false, false});
     for (const auto& shape : {make_box({-5, -5, -5}, {5, 5, 0}), make_plane({0, 0, 0}, {0, 0, 1})}) {
-        const SolidParticles particles = sampled(shape, {slope, 0, 0}, domain);
+        const BoundaryParticles particles = sampled(shape, {slope, 0, 0}, domain);
         for (const Vec3& x : particles.position) REQUIRE((x.array().abs() < 1 + 3 * d + 1e-5).all());
         const Solid& solid = solids.all[0];
         RandomNumbers numbers(3);
@@ -271,7 +271,7 @@ TEST_CASE("a moving plane has boundary particles wherever it meets the domain, a
     Solid& solid = solids.all[0];
     solid.position = position, solid.spin = spin;
     solids.set_time(0, 1e-3);
-    SolidParticles particles = sample_solids(solids, d, domain, {}, 0, {}, 4);
+    BoundaryParticles particles = sample_solids(solids, d, domain, {}, 0, {}, 4);
     CHECK(particles.size() == Approx(patch_of_moving_plane(solid, d, domain, 2 * d, 4).points()).epsilon(0.03));
     CHECK(gaps(particles, d, domain).first > 0.95);
     const auto before = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); };
@@ -305,7 +305,7 @@ TEST_CASE("a plane that rocks has the layer of the domain's section, not of its 
     const Index still = sample_solids(solids, d, domain).size();
     solids.all[0].spin = expressions("0", "0", "0.3*cos(5*t)");
     solids.set_time(0, 1e-3);
-    const SolidParticles rocking = sample_solids(solids, d, domain, {}, 0, {}, 1);
+    const BoundaryParticles rocking = sample_solids(solids, d, domain, {}, 0, {}, 1);
     CHECK(rocking.size() >= still);
     CHECK(rocking.size() < 1.3 * still);
     for (const Vec3& u : rocking.velocity) REQUIRE(u.norm() < 0.3 * 1.5);
@@ -315,19 +315,19 @@ TEST_CASE("a layer beyond 50 million particles is refused in words, with the sol
     Solids solids;
     solids.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
     solids.set_time(0, 1e-3);
-    const auto place_of = [](std::size_t) { return Place{"scene.toml", 3, 9}; };
+    const auto place_of = [](std::size_t) { return FileLocation{"scene.toml", 3, 9}; };
     CHECK_THROWS_WITH(sample_solids(solids, Real(1e-5), cube(10), {}, 0, place_of),
                       Catch::Matchers::StartsWith("scene.toml:3:9: solid[0]: the surface of the plane needs") &&
                           Catch::Matchers::Contains("million particles"));
 }
 
 TEST_CASE("the boundary particles of a wide box scale with its surface, not its volume", "[geometry]") {
-    const LayerRegion region{Real(1e-4), cube(100), 0, false};
+    const SamplingRegion region{Real(1e-4), cube(100), 0, false};
     ShapeKeys plate;
     plate.min = {0, 0, 0}, plate.max = {30, 30, 0}, plate.cut = true;
-    CHECK(make_shape(plate)->layer(0, region).size() == 4 * 300000);
-    const LayerRegion coarse{Real(0.01), cube(100), 0, false};
-    CHECK(make_box({0, 0, 0}, {0.1, 0.1, 30})->layer(0, coarse).size() == 3001 * 121 - 2999 * 81);
+    CHECK(make_shape(plate)->surface_samples(0, region).size() == 4 * 300000);
+    const SamplingRegion coarse{Real(0.01), cube(100), 0, false};
+    CHECK(make_box({0, 0, 0}, {0.1, 0.1, 30})->surface_samples(0, coarse).size() == 3001 * 121 - 2999 * 81);
 }
 
 TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
@@ -335,7 +335,7 @@ TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
     solids.all.push_back(solid_of(make_sphere({1, 0, 0}, 0.5)));
     solids.all[0].spin = expressions("0", "0", "2");
     solids.set_time(0, 1e-4);
-    SolidParticles particles = sample_solids(solids, Real(0.1), cube(3));
+    BoundaryParticles particles = sample_solids(solids, Real(0.1), cube(3));
     const Column<Real> volume = particles.volume;
     solids.set_time(0.4, 1e-4);
     particles.follow(solids);
@@ -371,21 +371,21 @@ TEST_CASE("in 2D distances and normals lie in the plane, and the boundary partic
     for (const auto& [shape, length] : {std::pair{rectangle, 2 * (0.38 + 0.18)}, {disc, 2 * std::numbers::pi * 0.39}}) {
         Solids solids;
         solids.all.push_back(solid_of(shape));
-        const SolidParticles layer = sample_solids(solids, d, domain, {KernelKind::cubic, 2}, 2 * d);
-        CHECK(layer.size() == std::lround(length / static_cast<double>(d)));
-        const auto [least, most] = gaps(layer, d, domain);
+        const BoundaryParticles boundary = sample_solids(solids, d, domain, {KernelKind::cubic, 2}, 2 * d);
+        CHECK(boundary.size() == std::lround(length / static_cast<double>(d)));
+        const auto [least, most] = gaps(boundary, d, domain);
         CHECK(least > 0.95);
         CHECK(most < 1.05);
-        for (Index s = 0; s < layer.size(); ++s) {
-            REQUIRE(layer.position[s].z() == 0);
-            REQUIRE(layer.normal[s].z() == 0);
-            REQUIRE(shape->distance(layer.position[s]) == Approx(-0.01).epsilon(0.01));
+        for (Index s = 0; s < boundary.size(); ++s) {
+            REQUIRE(boundary.position[s].z() == 0);
+            REQUIRE(boundary.normal[s].z() == 0);
+            REQUIRE(shape->distance(boundary.position[s]) == Approx(-0.01).epsilon(0.01));
         }
     }
     // A plane along z is a line.
     Solids ground;
     ground.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
-    const SolidParticles line = sample_solids(ground, d, domain, {KernelKind::cubic, 2}, 2 * d);
+    const BoundaryParticles line = sample_solids(ground, d, domain, {KernelKind::cubic, 2}, 2 * d);
     CHECK(line.size() == Approx((6 + 6 * 0.02) / 0.02).margin(1));
     for (const Vec3& x : line.position) REQUIRE((x.z() == 0 && x.y() == Approx(-0.01)));
 }
@@ -406,7 +406,7 @@ TEST_CASE("fluid on a lattice has its density within 0.2 % at faces, edges and c
         Solids solids;
         solids.all.push_back(solid_of(box(dimensions, 0.3, 0.3, 0.7, 0.7)));
         solids.set_time(0, 1e-3);
-        const SolidParticles layer = sample_solids(solids, d, Domain{Vec3(-3, -3, -3), Vec3(3, 3, 3), {}}, form, 2 * d);
+        const BoundaryParticles boundary = sample_solids(solids, d, Domain{Vec3(-3, -3, -3), Vec3(3, 3, 3), {}}, form, 2 * d);
         const auto in_solid = [&](const Vec3& x) {
             return std::any_of(solids.all.begin(), solids.all.end(), [&](const Solid& solid) { return solid.distance(x) < 0; });
         };
@@ -419,10 +419,10 @@ TEST_CASE("fluid on a lattice has its density within 0.2 % at faces, edges and c
                 if (in_solid(at + to)) lattice += std::pow(d, Real(dimensions)) * W.value(to.norm());
             });
             int corner = 0;
-            for (Index s = 0; s < layer.size(); ++s) {
-                const Vec3 r = at - layer.position[s];
-                if (r.norm() < 2 * d) seen += wall.share(W, r, r.norm(), layer, s).value;
-                corner |= r.norm() < 2 * d && layer.behind[s] == 0 && layer.normal[s].cwiseAbs().minCoeff() > Real(0.5);
+            for (Index s = 0; s < boundary.size(); ++s) {
+                const Vec3 r = at - boundary.position[s];
+                if (r.norm() < 2 * d) seen += wall.share(W, r, r.norm(), boundary, s).value;
+                corner |= r.norm() < 2 * d && boundary.behind[s] == 0 && boundary.normal[s].cwiseAbs().minCoeff() > Real(0.5);
             }
             INFO(dimensions << "D, at " << at.transpose());
             CHECK(seen == Approx(lattice).margin(corner ? 0.015 : 0.002));
@@ -436,14 +436,14 @@ TEST_CASE("a mesh of any thickness has its layer on both sides, without holes", 
         INFO(thickness);
         Solids solids;
         solids.all.push_back(solid_of(make_mesh(make_box({0, 0, 0}, {1, thickness * d, 1})->mesh(0, 0), "plate")));
-        const SolidParticles layer = sample_solids(solids, static_cast<Real>(d), cube(2));
+        const BoundaryParticles boundary = sample_solids(solids, static_cast<Real>(d), cube(2));
         for (const Real side : {Real(-1), Real(1)})
             for (double x = 0.05; x < 1; x += 0.09)
                 for (double z = 0.05; z < 1; z += 0.09) {
                     double nearest = 1;
-                    for (Index s = 0; s < layer.size(); ++s) {
-                        if (!(side * layer.normal[s].y() > Real(0.5))) continue;
-                        const Vec3& at = layer.position[s];
+                    for (Index s = 0; s < boundary.size(); ++s) {
+                        if (!(side * boundary.normal[s].y() > Real(0.5))) continue;
+                        const Vec3& at = boundary.position[s];
                         nearest = std::min(nearest, std::hypot(static_cast<double>(at.x()) - x, static_cast<double>(at.z()) - z));
                     }
                     REQUIRE(nearest < d);  // darts leave no disc of .8 d free

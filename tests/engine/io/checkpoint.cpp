@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include "engine/core/errors.h"
+#include "engine/io/byte_io.h"
 #include "engine/io/csv.h"
-#include "engine/io/packed.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -80,7 +80,7 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
         content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
     }
     SECTION("empty") { message = "not of this kind"; }
-    SECTION("sealed, with less in it than a checkpoint has") { content = sealed("WHORLCP3", "few"), message = "ends too early"; }
+    SECTION("sealed, with less in it than a checkpoint has") { content = add_checksum("WHORLCP3", "few"), message = "ends too early"; }
     std::ofstream(newest, std::ios::binary) << content;
     SECTION("a folder") {
         fs::remove(newest);

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
 

@@ -74,8 +74,8 @@ TEST_CASE("each assembled coefficient is the derivative of the matrix-free opera
 
 TEST_CASE("wall velocities and curvature act equally in the assembled and matrix-free operators, to 1e-5", "[viscosity][boundary]") {
     TestWorld w = prepared(true);
-    auto& layer = w.world.solid_particles;
-    for (std::size_t s = 0; s < layer.velocity.size(); ++s) layer.velocity[s] = noise(static_cast<Index>(s));
+    auto& boundary = w.world.boundary_particles;
+    for (std::size_t s = 0; s < boundary.velocity.size(); ++s) boundary.velocity[s] = noise(static_cast<Index>(s));
     std::vector<Mat3> before(static_cast<std::size_t>(w.world.fluid.size()));
     for (std::size_t i = 0; i < before.size(); ++i)
         for (int a = 0; a < 3; ++a) before[i].col(a) = 20 * noise(static_cast<Index>(5 * i) + a);
@@ -125,7 +125,7 @@ TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian to 1e-3,
     REQUIRE(w.world.report.solves.at(0).report.converged);
     const auto x = w.column<field::position>();
     const auto rho = w.column<field::density>(), mu = w.column<field::viscosity>();
-    const SolidParticles& layer = w.world.solid_particles;
+    const BoundaryParticles& boundary = w.world.boundary_particles;
     const CubicKernel kernel(w.world.step.support);
     const double m = w.world.step.mass, V = w.world.step.volume;
     const auto grad = [&](const Vec3& r) {
@@ -136,8 +136,8 @@ TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian to 1e-3,
         Mat3d J = Mat3d::Zero();
         for (std::size_t j = 0; j < n; ++j)
             if (j != i) J += m / rho[j] * (u[j] - u[i]).cast<double>() * grad(x[i] - x[j]).transpose();
-        for (Index q = 0; q < layer.size(); ++q)
-            J -= static_cast<double>(layer.volume[q]) * u[i].cast<double>() * grad(x[i] - layer.position[q]).transpose();
+        for (Index q = 0; q < boundary.size(); ++q)
+            J -= static_cast<double>(boundary.volume[q]) * u[i].cast<double>() * grad(x[i] - boundary.position[q]).transpose();
         s[i] = static_cast<double>(mu[i]) / (static_cast<double>(rho[i]) * rho[i]) * (J + J.transpose());
     }
     double off = 0, most = 0;
@@ -145,7 +145,7 @@ TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian to 1e-3,
         Vec3d change = Vec3d::Zero();
         for (std::size_t j = 0; j < n; ++j)
             if (j != i) change += m * 0.01 * (s[i] + s[j]) * grad(x[i] - x[j]);
-        for (Index q = 0; q < layer.size(); ++q) change += m * 0.01 * layer.volume[q] / V * s[i] * grad(x[i] - layer.position[q]);
+        for (Index q = 0; q < boundary.size(); ++q) change += m * 0.01 * boundary.volume[q] / V * s[i] * grad(x[i] - boundary.position[q]);
         most = std::max(most, (u[i].cast<double>() - before[i]).norm());
         off = std::max(off, (u[i].cast<double>() - before[i] - change).norm());
     }

@@ -1,4 +1,4 @@
-#include "engine/models/coupled/coupled_rows.h"
+#include "engine/models/viscosity/coupled/coupled_rows.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

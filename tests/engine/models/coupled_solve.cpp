@@ -1,4 +1,4 @@
-#include "engine/models/coupled/coupled_solve.h"
+#include "engine/models/viscosity/coupled/coupled_solve.h"
 
 #include <catch2/catch.hpp>
 

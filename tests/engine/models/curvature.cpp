@@ -1,4 +1,4 @@
-#include "engine/models/strain/curvature.h"
+#include "engine/models/viscosity/strain/curvature.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>

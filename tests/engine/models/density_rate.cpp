@@ -29,7 +29,7 @@ struct Floor : TestWorld {
         const double at = mirrors >= 2 ? 0 : 5 * d, deep = mirrors == 3 ? 0 : 5 * d;
         if (mirrors >= 2) add_wall(0, +1, 0);
         if (mirrors == 3) add_wall(2, +1, 0);
-        if (mirrors > 0) world.solid_particles.flat.assign(static_cast<std::size_t>(world.solid_particles.size()), 1);
+        if (mirrors > 0) world.boundary_particles.flat.assign(static_cast<std::size_t>(world.boundary_particles.size()), 1);
         RandomNumbers random(3);
         place(Vec3(Real(at), Real(height * d), Real(deep)), Vec3(Real(at + 6 * d), Real((height + 5) * d), Real(deep + 6 * d)), 0,
               [&](const Vec3&) { return Vec3(Real(random() - 0.5), Real(random() - 0.5), Real(random() - 0.5)); });
@@ -108,8 +108,8 @@ TEST_CASE("fluid that turns with a solid keeps its density at first order, and i
     floor.shape = make_plane(Vec3d::Zero(), Vec3d::UnitY());
     const Vec3 w(Real(1), Real(0.5), Real(-2)), centre = floor.centre().cast<Real>();
     floor.pose.angular_velocity = w, floor.pose.velocity = -w.cross(centre);
-    world.solid_particles.own_normal = world.solid_particles.normal;
-    world.solid_particles.follow(world.solids);
+    world.boundary_particles.own_normal = world.boundary_particles.normal;
+    world.boundary_particles.follow(world.solids);
     const auto x = fluid.column<field::position>();
     const auto u = fluid.column<field::velocity>();
     for (std::size_t i = 0; i < x.size(); ++i) u[i] = floor.pose.velocity_at(x[i]);
@@ -120,7 +120,7 @@ TEST_CASE("fluid that turns with a solid keeps its density at first order, and i
     fluid.move(dt);
     floor.pose.rotation = turn_by(dt * w.cast<double>()).toRotationMatrix().cast<Real>();
     floor.pose.translation = centre - floor.pose.rotation * centre;
-    world.solid_particles.follow(world.solids);
+    world.boundary_particles.follow(world.solids);
     fluid.measure(0);
     double wrong = 0, all = 0;
     for (std::size_t i = 0; i < rate.size(); ++i) {
@@ -142,7 +142,7 @@ TEST_CASE("a gate keeps a wall out of the density until the fluid is near, and l
     double most = 0;
     for (std::size_t i = 0; i < felt.size(); ++i) most = std::max(most, static_cast<double>(felt[i] - high.rho[i]));
     CHECK(most > 1);  // kg/m^3
-    high.world.solid_particles = {};
+    high.world.boundary_particles = {};
     const std::vector<Real> gated = high.rho;
     high.measure(0);
     for (std::size_t i = 0; i < gated.size(); ++i) CHECK(gated[i] == Approx(high.rho[i]).epsilon(1e-6));

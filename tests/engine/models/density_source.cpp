@@ -161,20 +161,20 @@ TEST_CASE("density source: a lone particle at a moving wall has the pressure b/a
             options.printed = printed;
             Fluid f(Domain{Vec3(-1, 0, -1), Vec3(1, 2, 1), {}}, options);
             f.add_wall(1, +1, 0);
-            for (Vec3& u : f.world.solid_particles.velocity) u = Vec3(0, Real(towards ? 0.5 : -0.5), 0);
+            for (Vec3& u : f.world.boundary_particles.velocity) u = Vec3(0, Real(towards ? 0.5 : -0.5), 0);
             f.place(Vec3::Zero(), Vec3(Real(d), Real(d), Real(d)));
             f.column<field::velocity>()[0] = Vec3(Real(0.3), 0, 0);
             f.solved();
             // See solids.cpp: the sum over the layer, with the normal part continued behind the surface (2 at half a spacing above
             // it).
             const CubicKernel W(Real(2 * d));
-            const SolidParticles& layer = f.world.solid_particles;
+            const BoundaryParticles& boundary = f.world.boundary_particles;
             const Vec3 x = f.column<field::position>()[0];
             double behind = 0;
             Vec3d push = Vec3d::Zero();
-            for (Index s = 0; s < layer.size(); ++s) {
-                const Vec3 r = x - layer.position[s];
-                const double V = static_cast<double>(options.solid_factor * layer.volume[s]), distance = static_cast<double>(r.norm());
+            for (Index s = 0; s < boundary.size(); ++s) {
+                const Vec3 r = x - boundary.position[s];
+                const double V = static_cast<double>(options.solid_factor * boundary.volume[s]), distance = static_cast<double>(r.norm());
                 if (distance >= 2 * d) continue;
                 behind += V * static_cast<double>(W.value(r.norm()));
                 push += V * static_cast<double>(W.derivative(r.norm())) / distance * Vec3d(r.x(), printed ? r.y() : 2 * r.y(), r.z());
@@ -208,7 +208,7 @@ TEST_CASE(
         Fluid f(Domain{Vec3::Zero(), Vec3(Real(0.6), Real(1.5), Real(0.6)), {false, false, false}}, options);
         f.add_wall(1, +1, 0);
         f.add_wall(0, +1, 0);
-        for (Vec3& u : f.world.solid_particles.velocity) u = Vec3(Real(0.2), Real(0.1), Real(-0.3));
+        for (Vec3& u : f.world.boundary_particles.velocity) u = Vec3(Real(0.2), Real(0.1), Real(-0.3));
         f.place(Vec3::Zero(), Vec3(Real(0.5), Real(0.5), Real(0.5)));
         f.shake(0.2, 7);
         RandomNumbers random(9);
@@ -223,15 +223,15 @@ TEST_CASE(
         const CubicKernel kernel(Real(2 * d));
         const auto W = [&](double r) { return r < 2 * d ? static_cast<double>(kernel.value(static_cast<Real>(r))) : 0; };
         const auto F = [&](double r) { return r < 2 * d ? static_cast<double>(kernel.derivative(static_cast<Real>(r))) / r : 0; };
-        const SolidParticles& layer = f.world.solid_particles;
+        const BoundaryParticles& boundary = f.world.boundary_particles;
         const double V = d * d * d;
         std::vector<double> rho(n), w(n), fill(n), spread(n, 1);
         const double lacking = static_cast<double>(lacking_along_wall(KernelKind::cubic, Real(2 * d), Real(d)));
         for (Index i = 0; i < n; ++i) {
             double behind = 0, sum = V * W(0), divergence = 0;
-            for (Index s = 0; s < layer.size(); ++s) {
-                const double share = static_cast<double>(options.solid_factor * layer.volume[s]);
-                const Vec3d r = x[i] - layer.position[s].cast<double>();
+            for (Index s = 0; s < boundary.size(); ++s) {
+                const double share = static_cast<double>(options.solid_factor * boundary.volume[s]);
+                const Vec3d r = x[i] - boundary.position[s].cast<double>();
                 behind += share * W(r.norm()), divergence -= share * F(r.norm()) * r.squaredNorm();
             }
             for (Index j = 0; j < n; ++j)
@@ -244,10 +244,10 @@ TEST_CASE(
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
         Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
         const auto solids = [&](Index i, const auto& add) {
-            for (Index s = 0; s < layer.size(); ++s) {
-                const Vec3d r = x[i] - layer.position[s].cast<double>(), normal = layer.normal[s].cast<double>();
+            for (Index s = 0; s < boundary.size(); ++s) {
+                const Vec3d r = x[i] - boundary.position[s].cast<double>(), normal = boundary.normal[s].cast<double>();
                 const double above = r.dot(normal), stretch = printed || above <= 0 ? 1 : 1 + d / 2 / std::max(above - d / 2, d / 4);
-                const double share = static_cast<double>(options.solid_factor * layer.volume[s]);
+                const double share = static_cast<double>(options.solid_factor * boundary.volume[s]);
                 add(s, Vec3d(share / spread[i] * F(r.norm()) * (r + (stretch - 1) * above * normal)));
             }
         };
@@ -269,7 +269,7 @@ TEST_CASE(
                 if (pressure.classes()[j] == PressureClass::poisson) A(i, j) -= c;
             }
             solids(i, [&](Index s, const Vec3d& gradient) {
-                rate += (u[i] - layer.velocity[s].cast<double>()).dot(gradient);
+                rate += (u[i] - boundary.velocity[s].cast<double>()).dot(gradient);
                 uniform += w[i] * gradient;
             });
             A(i, i) += uniform.squaredNorm() / (printed ? w[i] : 1);

@@ -1,5 +1,5 @@
 /// Moves that even out the particles.
-#include "engine/models/shifting/fickian.h"
+#include "engine/models/motion/fickian.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "engine/geometry/shape.h"
 #include "engine/models/boundary/wall.h"
 #include "engine/models/motion/motion.h"
-#include "engine/models/strain/curvature.h"
+#include "engine/models/viscosity/strain/curvature.h"
 #include "engine/particles/sample.h"
 #include "tests/support/coarse_difference.h"
 #include "tests/support/viscous_block.h"

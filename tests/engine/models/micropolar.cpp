@@ -7,7 +7,7 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/names.h"
 #include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "engine/sph/density.h"
 #include "tests/support/micropolar_flows.h"
 #include "tests/support/runs.h"
@@ -297,8 +297,9 @@ TEST_CASE("the gate at solids is shut far from them, open in contact, and rises 
     const auto weight = [&](double height) {
         w.column<field::position>()[0] = Vec3(Real(0.4), Real(height), Real(0.4));
         w.find_pairs();
-        return with_kernel(w.world.step.kernel, w.world.step.support,
-                           [&](const auto& W) { return gate.weight(W, 0, w.world.solid_pairs, w.world.solid_particles.volume, factor); });
+        return with_kernel(w.world.step.kernel, w.world.step.support, [&](const auto& W) {
+            return gate.weight(W, 0, w.world.solid_pairs, w.world.boundary_particles.volume, factor);
+        });
     };
     CHECK(weight(d / 2) == 1);
     CHECK(weight(1.2 * d) == 0);
@@ -310,5 +311,5 @@ TEST_CASE("the gate at solids is shut far from them, open in contact, and rises 
         before = now;
     }
     CHECK(steepest < 0.1);
-    CHECK(SolidGate{}.weight(CubicKernel(1), 0, w.world.solid_pairs, w.world.solid_particles.volume, factor) == 1);
+    CHECK(SolidGate{}.weight(CubicKernel(1), 0, w.world.solid_pairs, w.world.boundary_particles.volume, factor) == 1);
 }

@@ -146,7 +146,7 @@ TEST_CASE(
                 for (int l = 0; l < k + 4; ++l)
                     if (a != 0 || b != 0 || l != k)
                         phi += static_cast<double>(cohesion.potential(Real(std::sqrt(double(a * a + b * b + (l - k) * (l - k))))));
-        share[k] = static_cast<double>(Skin::share(Real(phi / cohesion.bulk_energy(d))));
+        share[k] = static_cast<double>(SurfaceIndicator::share(Real(phi / cohesion.bulk_energy(d))));
     }
     CHECK(share[0] == 1);
     CHECK(share[3] == 0);
@@ -163,9 +163,9 @@ TEST_CASE(
                 }
         wall += share[k] * static_cast<double>(cohesion.half_space_pull(Real(k + 0.5))) * (k + 0.5);
     }
-    CHECK(tension == Approx(sigma * Skin::flat_tension()).epsilon(0.15));
-    CHECK(wall == Approx(2 * sigma * Skin::flat_tension()).epsilon(0.2));
-    CHECK(Skin::strength() * Skin::flat_tension() * Skin::packed == Approx(1));
+    CHECK(tension == Approx(sigma * SurfaceIndicator::flat_tension()).epsilon(0.15));
+    CHECK(wall == Approx(2 * sigma * SurfaceIndicator::flat_tension()).epsilon(0.2));
+    CHECK(SurfaceIndicator::strength() * SurfaceIndicator::flat_tension() * SurfaceIndicator::packed == Approx(1));
 }
 
 TEST_CASE("if all pairs pull, a flat surface is pulled down, and a wall of equal pull exerts no net force", "[surface_tension]") {

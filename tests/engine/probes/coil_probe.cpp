@@ -56,11 +56,11 @@ struct CoilingThread {
             const double q = std::min(1.0, s / L), r = R * std::pow(1 - q * q * q, 2), dr = -6 * R * q * q / L * (1 - q * q * q);
             const double dz = std::sqrt(1 - dr * dr) * std::pow(std::sin(pi / 2 * q), 2),
                          along = std::sqrt(std::max(0.0, 1 - dr * dr - dz * dz));
-            const Vec3d radial(std::cos(phase + phi), 0, std::sin(phase + phi)), around(-std::sin(phase + phi), 0, std::cos(phase + phi));
-            const Vec3d tangent = dr * radial + along * around + dz * Vec3d::UnitY();
+            const Vec3d radial(std::cos(phase + phi), 0, std::sin(phase + phi)), context(-std::sin(phase + phi), 0, std::cos(phase + phi));
+            const Vec3d tangent = dr * radial + along * context + dz * Vec3d::UnitY();
             // velocity seen from the room: along the thread, and turning with it (laid at rest: U = turning R at the contact)
             const double speed = turning(t) * R + (U - turning(t) * R) * q;
-            put(r * radial + (ground + z) * Vec3d::UnitY(), tangent, -speed * tangent + turning(t) * r * around);
+            put(r * radial + (ground + z) * Vec3d::UnitY(), tangent, -speed * tangent + turning(t) * r * context);
             phi += along * d / std::max(r, 0.2 * R);
             z += dz * d;
         }

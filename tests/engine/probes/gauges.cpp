@@ -7,7 +7,7 @@
 
 #include "engine/core/random.h"
 #include "engine/geometry/shape.h"
-#include "engine/particles/solid_sampling.h"
+#include "engine/particles/boundary_sampling.h"
 #include "engine/probes/experiments.h"
 #include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
@@ -265,20 +265,20 @@ TEST_CASE("a gauge reads the mean pressure on its disc, over all steps, and the 
     for (const int dimensions : {2, 3}) {
         World world = world_of({}, dimensions);
         add_box(world, Vec3d(0, 0, dimensions == 2 ? -9 : 0), Vec3d(2, 2, dimensions == 2 ? 9 : 2), true);
-        SolidParticles& layer = world.solid_particles;
-        layer = sample_solids(world.solids, world.step.spacing, world.step.domain, world.step.kernel, Real(0.3));
+        BoundaryParticles& boundary = world.boundary_particles;
+        boundary = sample_solids(world.solids, world.step.spacing, world.step.domain, world.step.kernel, Real(0.3));
         double apart = 1;
-        for (Index s = 0; s < layer.size(); ++s)
+        for (Index s = 0; s < boundary.size(); ++s)
             for (Index o = 0; o < s; ++o)
-                if (std::min(layer.normal[s].x(), layer.normal[o].x()) > 0.9 && std::abs(layer.position[s].y() - 1) < 0.3)
-                    apart = std::min(apart, static_cast<double>((layer.position[s] - layer.position[o]).norm()));
+                if (std::min(boundary.normal[s].x(), boundary.normal[o].x()) > 0.9 && std::abs(boundary.position[s].y() - 1) < 0.3)
+                    apart = std::min(apart, static_cast<double>((boundary.position[s] - boundary.position[o]).norm()));
         const double area = std::pow(apart, dimensions - 1);
         const auto press = [&](Probe& gauge, double dt, double factor) {
             world.step.dt = static_cast<Real>(dt);
-            layer.pressed.clear();
-            for (Index s = 0; s < layer.size(); ++s) {
-                const double p = factor * (1000 - 400 * static_cast<double>(layer.position[s].y()));
-                layer.pressed.push_back(-dt * p * area * layer.normal[s].cast<double>());
+            boundary.pressed.clear();
+            for (Index s = 0; s < boundary.size(); ++s) {
+                const double p = factor * (1000 - 400 * static_cast<double>(boundary.position[s].y()));
+                boundary.pressed.push_back(-dt * p * area * boundary.normal[s].cast<double>());
             }
             gauge.after_step(world, 0);
         };

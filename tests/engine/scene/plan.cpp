@@ -284,7 +284,7 @@ TEST_CASE("the projection is chosen if fluid fills its space, and warned of if i
     CHECK(drop("wcsph", 0.9).find("drops do not meet solids at the angle asked") != std::string::npos);
     CHECK(drop("coupled", 0.1).empty());
     CHECK(drop("coupled", 0.9).find("wetting = 0.9: with models.pressure = \"coupled\" drops spread farther") != std::string::npos);
-    const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).facts.pressure.form; };
+    const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).traits.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
 }

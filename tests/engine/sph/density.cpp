@@ -38,8 +38,8 @@ TEST_CASE("on a lattice every kernel sums to one within one per cent, and the de
         step.mass = 1000 * d * d * d;
         std::vector<Real> density(lattice.x.size());
         Solids solids;
-        SolidParticles layer;
-        sum_density({lattice.pairs, {}, solids, layer, step}, 1, {}, density);
+        BoundaryParticles boundary;
+        sum_density({lattice.pairs, {}, solids, boundary, step}, 1, {}, density);
         for (Real rho : density) REQUIRE(rho == Approx(1000).epsilon(0.01));
     }
 }
@@ -58,9 +58,9 @@ TEST_CASE("solids count in the density with their volume", "[sph]") {
     step.rest_density = 500;
     step.mass = Real(500 * 1e-3);
     Solids solids;
-    SolidParticles layer;
-    layer.volume.assign(solid.size(), Real(1e-3));
+    BoundaryParticles boundary;
+    boundary.volume.assign(solid.size(), Real(1e-3));
     std::vector<Real> density(fluid.size());
-    sum_density({fluid_pairs, solid_pairs, solids, layer, step}, 1, {}, density);
+    sum_density({fluid_pairs, solid_pairs, solids, boundary, step}, 1, {}, density);
     for (Real rho : density) REQUIRE(rho == Approx(density[0]).epsilon(1e-5));
 }

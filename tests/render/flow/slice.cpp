@@ -7,7 +7,7 @@
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "render/flow/marks.h"
-#include "render/flow/plate.h"
+#include "render/flow/slice_image.h"
 #include "render/image/image.h"
 #include "tests/support/shapes.h"
 
@@ -153,10 +153,10 @@ TEST_CASE("fluid at rest looks the same in every frame, and moving fluid nearly 
     look.style = "slice";
     look.streak_time = 0.2f;
     look.range = {0, 0.2f};
-    const Image first = draw_plate(frame, look, look.range, 400, 400);
+    const Image first = draw_slice_image(frame, look, look.range, 400, 400);
     for (std::size_t p = 0; p < frame.position.size(); ++p) frame.position[p] += frame.velocity[p] / 24;
     for (std::size_t p = 0; p < frame.position.size(); ++p) frame.velocity[p] = vortex(frame.position[p]);
-    const Image second = draw_plate(frame, look, look.range, 400, 400);
+    const Image second = draw_slice_image(frame, look, look.range, 400, 400);
     const auto corner = [](const Image& image) {  // 0.45 m from the vortex: it turns there by less than 0.01 m/s
         Image part = plain_image(60, 60, 0);
         for (int y = 0; y < 60; ++y)
@@ -176,7 +176,7 @@ TEST_CASE("solids are cut as large as they are", "[render][slice]") {
     LookOptions look;
     look.slice_position = 0.65f;
     const PixelPlane plane = slice_plane(frame, look, 200);
-    const std::vector<SolidCut> cuts = cut_solids(frame, plane, 2);
+    const std::vector<SolidSection> cuts = section_solids(frame, plane, 2);
     REQUIRE(cuts.size() == 1);
     double area = 0, line = 0;
     for (const float share : cuts[0].inside) area += share;
@@ -185,7 +185,7 @@ TEST_CASE("solids are cut as large as they are", "[render][slice]") {
     CHECK(area == Approx(3.14159 * radius * radius).epsilon(0.01));
     CHECK(line == Approx(2 * 2 * 3.14159 * radius).epsilon(0.05));
     look.slice_position = 0.9f;
-    CHECK(cut_solids(frame, slice_plane(frame, look, 200), 2).empty());
+    CHECK(section_solids(frame, slice_plane(frame, look, 200), 2).empty());
 }
 
 }  // namespace slice_test

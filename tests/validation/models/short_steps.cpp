@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 
 namespace short_steps_test {
 

@@ -68,8 +68,8 @@ double worst_error(Form form, const Channel& c, int across, int dimensions = 3) 
     w.add_wall(1, -1, c.H, c.b1);
     w.world.solids.all[0].pose.velocity = Vec3(Real(c.U0), 0, 0);
     w.world.solids.all[1].pose.velocity = Vec3(Real(c.U1), 0, 0);
-    SolidParticles& layer = w.world.solid_particles;
-    for (Index s = 0; s < layer.size(); ++s) { layer.velocity[s] = w.world.solids.all[layer.solid[s]].pose.velocity; }
+    BoundaryParticles& boundary = w.world.boundary_particles;
+    for (Index s = 0; s < boundary.size(); ++s) { boundary.velocity[s] = w.world.solids.all[boundary.solid[s]].pose.velocity; }
     w.place(Vec3::Zero(), Vec3(Real(width), Real(c.H), Real(depth)), 1000 * c.nu,
             [&](const Vec3& x) { return Vec3(Real(c.exact(x.y())), 0, 0); });
     // Slowest mode: in a channel that slips far it is the mean that the walls' friction brakes, at the rate nu (1/(b0 + H/2) + 1/(b1 +

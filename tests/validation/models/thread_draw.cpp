@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 
 using namespace whorl;
 

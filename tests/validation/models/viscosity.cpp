@@ -112,9 +112,9 @@ double start_up_error(Form form, double g, double U, const std::function<double(
     w.add_wall(1, +1, 0);
     w.add_wall(1, -1, 1);
     w.world.solids.all[1].pose.velocity = Vec3(Real(U), 0, 0);
-    SolidParticles& layer = w.world.solid_particles;
-    for (Index s = 0; s < layer.size(); ++s)
-        if (layer.solid[s] == 1) layer.velocity[s] = Vec3(Real(U), 0, 0);
+    BoundaryParticles& boundary = w.world.boundary_particles;
+    for (Index s = 0; s < boundary.size(); ++s)
+        if (boundary.solid[s] == 1) boundary.velocity[s] = Vec3(Real(U), 0, 0);
     w.place(Vec3::Zero(), Vec3(Real(width), 1, Real(width)), 1000);
     double worst = 0, time = 0;
     for (const double until : {0.05, 0.1, 0.2}) {

@@ -9,7 +9,7 @@
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/particles/search.h"
 #include "engine/scene/read.h"
-#include "engine/sim/simulation.h"
+#include "engine/simulation/simulation.h"
 #include "tools/measure/solver/subcommands.h"
 
 namespace whorl {
@@ -52,7 +52,7 @@ struct State {
         const auto x = std::as_const(w.fluid).column<field::position>();
         NeighbourSearch fluid, solid;
         fluid.find(x, w.step.support, w.step.domain, w.fluid_pairs);
-        solid.find(x, w.solid_particles.position, w.step.support, w.step.domain, w.solid_pairs);
+        solid.find(x, w.boundary_particles.position, w.step.support, w.step.domain, w.solid_pairs);
     }
     void predict(double factor, Real dt) {
         w.step.dt = dt * static_cast<Real>(factor);

@@ -5,7 +5,7 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/random.h"
-#include "engine/models/coupled/coupled_solve.h"
+#include "engine/models/viscosity/coupled/coupled_solve.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/scene/names.h"

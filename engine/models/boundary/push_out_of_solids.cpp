@@ -1,0 +1,98 @@
+#include <algorithm>
+
+#include "engine/core/parallel.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+namespace {
+
+/// Whether a particle that a step has brought to x has gone through the solid, or in it nearer to its far side; x becomes where it met it.
+/// @param distance of x from the solid [m]
+bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec3& x) {
+    const Vec3 path = dt * (u - solid.velocity_at(x));
+    const Real length = path.norm();
+    if (!(distance < length)) return false;
+    constexpr Real close = Real(1e-3);  // of the path
+    Vec3 at = x - path;
+    for (Real gone = 0, near = solid.distance(at); near > 0 && gone < length; near = solid.distance(at)) {
+        if (near < close * length) {
+            if (solid.normal(at).dot(solid.normal(x)) >= 0) return false;
+            x = at;
+            return true;
+        }
+        gone += near;
+        at = x - std::max(Real(0), 1 - gone / length) * path;
+    }
+    return false;
+}
+
+/// Puts a particle that is inside a solid on its surface and stops it there.
+void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
+    back_through(solid, solid.distance(x), dt, u, x);
+    const Vec3 n = solid.normal(x);
+    x -= solid.distance(x) * n;
+    const Real inward = (u - solid.velocity_at(x)).dot(n);
+    if (inward < 0) u -= inward * n;
+}
+
+/// Case of a solid with a ledger, which records the impulse and the change of the particle's angular momentum by the move. A free body
+/// collides. Solids take particles one after the other, in their order: few are ever inside.
+void push_out(Solid& solid, Real mass, Real dt, Vec3& x, Vec3& u) {
+    const Vec3 x_before = x;
+    const Vec3d centre = solid.centre(), u_before = u.cast<double>();
+    if (solid.body) back_through(solid, solid.distance(x), dt, u, x), x -= solid.distance(x) * solid.normal(x);
+    else push_out(solid, dt, x, u);
+    const Vec3d kick = u.cast<double>() - u_before, moved = (x - x_before).cast<double>();
+    const Vec3d at = solid.image(x).cast<double>(), arm = at - centre;
+    solid.receive(Push::contact, -static_cast<double>(mass) * (Wrench::at(arm, kick) + Wrench{Vec3d::Zero(), moved.cross(u_before)}));
+    if (!solid.body) return;
+    const RigidBody& body = *solid.body;
+    const Vec3d n = solid.normal(x).cast<double>(), turning = arm.cross(n);
+    const double inward = (u_before - body.velocity_at(at)).dot(n);
+    if (!(inward < 0)) return;
+    // u_n' = v_n' after the impulse J:   J (1/m + 1/M + (a x n).I^-1 (a x n)) = -inward
+    const double impulse = -inward / (1 / static_cast<double>(mass) + 1 / body.mass + turning.dot(body.inverse_inertia() * turning));
+    u += (impulse / static_cast<double>(mass) * n).cast<Real>();
+    solid.receive(Push::contact, Wrench::at(arm, -impulse * n));
+}
+
+}  // namespace
+
+void PushOutOfSolids::operator()(const InteractionContext& context, Read<field::role> role, Update<field::position> x,
+                                 Update<field::velocity> u) const {
+    Solids& solids = context.solids;
+    const StepContext& step = context.step;
+    if (solids.all.empty()) return;
+    // The pairs are those before the move: a particle without solid neighbours was a support radius away.
+    const Real far = step.support / 2;
+    const bool ledgers = solids.any_ledger();
+    std::vector<int> struck(ledgers ? static_cast<std::size_t>(x.size()) : 0, -1);
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] != 0) return;
+        if (context.solid_pairs.count(i) == 0 && u[i].squaredNorm() * step.dt * step.dt < far * far) return;
+        Real distance = 0;
+        const int k = solids.nearest(x[i], distance);
+        if (k < 0) return;
+        const Solid& solid = solids.all[k];
+        Vec3 met = x[i];
+        if (!(distance < 0) && !back_through(solid, distance, step.dt, u[i], met)) return;
+        if (solid.keeps_ledger()) {
+            struck[i] = k;
+            return;
+        }
+        push_out(solid, step.dt, x[i], u[i]);
+    });
+    if (!ledgers) return;
+    bool any_body = false;
+    for (Index i = 0; i < x.size(); ++i) {
+        if (struck[i] < 0) continue;
+        Solid& solid = solids.all[struck[i]];
+        push_out(solid, step.mass, step.dt, x[i], u[i]);
+        any_body |= solid.body.has_value();
+    }
+    if (!any_body) return;
+    solids.place_bodies();
+    context.boundary.follow(solids);
+}
+
+}  // namespace whorl

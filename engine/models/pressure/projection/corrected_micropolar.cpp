@@ -1,0 +1,142 @@
+#include "engine/models/pressure/projection/corrected_micropolar.h"
+
+#include <cmath>
+
+#include "engine/core/parallel.h"
+
+namespace whorl {
+namespace {
+
+Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1, 0) - G(0, 1)}; }
+
+}  // namespace
+
+struct CorrectedMicropolar::Rates {
+    Vec3 viscous, push, smoothing;        ///< of the velocity [m/s^2]
+    Vec3 curl, diffused, spin_smoothing;  ///< curl u [1/s], gamma lap w/rho [m^2/s^2]; of the spin [1/s^2]
+    Vec3 velocity() const { return viscous + push + smoothing; }
+};
+
+/// Mutual forces of velocities u and spins w at particle i.
+/// @param whole the kernel of the smoothing
+template <class Kernel>
+CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Kernel& whole, const InteractionContext& context,
+                                                      const Terms& terms, Index i, Span<const Vec3> u, Span<const Vec3> w) const {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = context.step;
+    const Vec3 own_u = u[i], own_w = w[i];
+    DifferenceSums of_u = difference_sums(W, context.pairs, i, step.volume, u.data(), whole);
+    DifferenceSums of_w = difference_sums(W, context.pairs, i, step.volume, w.data(), whole);
+    const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
+    Real trace = s.viscous.trace[i], trace_w = trace;
+    Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
+    each_sticking_layer(W, s, context, i, terms.of_layer, terms.slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+        of_u.laplacian += F * continued * (own_u - surface_velocity(context, q));
+        trace -= F * distance * distance;
+        imbalance += F * to;
+        if (options_.free_spin_walls) return;
+        of_w.laplacian += F * continued * (own_w - context.solids.all[context.boundary.solid[q]].pose.angular_velocity);
+        trace_w -= F * distance * distance;
+        imbalance_w += F * to;
+    });
+    const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
+        if (s.near_surface[i]) return Vec3(2 * terms.over_lattice * sum);
+        return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
+    };
+    return {.viscous = terms.nu * laplacian(of_u.laplacian, trace, G_u, imbalance),
+            .push = terms.kappa * curl_of(G_w),
+            .smoothing = terms.smoothing_velocity * of_u.smooth,
+            .curl = curl_of(G_u),
+            .diffused = terms.g * laplacian(of_w.laplacian, trace_w, G_w, imbalance_w),
+            .spin_smoothing = terms.smoothing_spin * of_w.smooth};
+}
+
+CorrectedMicropolar::Terms CorrectedMicropolar::terms(const InteractionContext& context) const {
+    const MicropolarOptions& o = options_;
+    const StepContext& step = context.step;
+    const Real b = 1 / step.rest_density;
+    return {.nu = static_cast<Real>(o.pair_viscosity) * b,
+            .kappa = static_cast<Real>(o.coupling) * b,
+            .g = static_cast<Real>(o.spin_viscosity) * b,
+            .smoothing_velocity = o.part_a_step(o.smoothing_velocity, step.dt) / step.dt,
+            .smoothing_spin = o.part_a_step(o.smoothing_spin, step.dt) / step.dt,
+            .of_layer = system_->any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0,
+            .over_lattice = 1 / lattice_gradient(step.kernel, one_sided_support * step.support, step.spacing),
+            .slip = slips(context.solids)};
+}
+
+/// (1 - exp(-z))/z: mean effect over a step of a constant force with decay.
+Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
+
+template <class Kernel>
+void CorrectedMicropolar::go_half(const Kernel& W, const Kernel& whole, const InteractionContext& context, const Terms& t,
+                                  Read<field::role> role, Span<const Vec3> u, Span<const Vec3> torque, Span<const Vec3> w) {
+    const Real half = context.step.dt / 2, over_theta = static_cast<Real>(1 / options_.micro_inertia);
+    const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * half * over_theta) : 1;
+    middle_velocity_.resize(u.size()), middle_spin_.resize(u.size());
+    parallel_for(u.size(), [&](Index i) {
+        middle_velocity_[i] = u[i], middle_spin_[i] = w[i];
+        if (role[i] != 0) return;
+        const Rates r = rates(W, whole, context, t, i, u, w);
+        const Vec3 exchanged = t.kappa * (r.curl - 2 * w[i]);
+        middle_velocity_[i] += half * r.velocity();
+        middle_spin_[i] += half * (ahead * over_theta * (exchanged + r.diffused + torque[i]) + r.spin_smoothing);
+    });
+}
+
+template <class Kernel>
+EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Kernel& whole, const InteractionContext& context, const Terms& t,
+                                        Read<field::role> role, Span<const Vec3> u, Update<field::acceleration> a,
+                                        Write<field::spin_change> change, Span<const Vec3> w) const {
+    const Real dt = context.step.dt, over_theta = static_cast<Real>(1 / options_.micro_inertia);
+    const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * dt * over_theta) : 1;
+    const double energy = static_cast<double>(context.step.mass * dt), spin_energy = energy * static_cast<double>(ahead);
+    return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
+        if (role[i] != 0) {
+            change[i].setZero();
+            return {};
+        }
+        const Rates r = rates(W, whole, context, t, i, middle_velocity_, middle_spin_);
+        const Vec3 tau = change[i], before = a[i];
+        const Vec3 exchanged = t.kappa * (r.curl - 2 * (options_.implicit_exchange ? w[i] : middle_spin_[i]));
+        a[i] += r.velocity();
+        change[i] = dt * (ahead * over_theta * (exchanged + r.diffused + tau) + r.spin_smoothing);
+
+        // Each force at the mean of the velocities before and after the kick: their works then add up to that of the kick.
+        const Vec3 u_mid = u[i] + dt / 2 * a[i], w_mid = w[i] + change[i] / 2;
+        EnergyWork work;
+        work.gravity = energy * static_cast<double>(before.dot(u_mid));
+        work.viscosity = energy * static_cast<double>(r.viscous.dot(u_mid)) + spin_energy * static_cast<double>(r.diffused.dot(w_mid));
+        work.exchange = energy * static_cast<double>(r.push.dot(u_mid)) + spin_energy * static_cast<double>(exchanged.dot(w_mid));
+        work.torque = spin_energy * static_cast<double>(tau.dot(w_mid));
+        work.smoothing = energy * (static_cast<double>(r.smoothing.dot(u_mid)) +
+                                   options_.micro_inertia * static_cast<double>(r.spin_smoothing.dot(w_mid)));
+        return work;
+    });
+}
+
+void CorrectedMicropolar::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
+                                     Read<field::velocity> u, Update<field::acceleration> a, Write<field::spin_change> change,
+                                     Update<field::spin> w) {
+    const double middle = context.step.time + static_cast<double>(context.step.dt) / 2;
+    parallel_for(change.size(), [&](Index i) { change[i].setZero(); });
+    if (!torque_.is_zero()) torque_.each(middle, x.values, [&](Index i, const Vec3& tau) { change[i] = tau; });
+    const StepContext& step = context.step;
+    const Terms t = terms(context);
+    with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& whole) {
+        const Kernel W(one_sided_support * step.support, step.dimensions());
+        go_half(W, whole, context, t, role, u.values, change.values, w.values);
+        Column<Vec3> before;
+        if (context.solids.any_probed()) before.assign(a.values.begin(), a.values.end());
+        report.work = advance(W, whole, context, t, role, u.values, a, change, w.values);
+        if (before.empty()) return;
+        const Remainder rest(context.solids, Push::viscous);
+        const Real mu = static_cast<Real>(options_.pair_viscosity);
+        write_sticking(
+            W, *system_, context, role, middle_velocity_, [&](Index) { return mu; }, t.of_layer, t.over_lattice, t.slip);
+        share_rest(rest, context, role, x.values, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
+    });
+    parallel_for(w.size(), [&](Index i) { w[i] += change[i]; });
+}
+
+}  // namespace whorl

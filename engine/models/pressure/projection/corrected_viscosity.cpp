@@ -1,0 +1,94 @@
+#include "engine/models/pressure/projection/corrected_viscosity.h"
+
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/models/bodies/reaction.h"
+
+namespace whorl {
+
+struct CorrectedViscosity::Flow {
+    const InteractionContext& context;
+    Read<field::viscosity> mu;
+    Span<const Vec3> u;
+    Real of_layer, over_lattice;
+    const std::vector<char>& slip;  ///< of each solid
+};
+
+/// Viscous acceleration of particle i.
+template <class Kernel>
+Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i) const {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = flow.context.step;
+    const Real over_density = 1 / step.rest_density, dimensions = static_cast<Real>(step.dimensions());
+    Vec3 sum = Vec3::Zero();
+    Mat3 G = Mat3::Zero();
+    const Vec3 own = flow.u[i];
+    const Real own_mu = flow.mu[i];
+    flow.context.pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], viscosity[Pairs::Group::most];
+        Real mixed[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+        group.gather(flow.u.data(), other);
+        group.gather(flow.mu.data(), viscosity);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]);
+            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            const Real mean = 2 * own_mu * viscosity[l] / std::max(own_mu + viscosity[l], min_positive);
+            const Real p = F * (own[0] - other[0][l]), q = F * (own[1] - other[1][l]), t = F * (own[2] - other[2][l]);
+            mixed[0] += mean * p, mixed[1] += mean * q, mixed[2] += mean * t;
+            S[0] -= p * x, S[1] -= p * y, S[2] -= p * z;
+            S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
+            S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
+        }
+        sum += Vec3(mixed[0], mixed[1], mixed[2]);
+        for (int k = 0; k < 9; ++k) G(k / 3, k % 3) += S[k];
+    });
+    sum *= step.volume;
+    G = step.volume * G * s.viscous.correction[i];
+    Real trace = s.viscous.trace[i];
+    Vec3 imbalance = s.viscous.imbalance[i];
+    each_sticking_layer(W, s, flow.context, i, flow.of_layer, flow.slip,
+                        [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+                            sum += own_mu * F * continued * (own - surface_velocity(flow.context, q));
+                            trace -= F * distance * distance;
+                            imbalance += F * to;
+                        });
+    Vec3 found = s.near_surface[i] ? Vec3(2 * flow.over_lattice * over_density * sum)
+                                   : Vec3((2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance)));
+    if (friction_.acts()) found -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
+    return found;
+}
+
+void CorrectedViscosity::operator()(const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
+                                    Read<field::velocity> u, Update<field::acceleration> a) {
+    const ProjectionSystem& s = *system_;
+    const StepContext& step = context.step;
+    const Index n = u.size();
+    const std::vector<char> slip = slips(context.solids);
+    middle_.resize(n);
+    if (s.any_walls) friction_.set(FrictionForm::central, context, s.options.gate, 1);
+    Flow flow{context,
+              mu,
+              u.values,
+              s.any_walls ? layer_factor(step.kernel, step.support, step.spacing) : 0,
+              1 / lattice_gradient(step.kernel, one_sided_support * step.support, step.spacing),
+              slip};
+    with_viscous_kernels(step, [&](const auto& sharp, const auto& narrow) {
+        const auto of = [&](Index i) { return s.inside[i] ? acceleration(sharp, flow, i) : acceleration(narrow, flow, i); };
+        parallel_for(n, [&](Index i) { middle_[i] = role[i] == 0 ? Vec3(u[i] + step.dt / 2 * of(i)) : u[i]; });
+        flow.u = middle_;
+        Column<Vec3> before;
+        if (context.solids.any_probed()) before.assign(a.values.begin(), a.values.end());
+        parallel_for(n, [&](Index i) {
+            if (role[i] == 0) a[i] += of(i);
+        });
+        if (!context.solids.any_ledger()) return;
+        const Remainder rest(context.solids, Push::viscous);
+        write_sticking(
+            narrow, s, context, role, flow.u, [&](Index i) { return mu[i]; }, flow.of_layer, flow.over_lattice, slip);
+        friction_.write_ledgers(context, role, flow.u, [&](Index i) { return mu[i] / step.rest_density; });
+        share_rest(rest, context, role, context.pairs.x_own, [&](Index i) { return Vec3(step.dt * (a[i] - before[i])); });
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,210 @@
+#include "engine/models/pressure/projection/projection_system.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
+#include "engine/models/boundary/wall.h"
+
+namespace whorl {
+
+namespace {
+
+/// Sums of a full lattice, the reference for those of a particle.
+struct LatticeSums {
+    Real trace = 0, slopes = 0;  ///< sum V |W'| r, sum 2 V |W'|/r [1/m^2]
+    Real one_sided = 0;          ///< |sum V W'/r r| of the outermost layer [1/m]
+};
+
+template <class Kernel>
+LatticeSums lattice_sums(const Kernel& W, const StepContext& step) {
+    double trace = 0, slopes = 0, one_sided = 0;
+    each_lattice_point(step.dimensions(), static_cast<int>(std::ceil(step.support / step.spacing)), [&](int a, int b, int c) {
+        if (a == 0 && b == 0 && c == 0) return;
+        const Real r = step.spacing * std::sqrt(static_cast<Real>(a * a + b * b + c * c));
+        trace -= static_cast<double>(W.derivative(r) * r);
+        slopes -= 2 * static_cast<double>(W.slope(r));
+        if (b > 0) one_sided -= static_cast<double>(W.slope(r) * static_cast<Real>(b) * step.spacing);
+    });
+    const double V = step.volume;
+    return {static_cast<Real>(V * trace), static_cast<Real>(V * slopes), static_cast<Real>(V * one_sided)};
+}
+
+/// Fluid's share of the sums of particle i.
+struct OwnSums {
+    Real kernel = 0, slopes = 0;
+    Mat3d moment = Mat3d::Zero();
+    Vec3 imbalance = Vec3::Zero(), spread = Vec3::Zero();
+};
+
+template <class Kernel>
+OwnSums fluid_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, Real over_first) {
+    OwnSums own;
+    Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real kernel = 0, slopes = 0, part[6] = {0, 0, 0, 0, 0, 0}, plain[3] = {0, 0, 0}, weighted[3] = {0, 0, 0};
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real r = group.distance[l], F = W.slope(r), value = W.value(r), q = value * over_first;
+            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], f = F * (1 + Real(0.2) * q * q * q * q);
+            kernel += value, slopes -= F;
+            part[0] -= F * x * x, part[1] -= F * x * y, part[2] -= F * x * z;
+            part[3] -= F * y * y, part[4] -= F * y * z, part[5] -= F * z * z;
+            plain[0] += F * x, plain[1] += F * y, plain[2] += F * z;
+            weighted[0] += f * x, weighted[1] += f * y, weighted[2] += f * z;
+        }
+        own.kernel += kernel, own.slopes += slopes;
+        xx += part[0], xy += part[1], xz += part[2], yy += part[3], yz += part[4], zz += part[5];
+        own.imbalance += Vec3(plain[0], plain[1], plain[2]);
+        own.spread += Vec3(weighted[0], weighted[1], weighted[2]);
+    });
+    own.moment << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    own.moment *= volume;
+    own.kernel *= volume, own.slopes *= 2 * volume;
+    own.imbalance *= volume, own.spread *= volume;
+    return own;
+}
+
+template <class Kernel>
+void set_linear_sums(const Kernel& W, const InteractionContext& context, Index i, LinearSums& sums) {
+    Real M[6] = {0, 0, 0, 0, 0, 0};
+    Vec3 imbalance = Vec3::Zero();
+    context.pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real part[6] = {0, 0, 0, 0, 0, 0}, plain[3] = {0, 0, 0};
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]), x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            part[0] -= F * x * x, part[1] -= F * x * y, part[2] -= F * x * z;
+            part[3] -= F * y * y, part[4] -= F * y * z, part[5] -= F * z * z;
+            plain[0] += F * x, plain[1] += F * y, plain[2] += F * z;
+        }
+        for (int k = 0; k < 6; ++k) M[k] += part[k];
+        imbalance += Vec3(plain[0], plain[1], plain[2]);
+    });
+    Mat3d moment;
+    moment << M[0], M[1], M[2], M[1], M[3], M[4], M[2], M[4], M[5];
+    moment *= context.step.volume;
+    sums.correction[i] = pseudo_inverse(moment, context.step.dimensions()).template cast<Real>();
+    sums.trace[i] = static_cast<Real>(moment.trace());
+    sums.imbalance[i] = context.step.volume * imbalance;
+}
+
+/// Scales the fluxes of the walls around i to the deficit of the fluid's sums there, so that with them the matrix is exact for a linear
+/// pressure: behind a round wall the columns of layers of a flat one are too full, by a third behind a ball of four spacings.
+void match_fluxes(const InteractionContext& context, Index i, const Vec3& imbalance, ProjectionSystem& s) {
+    Vec3 total = Vec3::Zero();
+    s.walls_of(i, [&](const WallTouch& touch) { total += touch.flux * context.boundary.normal[touch.s]; });
+    const Real square = total.squaredNorm();
+    if (!(square > 0)) return;
+    const Real share = std::clamp(-2 * imbalance.dot(total) / square, Real(0.3), Real(1.3));
+    for (std::size_t k = s.first_touch[i]; k < s.first_touch[i + 1]; ++k) s.touches[k].flux *= share;
+}
+
+void set_viscous_sums(const InteractionContext& context, ProjectionSystem& s) {
+    const Index n = context.pairs.size();
+    s.viscous.resize(n), s.inside.resize(n);
+    with_viscous_kernels(context.step, [&](const auto& sharp, const auto& narrow) {
+        parallel_for(n, [&](Index i) {
+            s.inside[i] = s.options.sharp && !s.near_surface[i] && (!s.any_walls || context.solid_pairs.count(i) == 0);
+            if (s.inside[i]) set_linear_sums(sharp, context, i, s.viscous);
+            else set_linear_sums(narrow, context, i, s.viscous);
+        });
+    });
+}
+
+/// @param fullness share of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids @param full of a lattice
+void find_surface(const InteractionContext& context, Read<field::role> role, const std::vector<Real>& fullness,
+                  const std::vector<Real>& slopes, const LatticeSums& full, ProjectionSystem& s) {
+    const Real d = context.step.spacing;
+    const Index n = context.pairs.size();
+    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9; where a surface has contracted, the outermost has
+    // more.
+    constexpr Real certainly = Real(0.725), loosely = Real(0.85), densely = Real(1.2), inside = Real(0.95);
+    constexpr Real cone = std::numbers::sqrt2_v<Real> / 2;
+    parallel_for(n, [&](Index i) {
+        if (role[i] != 0 || fullness[i] > densely) return;
+        if (fullness[i] > loosely && !(s.inward[i].norm() > full.one_sided / 2)) return;
+        Vec3 out = -s.inward[i].normalized();
+        s.walls_of(i, [&](const WallTouch& touch) {  // along the walls: the gap between a particle and a wall is not a surface
+            const Vec3& normal = context.boundary.normal[touch.s];
+            out -= std::min(Real(0), out.dot(normal)) * normal;
+        });
+        if (out.norm() < Real(0.5)) return;
+        out.normalize();
+        const auto ahead = [&](const Vec3& r, Real distance) { return distance < Real(2.2) * d && -r.dot(out) > cone * distance; };
+        bool free = true;
+        if (fullness[i] >= certainly) {
+            context.pairs.of(i, [&](Index, const Vec3& r, Real distance) { free = free && !ahead(r, distance); });
+            if (s.any_walls)
+                context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real distance) {
+                    free = free && !(ahead(r, distance) && context.boundary.normal[q].dot(out) < -cone);
+                });
+        }
+        s.surface[i] = free;
+    });
+    parallel_for(n, [&](Index i) {
+        bool near = s.surface[i] || fullness[i] < inside;
+        if (!near) context.pairs.of(i, [&](Index j, const Vec3&, Real) { near = near || s.surface[j]; });
+        s.near_surface[i] = near;
+        if (near) s.air[i] = std::max(Real(0), full.slopes - slopes[i]);
+    });
+}
+
+}  // namespace
+
+void ProjectionGeometry::operator()(const InteractionContext& context, Read<field::role> role, Write<field::density> rho) const {
+    ProjectionSystem& s = *system;
+    const StepContext& step = context.step;
+    const BoundaryParticles& boundary = context.boundary;
+    const Index n = context.pairs.size();
+    s.whole.resize(n), s.spread.resize(n), s.inward.resize(n);
+    s.gate.resize(n), s.air.assign(n, 0), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
+    s.first_touch.assign(static_cast<std::size_t>(n) + 1, 0);
+    s.any_walls = boundary.size() > 0 && !context.solid_pairs.other.empty();
+    if (s.any_walls)
+        for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(context.solid_pairs.count(i));
+    s.touches.resize(s.first_touch[n]);
+    const Real d = step.spacing, V = step.volume;
+    const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
+
+    with_kernel(step.kernel, step.support, [&](const auto& W) {
+        const LatticeSums full = lattice_sums(W, step);
+        const Real over_first = 1 / W.value(d);
+        std::vector<Real> fullness(n), slopes(n);
+        parallel_for(n, [&](Index i) {
+            OwnSums own = fluid_sums(W, context.pairs, i, V, over_first);
+            s.whole.correction[i] = pseudo_inverse(own.moment, step.dimensions()).template cast<Real>();
+            s.whole.trace[i] = static_cast<Real>(own.moment.trace()), s.whole.imbalance[i] = own.imbalance;
+            s.gate[i] = 1;
+            Real wall_trace = 0, wall_kernel = 0, wall_slopes = 0;
+            Vec3 wall = Vec3::Zero(), wall_spread = Vec3::Zero();
+            if (s.any_walls && context.solid_pairs.count(i) > 0) {
+                s.gate[i] = s.options.gate.weight(W, i, context.solid_pairs, boundary.volume, 1);
+                std::size_t k = s.first_touch[i];
+                context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+                    const Vec3& normal = boundary.normal[q];
+                    const Real volume = s.gate[i] * of_layer * boundary.volume[q], above = r.dot(normal);
+                    Real flux = 0;
+                    each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real) {
+                        const Real F = volume * W.slope(distance), value = W.value(distance), first = value * over_first;
+                        if (above > 0) flux += 2 * F * to.dot(normal);
+                        wall_trace -= F * distance * distance;
+                        wall_kernel += volume * value, wall_slopes -= 2 * F;
+                        wall += F * to;
+                        wall_spread += F * (1 + Real(0.2) * first * first * first * first) * to;
+                    });
+                    s.touches[k++] = {q, flux, above - d / 2};
+                });
+                match_fluxes(context, i, own.imbalance, s);
+            }
+            s.spread[i] = own.spread + wall_spread;
+            s.inward[i] = own.imbalance + wall;
+            slopes[i] = own.slopes + wall_slopes;
+            rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
+            fullness[i] = static_cast<Real>(own.moment.trace()) / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
+        });
+        if (s.options.free_surface) find_surface(context, role, fullness, slopes, full, s);
+    });
+    set_viscous_sums(context, s);
+}
+
+}  // namespace whorl

@@ -1,0 +1,322 @@
+#pragma once
+/// Shared data of the stages of the divergence-free projection within a step (docs/physics.md).
+///
+/// Order of a step, with the neighbours found where the flow takes the particles:
+///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, PushOutOfSolids.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <type_traits>
+
+#include "engine/core/parallel.h"
+#include "engine/math/kernel.h"
+#include "engine/models/bodies/reaction.h"
+#include "engine/models/boundary/wall.h"
+#include "engine/models/pressure/pressure_matrix.h"
+#include "engine/particles/field.h"
+#include "engine/particles/interaction_context.h"
+#include "engine/sph/gate.h"
+
+namespace whorl {
+
+namespace field {
+struct pressure_acceleration {
+    using type = Vec3;
+    static constexpr std::string_view name = "pressure_acceleration", unit = "m/s^2", meaning = "grad p / rho of the last step";
+};
+struct solved_pressure {
+    using type = Real;
+    static constexpr std::string_view name = "solved_pressure", unit = "Pa",
+                                      meaning = "pressure at the end of the last step, which may alternate from step to step";
+};
+}  // namespace field
+
+struct ProjectionOptions {
+    /// tolerance: residual of the first solve over the norm of its right-hand side
+    SolveLimits limits{1e-3, 200};
+    double later_tolerance = 0.1;  ///< tolerance of the later solves, for the remainder of the first
+    int solves = 2;                ///< 3 near walls and free surfaces: with 2 a column in a slot creeps down
+    /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and oscillates near walls.
+    double theta = 0.5;
+    bool free_surface = false;
+    /// No weight and no surface tension calms the free surface: particles near it push each other by both their pressures.
+    bool bare_surface = false;
+    double tension = 0;      ///< of a free surface [N/m]
+    bool sharp = true;       ///< SharpKernel inside the fluid; with it spins are noisy
+    Real shift_rate = 1.25;  ///< more makes energy, with less a lattice melts into clumps
+    SolidGate gate;
+    PressurePreconditionerSetup preconditioner;
+};
+
+/// A solid particle as fluid particle i sees it: the column of lattice layers behind it.
+struct WallTouch {
+    Index s;
+    Real flux;    ///< sum_l 2 V W'(r_l)/r_l (r_l.n), <= 0 [1/m]: weight of the normal velocity at the wall in the divergence
+    Real height;  ///< m, of i above the wall
+};
+
+/// Sums of a kernel for a linear field, over the fluid.
+struct LinearSums {
+    Column<Mat3> correction;  ///< (-sum_j V W'/r r r^T)^-1
+    Column<Real> trace;       ///< of its inverse
+    Column<Vec3> imbalance;   ///< sum_j V W'/r r [1/m]
+    void resize(Index n) { correction.resize(n), trace.resize(n), imbalance.resize(n); }
+};
+
+/// Slopes W'/r (1 - b r^2) whose fourth moment on a lattice is 0, for Laplacians and gradients of fourth order there. With W itself, R = 3
+/// d and 32 particles a wave they are 1.2 and 2.4 % short, where waves cross. The largest eigenvalue of the Laplacian is 6.5/d^2 in the
+/// plane and 6.9/d^2 in 3D: two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower kernels b
+/// stops where that would end.
+template <class Kernel>
+struct SharpKernel {
+    Kernel W;
+    Real b = 0, norm = 1;  ///< norm keeps the second moment
+    SharpKernel(const Kernel& kernel, Real d) : W(kernel) {
+        double second = 0, fourth = 0, sixth = 0;
+        each_lattice_point(W.dimensions, static_cast<int>(std::ceil(W.R / d)), [&](int x, int y, int z) {
+            const auto square = static_cast<Real>(x * x + y * y + z * z) * d * d;
+            const auto q = static_cast<double>(square), F = static_cast<double>(W.slope(std::sqrt(square)));
+            second += F * q, fourth += F * q * q, sixth += F * q * q * q;
+        });
+        constexpr double most = 4.5;
+        const double share = std::min(fourth / sixth, (1 - 1 / most) * second / fourth);
+        b = static_cast<Real>(share);
+        norm = static_cast<Real>(second / (second - share * fourth));
+    }
+    Real value(Real r) const { return W.value(r); }
+    Real slope(Real r) const { return norm * (1 - b * r * r) * W.slope(r); }
+};
+
+/// Support, over the full one, of the kernel of viscosity, spin and curls near walls and free surfaces.
+inline constexpr Real one_sided_support = Real(0.8);
+
+/// Calls f(sharp, narrow): the kernels of viscosity, spin and curls inside the fluid and elsewhere.
+template <class F>
+void with_viscous_kernels(const StepContext& step, F&& f) {
+    with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& W) {
+        f(SharpKernel(W, step.spacing), Kernel(one_sided_support * step.support, step.dimensions()));
+    });
+}
+
+struct ProjectionSystem {
+    explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
+    ProjectionOptions options;
+
+    Remainder remainder;              ///< of pressure and move
+    std::vector<std::size_t> closed;  ///< solids whose pressure is known better than the remainder
+    Column<Vec3> before;              ///< velocities where the remainder begins; empty: no probe reads a ledger
+    bool expected = false;            ///< ExpectPressure took the whole of the last step's pressure
+    Column<Vec3> start_velocity;      ///< at the start of the step
+    struct BodyVelocity {
+        Vec3d velocity, turning;
+    };
+    std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
+
+    LinearSums whole;               ///< of the kernel
+    LinearSums viscous;             ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
+    std::vector<char> inside;       ///< not near a wall or a free surface, where one-sided sums would be worse
+    Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
+    Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
+    Column<Real> gate;              ///< weight of the solids
+    Column<Vec3> shift;             ///< m, of ProjectionShift
+    Column<Real> surface_pressure;  ///< of a free surface, near it [Pa]; empty: 0
+    Column<Vec3> surface_normal;    ///< outwards, where there is a surface_pressure
+    Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
+    std::vector<char> surface, near_surface;
+    std::vector<std::size_t> first_touch;  ///< n + 1, into touches
+    std::vector<WallTouch> touches;
+    bool any_walls = false;
+
+    Index size() const { return static_cast<Index>(inside.size()); }
+    Real pressure_outside(Index i) const { return surface_pressure.empty() ? Real(0) : surface_pressure[i]; }
+    /// m/s^2: a stronger grad p/rho is an impact's, and must not be done again in the next step.
+    Real most_carried(const StepContext& step) const {
+        return options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
+    }
+    /// 1/s: how fast the shortest waves of a free surface are, by weight and surface tension.
+    Real shortest_waves(const StepContext& step) const {
+        const Real d = step.spacing;
+        return std::sqrt(step.gravity.norm() / d + static_cast<Real>(options.tension) / (step.rest_density * d * d * d));
+    }
+    /// Calls f(touch) for the walls around i.
+    template <class F>
+    void walls_of(Index i, F&& f) const {
+        if (!any_walls) return;
+        for (std::size_t k = first_touch[i]; k < first_touch[i + 1]; ++k) f(touches[k]);
+    }
+};
+
+/// Velocity on the wall's surface in front of particle q of the layer.
+inline Vec3 surface_velocity(const InteractionContext& context, Index q) {
+    const BoundaryParticles& boundary = context.boundary;
+    return boundary.velocity[q] +
+           context.step.spacing / 2 * context.solids.all[boundary.solid[q]].pose.angular_velocity.cross(boundary.normal[q]);
+}
+
+/// Calls f(q, F, continued, to, distance) for each lattice layer behind each particle q of the walls around i that the fluid sticks to: F =
+/// V W'/r [1/m^2], `to` from the layer to i, and the factor of u_i - u_wall that continues the shear into the layer, at most 12.
+/// @param of_layer layer_factor() @param slip slips() of the solids
+template <class Kernel, class Visit>
+void each_layer_of(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Real of_layer, Index q,
+                   const Vec3& r, Visit&& f) {
+    const Vec3& normal = context.boundary.normal[q];
+    const Real d = context.step.spacing, above = r.dot(normal), volume = s.gate[i] * of_layer * context.boundary.volume[q],
+               height = std::max(above - d / 2, d / 4);
+    each_layer(r, normal, d, context.step.support, [&](const Vec3& to, Real distance, Real below) {
+        f(q, volume * W.slope(distance), above > 0 ? std::min(Real(12), 1 + below / height) : Real(1), to, distance);
+    });
+}
+template <class Kernel, class Visit>
+void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Real of_layer,
+                         const std::vector<char>& slip, Visit&& f) {
+    if (!s.any_walls || context.solid_pairs.count(i) == 0) return;
+    context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+        if (!slip[context.boundary.solid[q]]) each_layer_of(W, s, context, i, of_layer, q, r, f);
+    });
+}
+
+/// Writes the viscous force on what sticks to the ledgers: on a rigid surface the stress is mu d/dn of the velocity over that of the
+/// solid's own motion, continued into the fluid.
+/// @param mu of a particle [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
+template <class Kernel, class Viscosity>
+void write_sticking(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Read<field::role> role,
+                    Span<const Vec3> u, const Viscosity& mu, Real of_layer, Real over_lattice, const std::vector<char>& slip) {
+    const StepContext& step = context.step;
+    react(context, Push::viscous, role, step.volume * step.dt, [&](Index i) {
+        Real trace = s.viscous.trace[i];
+        each_sticking_layer(W, s, context, i, of_layer, slip,
+                            [&](Index, Real F, Real, const Vec3&, Real distance) { trace -= F * distance * distance; });
+        const Real scale =
+            mu(i) * (s.near_surface[i] ? 2 * over_lattice : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1)));
+        return [&, i, scale](Index q, const Vec3& r, Real) {
+            const Solid& solid = context.solids.all[context.boundary.solid[q]];
+            const Vec3 relative = u[i] - solid.pose.velocity_at(context.boundary.position[q] + r);
+            Vec3 sum = Vec3::Zero();
+            if (!slip[context.boundary.solid[q]])
+                each_layer_of(W, s, context, i, of_layer, q, r,
+                              [&](Index, Real F, Real continued, const Vec3&, Real) { sum += F * continued * relative; });
+            return PushAt(scale * sum, r - step.spacing / 2 * context.boundary.normal[q]);
+        };
+    });
+}
+
+/// sum_j V (f_j - f_i) W'/r r^T: times L_i the gradient, row: component of f. Over the fluid.
+template <class Kernel>
+Mat3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
+    Real sum[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const Vec3 own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], part[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]);
+            const Real x = F * group.r[0][l], y = F * group.r[1][l], z = F * group.r[2][l];
+            const Real a = other[0][l] - own[0], b = other[1][l] - own[1], c = other[2][l] - own[2];
+            part[0] += a * x, part[1] += a * y, part[2] += a * z;
+            part[3] += b * x, part[4] += b * y, part[5] += b * z;
+            part[6] += c * x, part[7] += c * y, part[8] += c * z;
+        }
+        for (int k = 0; k < 9; ++k) sum[k] += part[k];
+    });
+    Mat3 S;
+    S << sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], sum[6], sum[7], sum[8];
+    return volume * S;
+}
+
+/// Scalar version.
+template <class Kernel>
+Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Real* f) {
+    Vec3 sum = Vec3::Zero();
+    const Real own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[Pairs::Group::most], part[3] = {0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]) * (other[l] - own);
+            for (int a = 0; a < 3; ++a) part[a] += F * group.r[a][l];
+        }
+        sum += Vec3(part[0], part[1], part[2]);
+    });
+    return volume * sum;
+}
+
+/// Over the neighbours of one particle, of a vector f.
+struct DifferenceSums {
+    Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
+    Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
+    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), W the kernel `smoothing`
+};
+
+/// @param smoothing a second kernel; without it `smooth` stays 0
+template <class Kernel, class Smoothing = std::nullptr_t>
+DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f,
+                               const Smoothing& smoothing = nullptr) {
+    constexpr bool smooths = !std::is_null_pointer_v<Smoothing>;
+    DifferenceSums all;
+    const Vec3 own = f[i];
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, smooth[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+        group.gather(f, other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real F = W.slope(group.distance[l]);
+            const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            const Real a = own[0] - other[0][l], b = own[1] - other[1][l], c = own[2] - other[2][l];
+            lap[0] += F * a, lap[1] += F * b, lap[2] += F * c;
+            if constexpr (smooths) {
+                const Real near = smoothing.value(group.distance[l]);
+                smooth[0] -= near * a, smooth[1] -= near * b, smooth[2] -= near * c;
+            }
+            const Real p = F * a, q = F * b, t = F * c;
+            S[0] -= p * x, S[1] -= p * y, S[2] -= p * z;
+            S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
+            S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
+        }
+        all.laplacian += volume * Vec3(lap[0], lap[1], lap[2]);
+        all.smooth += volume * Vec3(smooth[0], smooth[1], smooth[2]);
+        for (int k = 0; k < 9; ++k) all.gradient(k / 3, k % 3) += volume * S[k];
+    });
+    return all;
+}
+
+/// Change of a vector f from x_i to x_i + move: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
+/// gradient alone cuts corners the wrong way: crests would grow with every move.
+/// @param sums with W
+template <class Kernel>
+Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, Real volume, const Vec3* f, const Vec3& move) {
+    const DifferenceSums of_f = difference_sums(W, pairs, i, volume, f);
+    const Mat3 G = of_f.gradient * sums.correction[i];
+    return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * (of_f.laplacian - G * sums.imbalance[i]);
+}
+
+/// u -= dt g, g = grad p/rho of the last step, before an implicit viscosity: the viscosity then resists strain alone. Of what the pressure
+/// does anyway, as to keep a body together that turns, it would else take the first part. Projection gives the rest of g back.
+struct ExpectPressure {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
+                    Update<field::velocity> u) const {
+        const Real most = system->most_carried(step);
+        system->expected = true;
+        parallel_for(u.size(), [&](Index i) {
+            if (role[i] == 0 && a[i].norm() < most) u[i] -= step.dt * a[i];
+        });
+    }
+};
+
+/// x* = x + dt u: the projection takes the step's forces where the particles come to.
+struct ProjectionDrift {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
+        system->start_velocity.assign(u.values.begin(), u.values.end());
+        parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i] + step.dt * u[i]); });
+    }
+};
+
+/// Moments of the neighbourhoods, walls, free surface; the density is the kernel sum, which measures how even the particles are.
+struct ProjectionGeometry {
+    std::shared_ptr<ProjectionSystem> system;
+    void operator()(const InteractionContext& context, Read<field::role> role, Write<field::density> rho) const;
+};
+
+}  // namespace whorl

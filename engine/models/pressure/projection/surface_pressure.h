@@ -1,0 +1,36 @@
+#pragma once
+/// Surface tension of the projection: the pressure on the surface, sigma times its curvature (docs/physics.md 10).
+#include "engine/models/pressure/projection/projection_system.h"
+
+namespace whorl {
+
+/// p_s = sigma kappa near a free surface, for the rows of the pressure and its gradient. Stage after ProjectionGeometry.
+///
+///   n = -S/|S|,  S = sum V grad W smoothed twice;   kappa = tr(P G P (P B P)^-1),  P = 1 - n n^T, across the normal,
+///   B_i = sum_j w r r^T,  G_i = sum_j w (n_i - n_j) r^T,  w = V |W'|/r |S_j| d
+///
+/// Neighbours of i are below the surface, where a sphere's curvature is larger: with e their mean depth, kappa becomes
+/// kappa/(1 + kappa e/(D - 1)). Particles on the surface are d/2 under it, where the pressure is higher by -d/2 dp/dn, of the last step.
+/// Then the mean M over particles on the surface is taken `means` times; 2 the result is 2 M - M M, for M alone flattens waves that are
+/// resolved. At solids n has no part along the wall's normal: the contact angle is 90 degrees.
+class SurfacePressure {
+public:
+    SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)
+        : system_(std::move(system)), tension_(static_cast<Real>(tension)) {}
+    void operator()(const InteractionContext& context, Read<field::pressure_acceleration> before);
+
+private:
+    static constexpr int smoothings = 2, means = 3;
+    template <class Kernel>
+    void take_means(const Kernel& W, const InteractionContext& context);
+    template <class Kernel>
+    void find_normals(const Kernel& W, const InteractionContext& context);
+    Real curvature(const InteractionContext& context, Index i, Span<const Real> slopes) const;
+
+    std::shared_ptr<ProjectionSystem> system_;
+    Real tension_;
+    Column<Vec3> next_normal_;
+    Column<Real> weight_, pressure_, next_pressure_;
+};
+
+}  // namespace whorl

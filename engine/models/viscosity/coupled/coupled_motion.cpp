@@ -1,0 +1,220 @@
+#include "engine/core/parallel.h"
+#include "engine/models/motion/fickian.h"
+#include "engine/models/viscosity/coupled/coupled_solve.h"
+
+namespace whorl {
+namespace {
+
+/// Position of a point that moves with the solid after a time dt (before, for dt < 0): the midpoint rule keeps its distance on a turning
+/// solid.
+Vec3 carried(const Solid& solid, const Vec3& x, Real dt) { return x + dt * velocity_over(solid, x, dt); }
+
+}  // namespace
+
+void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
+                             const StepContext& step) const {
+    system->form.release(), system->preconditioner.release();  // the step needs them no longer
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] > 0) x[i] = carried(solids.all[role[i] - 1], x[i], step.dt);
+        else x[i] += step.dt * u[i];
+    });
+}
+
+namespace {
+
+/// In spacings. With r_ij = x_j - x_i here:
+/// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate
+/// (strain_i + strain_j)
+///
+/// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in
+/// proportion, and once it is thin no particle is close enough to be pushed into it: the second fills gaps along the axis, and along the
+/// axis alone, so that a longer range does not fatten the thread.
+struct Shifting {
+    const CoupledSystem& system;
+
+    /// @param moved of each particle that the block touches, how far it has moved in this step, and dt |D - T|/2
+    Lanes3 of(const RowBlock& block, const RowSlice& slice, const SliceView<false>& pairs, const Vec4* moved) const {
+        const CoupledOptions& o = system.options;
+        const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
+        Lanes own_strain, strain;
+        const Lanes3 own = gather(moved, slice.row, &own_strain);
+        const auto moved_pair = [&](const PairLanes& p) { return p.r + (gather(moved, p.other, &strain) - own); };
+        Lanes3 dx;
+        Lanes weights{}, strains{};
+        pairs.each_plain([&](std::size_t, const PairLanes& p) {
+            const Lanes3 r = moved_pair(p);
+            const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
+            const Lanes push = at_most(rate * (own_strain + strain), strongest) * at_least(range - distance, 0) / distance;
+            dx = dx - (p.w > 0 ? push : Lanes{}) * r;
+            weights += p.w, strains += p.w * strain;
+        });
+        const Lanes context = strains / at_least(weights, Real(1e-6));
+        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // as from its mirror image, as strained as the fluid around
+            const Lanes3 r = lanes_of(2) * moved_pair(p);
+            const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
+            const Lanes push = at_most(rate * (own_strain + context), strongest) * at_least(range - distance, 0) / distance;
+            dx = dx - (p.w > 0 ? push : Lanes{}) * r;
+        });
+        Lanes thin;
+        Lanes3 axis;
+        for (Index lane = 0; lane < lane_count; ++lane) {
+            const Neighbourhood& n = system.rows.neighbourhood[block.begin + slice.row[lane]];
+            const Vec3 along = block.along(n);
+            thin[lane] = n.thin;
+            axis.x[lane] = along[0], axis.y[lane] = along[1], axis.z[lane] = along[2];
+        }
+        if (!any_above(thin, 0)) return dx;
+        const Real evening_range = static_cast<Real>(o.evening_range), evening_rate = static_cast<Real>(o.evening_rate),
+                   strongest_evening = Real(0.05);
+        Lanes along{};
+        pairs.each_plain([&](std::size_t, const PairLanes& p) {
+            const Lanes s = dot(axis, moved_pair(p)), away = s > 0 ? s : -s;
+            const Lanes fill = at_most(evening_rate * (own_strain + strain), strongest_evening) * at_least(evening_range - away, 0);
+            along -= (p.w > 0 ? fill : Lanes{}) * s / (away + Real(0.2));
+        });
+        return dx + thin * along * axis;
+    }
+
+    /// No longer than allowed, and at the surface without its outward part, which nothing balances there: it would fatten the thread.
+    Vec3 bounded(Vec3 dx, const Neighbourhood& context) const {
+        const Real length = dx.norm(), longest = static_cast<Real>(system.options.longest_shift);
+        if (length > longest) dx *= longest / length;
+        const Real on_surface = std::clamp((context.surface - Real(0.12)) / Real(0.18), Real(0), Real(1));
+        const Real outward = dx.dot(context.outward);
+        return outward > 0 ? Vec3(dx - on_surface * outward * context.outward) : dx;
+    }
+};
+
+}  // namespace
+
+void CoupledShift::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G,
+                              Read<field::role> role, const StepContext& step) const {
+    const CoupledSystem& s = *system;
+    const Real d = step.spacing;
+    Column<Vec4> moved(x.size());
+    parallel_for(x.size(), [&](Index i) {  // the strain in the middle of the move: a rigid rotation has none
+        const Mat3 D = Real(0.5) * (G[i] + G[i].transpose());
+        const Vec3 path = (x[i] - s.rows.position(i)) / d;
+        moved[i] = {{path[0], path[1], path[2], step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm()}};
+    });
+
+    const Shifting shifting{s};
+    std::vector<Vec3> shift(x.size(), Vec3::Zero());
+    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
+        thread_local Column<Vec4> moved_here;
+        if (moved_here.size() < block.entries()) moved_here.resize(block.entries());
+        for (std::size_t l = 0; l < block.touched.size(); ++l) moved_here[l] = moved[block.touched[l]];
+        for (std::size_t k = 0; k < block.walls.size(); ++k)
+            moved_here[block.touched.size() + k] = with_spare(step.dt / d * block.walls[k].velocity);
+        const Vec4* at = s.rows.positions(block);
+        for (const RowSlice& slice : block.slices) {
+            const Lanes3 dx = shifting.of(block, slice, s.rows.pairs_of(block, slice, at), moved_here.data());
+            for (Index lane = 0; lane < slice.rows; ++lane) {
+                const Index i = begin + slice.row[lane];
+                if (role[i] == 0) shift[i] = d * shifting.bounded(Vec3(dx.x[lane], dx.y[lane], dx.z[lane]), s.rows.neighbourhood[i]);
+            }
+        }
+    });
+    lift_nothing(step.gravity, shift);
+
+    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
+    // linear momentum stays.
+    Column<Vec4> spread(s.rows.entries());
+    parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
+        const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
+        Vec4* out = spread.data() + block.place;
+        std::fill(out, out + block.entries(), Vec4{{0, 0, 0, 0}});
+        const Vec4* at = s.rows.positions(block);
+        for (const RowSlice& slice : block.slices) {
+            Lanes3 du, share;
+            for (Index lane = 0; lane < slice.rows; ++lane) {
+                const Index i = begin + slice.row[lane];
+                const Vec3 change = G[i] * shift[i], part = change / (1 + s.rows.neighbourhood[i].weights);
+                du.x[lane] = change[0], du.y[lane] = change[1], du.z[lane] = change[2];
+                share.x[lane] = part[0], share.y[lane] = part[1], share.z[lane] = part[2];
+            }
+            scatter(du - share, slice.row, out);
+            const RowBlock::FileLocation* other = block.other.data() + slice.begin;
+            s.rows.pairs_of(block, slice, at).each_plain([&](std::size_t k, const PairLanes& p) {
+                scatter(-p.w * share, other + k * lane_count, out);
+            });
+        }
+    });
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] != 0) return;
+        const Vec4 v = s.rows.gathered(spread, i)[0];
+        u[i] += Vec3(v.v[0], v.v[1], v.v[2]);
+        x[i] += shift[i];
+    });
+    parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
+}
+
+// In the solid's own frame: the path from where the rows found it to x minus the solid's motion. Distances are Lipschitz, so a particle
+// that ends farther away than its path is long has met nothing; the others are followed along their path, thin plates included.
+void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role,
+                                Update<field::contact_normal> slip, Solids& solids, const StepContext& step) const {
+    if (solids.all.empty()) return;
+    const CoupledSystem& s = *system;
+    const Real d = step.spacing, dt = step.dt;
+    Real fastest = 0;  // of any point of a solid in the domain
+    for (const Solid& solid : solids.all)
+        fastest = std::max(
+            fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
+    const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
+    // By particle, if probes ask: the solid that stopped it, and its velocity before.
+    const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);
+    std::vector<int> stopper(recorded, -1);
+    Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));
+    parallel_for(x.size(), [&](Index i) {
+        if (role[i] != 0) return;
+        const Vec3 was_touching = slip[i];
+        slip[i] = Vec3::Zero();
+        const Vec3 from = s.rows.position(i);
+        if (s.rows.nearest_solid[i] > 2 * ((x[i] - from).norm() + dt * fastest) + farthest_touch) return;
+        for (std::size_t k = 0; k < solids.all.size(); ++k) {
+            const Solid& solid = solids.all[k];
+            const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
+            // A sliding particle rests at its closest distance: it must count as touching there despite rounding.
+            const Real touching = closest + Real(0.05) * d;
+            const Vec3 to = carried(solid, x[i], -dt);
+            const Vec3 path = step.domain.minimum_image(to - from);
+            const Real length = path.norm();
+            Real distance = solid.distance(to);
+            if (!(distance < length + touching)) continue;
+            Vec3 at = to;
+            Real travelled = 0;
+            distance = solid.distance(from);
+            while (distance > closest && travelled < length) {
+                travelled = std::min(length, travelled + std::max(distance - closest, Real(0.05) * d));
+                at = from + (travelled / length) * path;
+                distance = solid.distance(at);
+            }
+            if (travelled >= length || length == 0) at = to, distance = solid.distance(to);
+            if (!(distance < touching)) continue;
+            const Vec3 normal = solid.normal(at);
+            if (distance < closest) at += (closest - distance) * normal;
+            const Vec3 there = carried(solid, at, dt);
+            const bool stopped = distance < closest || travelled < length;
+            if (stopped) x[i] = there;
+            const Vec3 solid_velocity = velocity_over(solid, there, -dt);
+            const Real approach = normal.dot(u[i] - solid_velocity);
+            if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out particles that come too close
+                if (stopped && approach < 0) {
+                    u[i] -= approach * normal;
+                    if (recorded > 0) stopper[i] = static_cast<int>(k);
+                }
+                continue;
+            }
+            if (was_touching != Vec3::Zero() || approach < 0) slip[i] = normal;
+        }
+    });
+    for (std::size_t i = 0; i < recorded; ++i) {
+        if (stopper[i] < 0) continue;
+        Solid& solid = solids.all[stopper[i]];
+        const Vec3d impulse = static_cast<double>(step.mass) * (before[i] - u.values[i]).cast<double>();
+        solid.receive(Push::contact, Wrench::at(solid.image(x.values[i]).cast<double>() - solid.centre(), impulse));
+    }
+}
+
+}  // namespace whorl

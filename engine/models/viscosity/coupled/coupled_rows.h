@@ -1,0 +1,249 @@
+#pragma once
+/// Rows of neighbours as the coupled solve wants them: support that grows in thin places, no pairs through the air between two turns of a
+/// coil, and a layout that the products run through at the speed of memory.
+#include <array>
+
+#include "engine/geometry/solids.h"
+#include "engine/math/lanes.h"
+#include "engine/models/viscosity/coupled/coupled_options.h"
+#include "engine/particles/search.h"
+
+namespace whorl {
+
+/// Properties of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
+struct Neighbourhood {
+    Real unresolved = 0;  ///< k = sum (1 - pi^2), pi: how far a direction is resolved. 0 in a volume, 1 in a sheet, 2 in a single file
+    Real thin = 0;        ///< 0 in a thick thread, 1 in a thin one
+    Real weights = 0;     ///< sum w
+    Real spread = 0;      ///< sum w r^2
+    Real density = 0;     ///< n/n0 with the weight of radius `support`, all neighbours, and solids as if they were fluid
+    Real volume = 1;      ///< of the fluid whose strain the row represents: up to a wall that holds it, at any distance
+    Vec3 outward = Vec3::Zero();   ///< unit, away from the neighbours' centre
+    Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
+    std::int32_t directions = -1;  ///< its place in RowBlock::directions; -1: all are resolved, and no thread is thin
+};
+
+/// For neighbourhoods that are a volume in some directions only.
+struct Directions {
+    Mat3 resolved = Mat3::Identity();  ///< P = Q diag(pi) Q^T
+    Vec3 along = Vec3::Zero();         ///< unit, the thread's direction; zero in a thick one
+};
+
+/// sum w/r^2 r r r r of a row a lane. A symmetric matrix counts as the six numbers (xx, yy, zz, xy, xz, yz); the sum takes one to another.
+struct FourthMoment {
+    Lanes v[15];  ///< xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz
+    /// Position of the entry of components k and l of the six.
+    static constexpr int place[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
+                                        {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
+    Lanes of(int k, int l) const { return v[place[k][l]]; }
+};
+
+/// Mean velocity over a step of dt [s] of the solid's point that is at x when it begins; dt < 0: over the step before [m/s].
+inline Vec3 velocity_over(const Solid& solid, const Vec3& x, Real dt) { return solid.velocity_at(x + dt / 2 * solid.velocity_at(x)); }
+
+/// The point of a wall that is nearest to a particle that it holds: a neighbour that moves with the wall (docs/physics.md 5).
+struct WallPoint {
+    Vec3 position, velocity;  ///< m, on the surface; m/s, of the straight way to where the wall takes it in this step
+    Vec3 normal;              ///< into the fluid
+    Index row = 0;            ///< of the particle in its block
+    Index solid = 0;
+    Real weight = 0;
+    Mat3 lateral = Mat3::Zero();  ///< its part of M along the wall
+};
+
+/// As many rows as there are lanes, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`.
+/// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves. Pairs with walls come last.
+struct RowSlice {
+    std::size_t begin = 0;
+    Index width = 0;             ///< pairs of the longest row and `walls`
+    Index walls = 0;             ///< most pairs of a row with walls
+    std::size_t first_wall = 0;  ///< place of their weights in RowBlock::wall_weight
+    Index plain() const { return width - walls; }
+    Index rows = 0;                      ///< lanes that have a row
+    std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without one names the first lane's row
+    bool resolved = true;                ///< all directions of all its rows
+    Lanes of_h2{};                       ///< 1/h^2, h: the weight's radius in spacings
+    SymmetricLanes inverse_moment;       ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T
+    FourthMoment fourth;
+};
+
+/// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a
+/// product gathers each velocity once per block and adds up forces in its own memory: no thread waits, and the sums' order is fixed.
+/// Only this index of a pair is stored: r and the weight follow from the positions, which are fewer bytes to read.
+struct RowBlock {
+    using FileLocation = std::uint16_t;
+    Index begin = 0, end = 0;     ///< particles whose rows these are
+    std::vector<Index> touched;   ///< the particles named; the first end - begin are the rows' own
+    std::size_t place = 0;        ///< where the block's entries begin in arrays over all blocks' touched particles
+    std::size_t first_slice = 0;  ///< where its slices begin in arrays over all blocks' slices
+    std::vector<RowSlice> slices;
+    std::vector<std::uint16_t> lane;   ///< of each row, counted through all slices
+    std::vector<std::uint16_t> count;  ///< pairs of each row
+    std::vector<Directions> directions;
+    Column<FileLocation> other;    ///< place of j in touched; of walls, behind them all
+    std::vector<WallPoint> walls;  ///< by row
+    std::vector<Lanes> wall_weight;
+
+    Index size() const { return end - begin; }
+    std::size_t entries() const { return touched.size() + walls.size(); }  ///< places that pairs name
+    const RowSlice& slice_of(Index row) const { return slices[lane[row] / lane_count]; }
+    Index lane_in_slice(Index row) const { return lane[row] % lane_count; }
+    /// Calls f(place in touched) for each pair of a row with a particle, or every `step`-th.
+    template <class F>
+    void each_pair(Index row, const F& f, Index step = 1) const {
+        const FileLocation* at = other.data() + slice_of(row).begin + lane_in_slice(row);
+        for (Index k = 0; k < count[row]; k += step) f(at[k * lane_count]);
+    }
+    /// P of the particle with that neighbourhood.
+    Mat3 resolved(const Neighbourhood& n) const { return n.directions < 0 ? Mat3(Mat3::Identity()) : directions[n.directions].resolved; }
+    Vec3 along(const Neighbourhood& n) const { return n.directions < 0 ? Vec3(Vec3::Zero()) : directions[n.directions].along; }
+};
+
+/// One pair of each row in a slice.
+struct PairLanes {
+    Lanes3 r, v;                          ///< v: value stored with the positions, that of j minus that of i
+    Lanes r2, w;                          ///< r2: never 0
+    const RowBlock::FileLocation* other;  ///< places of j
+};
+
+/// The periodic axes, in spacings. 0 for the others.
+struct PairPeriod {
+    bool any = false;
+    Vec3 length = Vec3::Zero(), of_length = Vec3::Zero();  ///< and 1/length
+
+    [[gnu::always_inline]] Lanes3 shortest(const Lanes3& r) const { return any ? Lanes3{along(r.x, 0), along(r.y, 1), along(r.z, 2)} : r; }
+
+private:
+    Lanes along(Lanes r, int axis) const { return r - length[axis] * rounded(r * of_length[axis]); }
+};
+
+/// The pairs of a slice. @tparam with a vector goes along with each position (CoupledRows::positions)
+template <bool with>
+class SliceView {
+public:
+    SliceView(const PairPeriod& period, const RowBlock& b, const RowSlice& slice, const Vec4* at)
+        : period_(period), slice_(slice), at_(at), other_(b.other.data() + slice.begin),
+          wall_weight_(b.wall_weight.data() + slice.first_wall) {}
+    /// Calls f(k, pair) for the k-th pairs of all lanes.
+    template <class F>
+    [[gnu::always_inline]] void each(const F& f) const {
+        each_plain(f);
+        each_wall(f);
+    }
+    /// Pairs with particles only.
+    template <class F>
+    [[gnu::always_inline]] void each_plain(const F& f) const {
+        const TwoLanes3 own = taken(slice_.row);
+        const Lanes one = lanes_of(1), none{};
+        for (Index k = 0; k < slice_.plain(); ++k) {
+            PairLanes p = pair(own, k);
+            const Lanes q = one - p.r2 * slice_.of_h2;
+            p.w = p.r2 > 2 * coincident ? q * q * q : none;  // a pair with itself has none
+            f(static_cast<std::size_t>(k), p);
+        }
+    }
+    /// Pairs with walls only.
+    template <class F>
+    void each_wall(const F& f) const {
+        if (slice_.walls == 0) return;
+        const TwoLanes3 own = taken(slice_.row);
+        for (Index k = slice_.plain(); k < slice_.width; ++k) {
+            PairLanes p = pair(own, k);
+            p.w = wall_weight_[k - slice_.plain()];
+            f(static_cast<std::size_t>(k), p);
+        }
+    }
+
+private:
+    [[gnu::always_inline]] PairLanes pair(const TwoLanes3& own, Index k) const {
+        PairLanes p;
+        p.other = other_ + static_cast<std::size_t>(k) * lane_count;
+        const TwoLanes3 j = taken(p.other);
+        p.r = period_.shortest(j.first - own.first);
+        if constexpr (with) p.v = j.second - own.second;
+        p.r2 = dot(p.r, p.r) + coincident;
+        return p;
+    }
+    [[gnu::always_inline]] TwoLanes3 taken(const RowBlock::FileLocation* place) const {
+        if constexpr (with) return gather_two(at_, place);
+        else return {gather(at_, place), {}};
+    }
+    static constexpr Real coincident = Real(1e-12);  ///< r^2 up to which two particles are in one place and no pair
+
+    const PairPeriod& period_;
+    const RowSlice& slice_;
+    const Vec4* at_;
+    const RowBlock::FileLocation* other_;
+    const Lanes* wall_weight_;
+};
+
+class CoupledRows {
+public:
+    static constexpr Index block_size = 256;
+
+    /// @param spacing d [m] @param role field::role: pairs of two prescribed particles pass the gate
+    void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options) {
+        build(x, role, domain, spacing, options, {}, 0, {});
+    }
+    /// @param solids those that the fluid sticks to become neighbours @param dt [s], for their velocities @param held field::held
+    void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options,
+               const Solids& solids, Real dt, Span<std::int32_t> held);
+
+    Index size() const { return static_cast<Index>(neighbourhood.size()); }
+    int dimensions() const { return dimensions_; }
+    const RowBlock& block_of(Index i) const { return blocks[i / block_size]; }
+    std::vector<RowBlock> blocks;
+    std::vector<Neighbourhood> neighbourhood;  ///< one a particle
+    Column<Real> nearest_solid;                ///< distance of each free particle to any solid [m]; empty: there are no solids
+    std::size_t pairs = 0;                     ///< in all rows, without padding
+    std::size_t slices = 0;                    ///< of all blocks
+    std::size_t walls = 0;                     ///< pairs with walls
+    Index widest_slice = 0;
+
+    /// Position of the particle when the rows were built [m].
+    Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
+    /// Positions of the particles that the block touches, in spacings relative to the block's first particle; in memory of the calling
+    /// thread until its next call. @param u stored with each position @param moving whether walls have their velocities
+    const Vec4* positions(const RowBlock& block) const;
+    const Vec4* positions(const RowBlock& block, Span<const Vec3> u, bool moving) const;
+    SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
+    /// @param at from positions() with u
+    SliceView<true> pairs_with(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
+    /// M+ of particle i.
+    Mat3 inverse_moment(Index i) const {
+        const RowBlock& block = block_of(i);
+        return lane_of(block.slice_of(i - block.begin).inverse_moment, block.lane_in_slice(i - block.begin));
+    }
+    Mat3 resolved(Index i) const { return block_of(i).resolved(neighbourhood[i]); }
+
+    /// Sum of the blocks' values for particle i, in the order of the blocks. @param entries `pieces` for a touched particle of each
+    template <std::size_t pieces = 1>
+    std::array<Vec4, pieces> gathered(Span<const Vec4> entries, Index i) const {
+        std::array<Vec4, pieces> sum{};
+        for (std::uint32_t k = first_slot_[i]; k < first_slot_[i + 1]; ++k)
+            for (std::size_t a = 0; a < pieces; ++a) quad(sum[a]) += quad(entries[pieces * slot_[k] + a]);
+        return sum;
+    }
+    std::size_t entries() const { return entries_; }
+
+private:
+    struct Scratch;
+    struct Found;
+    struct Walls;
+    void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options, const Walls& walls);
+    void find_moments(RowBlock& block, const CoupledOptions& options);
+    void number_slots();
+
+    template <bool with>
+    const Vec4* take(const RowBlock& block, Span<const Vec3> u, bool moving) const;
+
+    PairPeriod period_;
+    int dimensions_ = 3;
+    Real of_spacing_ = 0;
+    Column<Vec4> x_;
+    unsigned long builds_ = 0;  ///< number of this build among all
+    std::vector<std::uint32_t> first_slot_, slot_;
+    std::size_t entries_ = 0;
+};
+
+}  // namespace whorl

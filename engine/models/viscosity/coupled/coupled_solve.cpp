@@ -1,0 +1,456 @@
+#include "engine/models/viscosity/coupled/coupled_solve.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+#include "engine/models/bodies/reaction.h"
+#include "engine/models/viscosity/implicit_viscosity.h"
+#include "engine/particles/step_context.h"
+
+namespace whorl {
+namespace {
+
+/// The unknown part of a velocity: none of a particle that is stuck or in a nozzle, the tangential part of a sliding one.
+struct Unknowns {
+    Span<const std::int16_t> role;
+    Span<const Vec3> slip;
+    bool any_slip = false;
+
+    Vec3 part(Index i, const Vec3& v) const {
+        if (role[i] != 0) return Vec3::Zero();
+        return any_slip ? Vec3(v - slip[i] * slip[i].dot(v)) : v;
+    }
+    void restrict_to(Span<Vec3> v) const {
+        parallel_for(static_cast<Index>(v.size()), [&](Index i) { v[i] = part(i, v[i]); });
+    }
+};
+
+}  // namespace
+
+void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density,
+                                      Update<field::held> held, const Solids& solids, const StepContext& step) const {
+    CoupledSystem& s = *system;
+    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt, held.values);
+    parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
+}
+
+void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const Solids& solids,
+                                 const StepContext& step) const {
+    CoupledRows& rows = system->rows;
+    const bool turns =
+        std::any_of(solids.all.begin(), solids.all.end(), [](const Solid& s) { return s.pose.angular_velocity != Vec3::Zero(); });
+    const auto set_walls = [&](Real dt) {
+        if (!turns) return;  // both ways have the same velocity
+        for (RowBlock& block : rows.blocks)
+            for (WallPoint& wall : block.walls) wall.velocity = velocity_over(solids.all[wall.solid], wall.position, dt);
+    };
+    set_walls(-step.dt);  // of the last step's straight way, as those of the particles
+    velocity_gradients(rows, step.spacing, u.values, G.values);
+    set_walls(step.dt);
+    parallel_for(u.size(), [&](Index i) {
+        if (rows.neighbourhood[i].unresolved > 0) G[i] = turned_rigidly(G[i], rows.resolved(i));
+    });
+}
+
+namespace {
+
+/// One step of the solve: its phases in order, and their shared data.
+struct CoupledStep {
+    CoupledSystem& system;
+    Read<field::position> x;
+    Read<field::role> role;
+    Read<field::viscosity> mu;
+    Update<field::velocity> u;
+    Update<field::pressure> p;
+    Update<field::velocity_change> change;
+    Update<field::velocity_gradient> G;
+    Update<field::aggregate> aggregate;
+    Update<field::contact_normal> slip;
+    Solids& solids;
+    const StepContext& step;
+
+    const CoupledOptions& options = system.options;
+    StrainForm& form = system.form;
+    const Index n = x.size();
+    const Real dt = step.dt, d = step.spacing;
+    const double fastest = largest_speed(u.values);  ///< at the start of the step [m/s]
+
+    Unknowns unknowns{role.values, slip.values};
+    Index free_particles = 0;
+    bool nothing_held = false;  ///< no solid and no nozzle takes part: momentum is kept
+    Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
+    Column<Vec3> solved{};      ///< the part that is not: first where the solver starts, then the solution [m/s]
+    Column<Mat3> curvature{};   ///< T [1/s]
+    Column<Real> divergence{};  ///< s, that the step asks for [1/s]
+    Column<Real> pressure{};    ///< q [m/s]: the multiplier, and the part of the bulk term that does not depend on u
+    Column<Vec3> balancing{};   ///< part of the load that corrects the force of a known pressure, see balance() [m/s]
+    Column<Vec3> load{};        ///< right-hand side, then the residual, to the end of the step [m/s]
+    Column<Real> held{};        ///< see find_held()
+    Column<Vec3> work{};
+
+    void set_up_form() {
+        system.friction.set(x.values, role.values, mu.values, solids, step);
+        form.set(system.rows, mu.values, system.friction.counted, dt, step.rest_density, d, options);
+        form.set_friction(system.friction.coefficient);
+    }
+
+    void find_unknowns() {
+        for (Index i = 0; i < n; ++i) {
+            free_particles += role[i] == 0;
+            unknowns.any_slip |= slip[i] != Vec3::Zero();
+        }
+        nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts() && system.rows.walls == 0;
+    }
+
+    /// Sets the velocities of nozzles and solids. A sliding particle has a known velocity along the normal.
+    void set_known_velocities() {
+        known.resize(n), solved.resize(n), load.resize(n), work.resize(n);
+        parallel_for(n, [&](Index i) {
+            known[i] = Vec3::Zero();
+            if (role[i] > 0) u[i] = solids.all[role[i] - 1].velocity_at(x[i]);
+            if (role[i] != 0) known[i] = u[i];
+            else if (unknowns.any_slip && slip[i] != Vec3::Zero()) {
+                Real distance = 0;
+                const int solid = solids.nearest(x[i], distance);
+                if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].velocity_at(x[i]));
+            }
+        });
+    }
+
+    /// Curvature in the directions that the neighbours resolve. Particles that are not free have none: their body moves them.
+    void set_curvature() {
+        curvature.resize(n);
+        parallel_for(n, [&](Index i) {
+            curvature[i].setZero();
+            if (role[i] != 0) return;
+            curvature[i] = curvature_strain(G[i], dt);
+            if (system.rows.neighbourhood[i].unresolved > 0) {
+                const Mat3 P = system.rows.resolved(i);
+                curvature[i] = P * curvature[i] * P;
+            }
+        });
+    }
+
+    /// s_i: compressed particles move apart, loose ones that bear weight meet where they may, and volumes are to be kept in the middle of
+    /// the move, where tr D - tr T is their rate.
+    void set_divergence() {
+        divergence.resize(n);
+        const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
+        const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
+        const auto loose = [&](const Neighbourhood& context, double lacking) {
+            if (options.vessel < 0) return meeting * lacking * std::clamp(2 - context.surface / options.no_surface, 0.0, 1.0);
+            return std::min(0.0, lacking + 0.85 * std::max(0.0, context.surface - options.no_surface));  // less that beyond a surface
+        };
+        parallel_for(n, [&](Index i) {
+            const Neighbourhood& context = system.rows.neighbourhood[i];
+            double compressed = context.density - 1;
+            // Fluid under tension is never drawn together: a thread would creep without end.
+            if (compressed < 0) compressed = p[i] > 0 ? loose(context, compressed) : 0;
+            const double pushed = std::clamp(options.push * compressed / dt, -fastest_push, fastest_push);
+            divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
+        });
+    }
+
+    void set_pressure() {
+        pressure.resize(n);
+        const std::vector<Real>& known_pressure = *system.known_pressure;
+        const bool any_known = known_pressure.size() == x.values.size();
+        parallel_for(n, [&](Index i) {
+            pressure[i] = form.coefficients(i).bulk * d * divergence[i] +
+                          system.rows.neighbourhood[i].volume * dt * (p[i] + (any_known ? known_pressure[i] : 0)) / (step.rest_density * d);
+        });
+    }
+
+    void set_up_preconditioner() {
+        TwoLevel& M = system.preconditioner;
+        const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
+        if (!coarse) M.clear();
+        else if (M.due(step.at_frame_time, options.refresh_every))
+            M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
+        M.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+        if (!options.diagonal) M.be_identity();
+    }
+
+    /// Velocity of a particle with the step's loads. @param before its velocity at the start
+    Vec3 loaded(Index i, const Vec3& before) const {
+        Vec3 v = before + dt * step.gravity;
+        if (!balancing.empty()) v += balancing[i];
+        if (system.friction.acts()) v += system.friction.load[i];
+        return v;
+    }
+
+    /// Fluid in a vessel that turns has the pressure p_0 = rho (level + g.x + rate^2 r^2/2), with the rate of the fluid's own angular
+    /// momentum. Its force -grad p_0 errs in the rows of disordered particles and next to walls, and would drive a vortex that lifts the
+    /// edge. Away from surfaces (c < 0.15, fading to 0.3; a lattice's surface has 0.31) the load gets the exact force in its place.
+    void balance() {
+        if (options.vessel < 0) return;
+        using Eigen::Vector2d;
+        const auto mean = [&](const auto& of) {  // of the first over that of the second
+            const Vector2d sum = parallel_sum(n, Vector2d(0, 0), [&](Index i) { return role[i] == 0 ? of(i) : Vector2d(0, 0); });
+            return static_cast<Real>(sum[1] > 0 ? sum[0] / sum[1] : 0.0);
+        };
+        const auto inside = [&](Index i) { return std::clamp(2 - system.rows.neighbourhood[i].surface / Real(0.15), Real(0), Real(1)); };
+        const Vec3 centre = solids.all[options.vessel].centre().cast<Real>(), up = -step.gravity.normalized();
+        const auto arm = [&](Index i) -> Vec3 { return up.cross(x[i] - centre); };
+        const Real rate = mean([&](Index i) { return Vector2d(arm(i).dot(u[i]), arm(i).squaredNorm()); });
+        const auto height = [&](Index i) { return step.gravity.dot(x[i]) + rate * rate * arm(i).squaredNorm() / 2; };
+        const Real level = mean([&](Index i) { return Vector2d(inside(i) * (p[i] / step.rest_density - height(i)), inside(i)); });
+        Column<Real> q(n);
+        balancing.resize(n);
+        parallel_for(n, [&](Index i) {
+            q[i] = system.rows.neighbourhood[i].volume * dt / d * std::max(Real(0), height(i) + level);
+            balancing[i] = dt * (step.gravity - rate * rate * up.cross(arm(i)));
+        });
+        form.add_stress(q, {}, balancing);
+        parallel_for(n, [&](Index i) { balancing[i] *= -inside(i); });
+    }
+
+    /// The right-hand side.
+    /// @returns the scale of its residual: the loads on the fluid, not the large forces by which nozzle and solids hold their
+    /// neighbours; these count a little, for a fluid at rest that is only dragged along
+    double set_load() {
+        parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
+        form.add_stress(pressure, curvature, load);
+        unknowns.restrict_to(load);
+        const double reference = preconditioned_norm(load);
+        if (nothing_held) return reference;
+        form.apply(known, work, true);
+        parallel_for(n, [&](Index i) { load[i] -= unknowns.part(i, work[i]); });
+        return std::max(reference, 0.03 * preconditioned_norm(load));
+    }
+
+    /// Frees the arrays that are now part of the load, unless find_held() or a ledger needs them.
+    void let_go() {
+        if (!unknowns.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
+    }
+
+    /// @returns v.y
+    double multiply(Span<const Vec3> v, Span<Vec3> y) const {
+        return form.apply(v, y, [this](Index i, const Vec3& product) { return unknowns.part(i, product); });
+    }
+
+    /// sqrt(r.M r), which leaves M r in work.
+    double preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
+
+    /// Errors of slow motions stay from step to step and add up. So the tolerance is for the time in which the fastest fluid moves by 0.4
+    /// d, and shorter steps get their share of it. In slow fluid errors die out: its share is at least 0.03.
+    SolveLimits limits() const {
+        const double share = std::clamp(dt * fastest / (0.4 * d), 0.03, 1.0);
+        return {share * options.limits.tolerance, options.limits.max_iterations};
+    }
+
+    /// By conjugate gradients, from the last velocity plus most of its last change.
+    SolveReport solve(double reference) {
+        const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); };
+        const TwoLevel& M = system.preconditioner;
+        parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
+        if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned);
+        multiply(solved, work);
+        parallel_for(n, [&](Index i) { load[i] -= work[i]; });  // the residual
+        if (preconditioned_norm(load) > reference) {
+            descend_along_last_change();
+            M(load, work);
+        }
+        const SolveReport report =
+            conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
+        if (!unknowns.any_slip) return report;
+        // The residual's momentum: without it fluid that slides lags as a whole behind its load by the tolerance, step after step.
+        Column<Vec3> rest(n);
+        parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, M.coarse(i)); });
+        if (!solids.any_probed()) return report;
+        multiply(rest, work);
+        parallel_for(n, [&](Index i) { load[i] -= work[i]; });
+        return report;
+    }
+
+    /// If the last step's change is a bad guess (a jolt, a landing): scales it to the least energy, and updates the residual.
+    void descend_along_last_change() {
+        Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
+        unknowns.restrict_to(way);
+        const double stiffness = multiply(way, bent);
+        if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
+        const Real far = static_cast<Real>(dot<Vec3>(way, load) / stiffness);
+        parallel_for(n, [&](Index i) {
+            solved[i] += far * way[i];
+            load[i] -= far * bent[i];
+        });
+    }
+
+    /// If fluid can leave only through a narrow opening (a piston before a slit, the first steps under weight), one update of the
+    /// multiplier per step is far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the
+    /// multiplier, preconditioned by lambda, with a solve for the velocities each. If they do not halve the error, or only move it about,
+    /// there is no way out, and all stays as it was.
+    void keep_volume(SolveReport& report) {
+        constexpr double tolerated = 5e-4;  // mean change of volume in a step
+        constexpr double as_a_whole = 0.5;  // of the root mean square: below it the error is local, and vanishes by itself
+        constexpr int most = 4;
+        struct Sums {
+            double missing = 0, squares = 0, weighted = 0;
+            void operator+=(const Sums& o) { missing += o.missing, squares += o.squares, weighted += o.weighted; }
+        };
+        system.no_way_out &= !step.at_frame_time;
+        Column<Real> more, old_p, old_pressure;
+        Column<Vec3> way, push, old_solved, old_load;
+        Sums first;
+        double last = 0;
+        for (int round = 0;; ++round) {
+            parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+            form.gradient(work, G.values);
+            const auto missing = [&](Index i) { return role[i] == 0 ? divergence[i] - form.divergence(i, G[i]) : Real(0); };
+            const Sums all = parallel_sum(n, Sums{}, [&](Index i) {
+                const double m = missing(i);
+                return Sums{m, m * m, static_cast<double>(form.coefficients(i).bulk * d) * m * m};
+            });
+            const bool kept_it = dt * all.missing < tolerated * n;
+            if (round == 0) {
+                if (kept_it || system.no_way_out || all.missing < as_a_whole * std::sqrt(all.squares * n)) return;
+                first = all, old_solved = solved, old_load = load, old_pressure = pressure;
+                old_p.assign(p.values.begin(), p.values.end());
+            } else if (kept_it || round == most) {
+                if (all.missing < first.missing / 2 && all.squares < 4 * first.squares) return;
+                system.no_way_out = true;
+                solved.swap(old_solved), load.swap(old_load), pressure.swap(old_pressure);
+                std::copy(old_p.begin(), old_p.end(), p.values.begin());
+                parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+                return form.gradient(work, G.values);
+            }
+            const Real kept = last > 0 ? static_cast<Real>(all.weighted / last) : Real(0);
+            last = all.weighted;
+            more.resize(n, 0);
+            way.assign(n, Vec3::Zero());
+            push.assign(n, Vec3::Zero());
+            parallel_for(n, [&](Index i) { more[i] = form.coefficients(i).bulk * d * missing(i) + kept * more[i]; });
+            const auto along = [&] { return parallel_sum(n, [&](Index i) { return static_cast<double>(more[i]) * missing(i); }); };
+            const double before = along();
+            form.add_stress(more, {}, push);
+            unknowns.restrict_to(push);
+            if (const double size = preconditioned_norm(push); size > 0)  // leaves the residual in push
+                report.iterations +=
+                    conjugate_gradients_from<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); },
+                                                   system.preconditioner, push, way, limits(), ResidualNorm::preconditioned, size)
+                        .iterations;
+            parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i] + way[i]; });
+            form.gradient(work, G.values);
+            const double after = along();
+            const Real far = before > after ? static_cast<Real>(before / (before - after)) : Real(0);
+            parallel_for(n, [&](Index i) {
+                solved[i] += far * way[i];
+                load[i] += far * push[i];
+                p[i] += far * more[i] * step.rest_density * d / (dt * system.rows.neighbourhood[i].volume);
+                if (!pressure.empty()) pressure[i] += far * more[i];
+            });
+        }
+    }
+
+    /// If nothing holds the fluid, all forces are internal: removes the momentum error of the unfinished solve as a rigid motion.
+    void keep_momentum() {
+        if (!nothing_held) return;
+        parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]) - solved[i]; });
+        RigidMotions(x.values, !step.domain.any_periodic()).add(work, solved);
+    }
+
+    /// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched
+    /// thread together and makes it thin is p < 0. Of the weight it forgets less than of what is beyond: fluid at rest sinks with tr D of
+    /// that part of p/lambda. It must forget something: in a room that is too full it would grow without end.
+    void take_over() {
+        const auto depth = [&](Index i) { return static_cast<double>(step.gravity.dot(x[i])); };
+        const double infinity = std::numeric_limits<double>::infinity();
+        const double weight =
+            step.rest_density * (parallel_max(n, -infinity, depth) + parallel_max(n, -infinity, [&](Index i) { return -depth(i); }));
+        parallel_for(n, [&](Index i) {
+            const Vec3& solution = work[i];
+            change[i] = solution - u[i];
+            u[i] = solution;
+            const Real lambda = form.coefficients(i).bulk * step.rest_density * d * d / (dt * system.rows.neighbourhood[i].volume);
+            p[i] -= lambda * (form.divergence(i, G[i]) - divergence[i]);
+            const Real kept = std::clamp(p[i], Real(0), static_cast<Real>(weight));
+            p[i] = static_cast<Real>(options.weight_memory) * kept + static_cast<Real>(options.memory) * (p[i] - kept);
+        });
+    }
+
+    /// slip.(A u - b) [m/s]: the part of the velocity that particles keep because a solid that slips holds them.
+    void find_held() {
+        if (!unknowns.any_slip) return;
+        Column<Vec3> brought(n);
+        form.apply(u.values, work, true);
+        parallel_for(n, [&](Index i) { brought[i] = loaded(i, u[i] - change[i]); });
+        form.add_stress(pressure, curvature, brought);
+        held.resize(n);
+        parallel_for(n, [&](Index i) { held[i] = slip[i].dot(work[i] - brought[i]); });
+    }
+
+    /// Distributes the momentum that the fluid lost: walls get the forces of their rows, by strain and by pressure; walls with slip the
+    /// friction, and the force on their particles along the normal. The residual of the solve is shared.
+    void write_ledgers() {
+        if (!solids.any_probed()) return;
+        const auto m = static_cast<double>(step.mass);
+        const auto push = [&](Solid& solid, Push kind, const Vec3& at, const Vec3& velocity) {
+            solid.receive(kind, Wrench::at(solid.image(at).cast<double>() - solid.centre(), m * velocity.cast<double>()));
+        };
+        const auto walls_take = [&](Push kind, Real sign) {
+            form.each_wall_force(
+                [&](const WallPoint& wall, const Vec3& f) { push(solids.all[wall.solid], kind, wall.position, sign * f); });
+        };
+        const Remainder rest(solids, Push::viscous);
+        form.find_wall_forces(u.values);
+        walls_take(Push::viscous, -1);
+        Column<Real> part(n);  // of the pressure: that of the bulk term, then all
+        parallel_for(n, [&](Index i) { part[i] = form.coefficients(i).bulk * d * form.divergence(i, G[i]); });
+        form.find_wall_forces(part, curvature);
+        walls_take(Push::viscous, 1);
+        parallel_for(n, [&](Index i) { part[i] = pressure[i] - part[i]; });
+        form.find_wall_forces(part, {});
+        walls_take(Push::pressure, 1);
+        for (Index i = 0; i < n; ++i) {
+            if (role[i] != 0) continue;
+            Real distance = 0;
+            if (slip[i] != Vec3::Zero())
+                if (const int k = solids.nearest(x[i], distance); k >= 0) push(solids.all[k], Push::pressure, x[i], -held[i] * slip[i]);
+            if (!system.friction.acts()) continue;
+            for (Solid& solid : solids.all)
+                if (const auto share = ContactFriction::share_of(solid, x[i], mu[i], step);
+                    share.counted > 0 || share.coefficient != Mat3::Zero())
+                    push(solid, Push::viscous, x[i], share.coefficient * (u[i] - share.wall));
+        }
+        rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
+    }
+
+    /// A solid that slips can push, not pull: where it would have to pull, it lets go.
+    void release_slipping() {
+        if (!unknowns.any_slip) return;
+        parallel_for(n, [&](Index i) {
+            if (held[i] < 0) slip[i] = Vec3::Zero();
+        });
+    }
+};
+
+}  // namespace
+
+void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
+                              Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids,
+                              const StepContext& step, StepReport& report) const {
+    if (x.size() == 0) return;
+    CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
+    now.set_up_form();
+    now.find_unknowns();
+    now.set_up_preconditioner();
+    now.set_known_velocities();
+    now.set_curvature();
+    now.set_divergence();
+    now.set_pressure();
+    now.balance();
+    const double reference = now.set_load();
+    now.let_go();
+    report.solves.push_back({SolveKind::coupled, now.solve(reference)});
+    now.keep_momentum();
+    now.keep_volume(report.solves.back().report);
+    now.take_over();
+    now.find_held();
+    now.write_ledgers();
+    now.release_slipping();
+}
+
+}  // namespace whorl

@@ -1,0 +1,47 @@
+#pragma once
+/// Stages of the coupled model: neighbourhoods, velocity and pressure at the end of the step, the move (coupled_system.h, strain_form.h).
+#include "engine/geometry/solids.h"
+#include "engine/models/viscosity/coupled/coupled_system.h"
+#include "engine/models/viscosity/strain/curvature.h"
+#include "engine/particles/step_context.h"
+
+namespace whorl {
+
+struct CoupledNeighbourhood {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density, Update<field::held> held,
+                    const Solids& solids, const StepContext& step) const;
+};
+
+struct CoupledGradient {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Read<field::velocity> u, Write<field::velocity_gradient> G, const Solids& solids, const StepContext& step) const;
+};
+
+struct CoupledSolve {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
+                    Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                    Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids, const StepContext& step,
+                    StepReport& report) const;
+};
+
+struct CoupledMove {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
+                    const StepContext& step) const;
+};
+
+struct CoupledShift {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G, Read<field::role> role,
+                    const StepContext& step) const;
+};
+
+struct CoupledContact {
+    std::shared_ptr<CoupledSystem> system;
+    void operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role, Update<field::contact_normal> slip,
+                    Solids& solids, const StepContext& step) const;
+};
+
+}  // namespace whorl

@@ -1,0 +1,58 @@
+#pragma once
+/// Viscosity and incompressibility in one symmetric positive definite solve a step, for fluids so viscous that they coil. The stages of a
+/// step, in this order, share one CoupledSystem:
+///
+///   CoupledNeighbourhood   rows, contact gate, moments
+///   CoupledGradient        the gradient of the velocities before any force
+///   CoupledSolve           the velocity at the end of the step, the multiplier (pressure), the gradient
+///   CoupledMove            x += dt u
+///   CoupledShift           close particles part, the velocity goes along: u += G dx
+///   CoupledContact         particles that reach a solid stick to it, or slide along it
+///
+/// Nozzles: prescribed particles (role -k) must fill at least `support` spacings above the opening.
+#include <memory>
+
+#include "engine/models/viscosity/coupled/contact_friction.h"
+#include "engine/models/viscosity/coupled/two_level.h"
+#include "engine/particles/field.h"
+
+namespace whorl {
+
+namespace field {
+struct velocity_change {
+    using type = Vec3;
+    static constexpr std::string_view name = "velocity_change", unit = "m/s",
+                                      meaning = "change over the last step: where the next solve starts";
+};
+/// 0: none. k > 0: in aggregate k - 1 of the coarse level.
+struct aggregate {
+    using type = std::int32_t;
+    static constexpr std::string_view name = "aggregate", unit = "",
+                                      meaning = "rigid group that the particle belongs to in the coarse level";
+};
+/// 0: the particle is new. -1: no wall holds it. 1: one does, if any is near (CoupledOptions::wall_reach).
+struct held {
+    using type = std::int32_t;
+    static constexpr std::string_view name = "held", unit = "", meaning = "whether a wall that the fluid sticks to has been touched";
+};
+/// Zero where no solid that slips is touched: else the solid's unit normal; the velocity along it is the solid's.
+struct contact_normal {
+    using type = Vec3;
+    static constexpr std::string_view name = "contact_normal", unit = "", meaning = "normal of the slippery solid that is touched";
+};
+}  // namespace field
+
+/// Data that the stages share within a step, and lagged set-ups. All of it is rebuilt at a frame time.
+struct CoupledSystem {
+    explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
+    CoupledOptions options;
+    CoupledRows rows;
+    StrainForm form;
+    ContactFriction friction;
+    TwoLevel preconditioner;
+    bool no_way_out = false;  ///< since the last frame time no pressure could keep the volume of fluid that solids enclose
+    /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: none.
+    std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
+};
+
+}  // namespace whorl

@@ -1,0 +1,167 @@
+#pragma once
+/// The quadratic form that the coupled solve minimises, over the particles' rows (docs/physics.md 4 and 5, made incompressible).
+///
+/// Per unit mass, lengths in spacings, with K_i = mu_i dt/(rho d^2):
+///
+///   E(u) = sum_i |u_i - u*_i|^2 / 2 + K_i [ |D_i - T_i|^2 + Lambda_i/2 (tr D_i - s_i)^2 ] - q_i tr D_i + c_i S_i + c'_i S'_i
+///
+///   A_i = sum_j w (u_j - u_i) r^T      G_i = A_i M_i+      D_i = (P_i G_i + G_i^T P_i)/2
+///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        residual of the linear fit
+///   S'_i = sum_j w/r^2 ((u_j - u_i).r - r.G_i r)^2               the same along the pair
+///
+/// T_i is the curvature of the move (models/strain/curvature.h), s_i the change of volume that is asked for.
+/// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
+/// derivative of E, pair by pair opposite: momentum is conserved to round-off.
+#include "engine/math/conjugate_gradients.h"
+#include "engine/models/viscosity/coupled/coupled_rows.h"
+
+namespace whorl {
+
+/// Coefficients of a particle, in addition to its row.
+struct StrainCoefficients {
+    Real shear = 0;  ///< 2 K
+    /// K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking.
+    Real bulk = 0;
+    Real smooth = 0;  ///< 2 c
+    Real pair = 0;    ///< 2 c'
+};
+
+/// The coefficients of a slice's rows.
+struct CoefficientLanes {
+    Lanes shear{}, bulk{}, smooth{}, pair{};
+    void set(Index lane, const StrainCoefficients& c) {
+        shear[lane] = c.shear, bulk[lane] = c.bulk, smooth[lane] = c.smooth, pair[lane] = c.pair;
+    }
+    StrainCoefficients of(Index lane) const { return {shear[lane], bulk[lane], smooth[lane], pair[lane]}; }
+};
+
+/// A += v b^T
+inline void add_outer(const Lanes3& v, const Lanes3& b, Lanes33& A) {
+    A.m[0][0] += v.x * b.x, A.m[0][1] += v.x * b.y, A.m[0][2] += v.x * b.z;
+    A.m[1][0] += v.y * b.x, A.m[1][1] += v.y * b.y, A.m[1][2] += v.y * b.z;
+    A.m[2][0] += v.z * b.x, A.m[2][1] += v.z * b.y, A.m[2][2] += v.z * b.z;
+}
+
+/// sum w/r^2 (r.D r) r r^T
+inline SymmetricLanes contract(const FourthMoment& f, const SymmetricLanes& D) {
+    const Lanes g[6] = {D.xx, D.yy, D.zz, D.xy + D.xy, D.xz + D.xz, D.yz + D.yz};
+    const auto number = [&](int k) {
+        Lanes sum = f.of(k, 0) * g[0];
+        for (int l = 1; l < 6; ++l) sum += f.of(k, l) * g[l];
+        return sum;
+    };
+    return {number(0), number(1), number(2), number(3), number(4), number(5)};
+}
+
+/// P (2 K D + K Lambda tr D), D of the resolved directions: dE/dG of the strain and bulk terms.
+/// @param resolved_of resolved_of(m) is P m of each lane; not called where all directions are resolved
+template <class Resolved>
+Lanes33 stress(const Lanes33& G, const CoefficientLanes& c, bool resolved, const Resolved& resolved_of) {
+    const auto of = [&](const SymmetricLanes& D) {
+        const Lanes volume = c.bulk * (D.xx + D.yy + D.zz);
+        return whole(
+            {c.shear * D.xx + volume, c.shear * D.yy + volume, c.shear * D.zz + volume, c.shear * D.xy, c.shear * D.xz, c.shear * D.yz});
+    };
+    if (resolved) return of(symmetric(G));
+    const Lanes33 S = of(symmetric(resolved_of(G)));
+    return resolved_of(S);
+}
+
+/// Q = (P S - H) M+ - 2 c G, the row's part of dE/dA: S the stress, H = 2 c' sum w/r^2 ((u_j - u_i).r - r.D r) r r^T.
+/// @param along sum w/r^2 ((u_j - u_i).r) r r^T
+template <class Resolved>
+Lanes33 row_force(const Lanes33& G, const SymmetricLanes& along, const CoefficientLanes& c, const SymmetricLanes& inverse_moment,
+                  const FourthMoment& fourth, bool resolved, const Resolved& resolved_of) {
+    const SymmetricLanes linear = contract(fourth, symmetric(G));
+    const Lanes33 H = whole({c.pair * (along.xx - linear.xx), c.pair * (along.yy - linear.yy), c.pair * (along.zz - linear.zz),
+                             c.pair * (along.xy - linear.xy), c.pair * (along.xz - linear.xz), c.pair * (along.yz - linear.yz)});
+    Lanes33 Q = stress(G, c, resolved, resolved_of);
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) Q.m[a][b] -= H.m[a][b];
+    Q = Q * inverse_moment;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) Q.m[a][b] -= c.smooth * G.m[a][b];
+    return Q;
+}
+
+/// G d^-1 of every row [1/s] @param spacing d [m]
+void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);  // walls move
+
+class StrainForm {
+public:
+    /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
+    /// @param counted part of a particle's volume whose shear is the friction's (ContactFriction::counted); empty: none
+    void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
+             const CoupledOptions& options);
+
+    /// Gives its memory back until the next set().
+    void release() { Column<CoefficientLanes>().swap(by_slice_), Column<Vec4>().swap(forces_); }
+
+    /// Adds sum_i u_i.F_i u_i/2 to E, F the coefficients; empty: nothing. They must outlive the use.
+    void set_friction(Span<const Mat3> coefficient) { friction_ = coefficient; }
+    Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[i]; }
+
+    /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
+    /// @param moving walls have their velocities, else none
+    void apply(Span<const Vec3> u, Span<Vec3> y, bool moving = false) const;
+    /// y_i = free(i, ((1 + K) u)_i): free removes prescribed components. @param y not u itself @returns u.y
+    template <class F>
+    double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
+        find_forces(u);
+        return parallel_sum(rows_->size(), [&](Index i) {
+            y[i] = free(i, applied(u, i));
+            return dot_entry(u[i], y[i]);
+        });
+    }
+    /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
+    /// @param T symmetric [1/s]; empty: none
+    void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
+    /// The forces on walls alone, without a y: of apply(u, y, true) and of add_stress().
+    void find_wall_forces(Span<const Vec3> u) const { find_forces(u, true, true); }
+    void find_wall_forces(Span<const Real> q, Span<const Mat3> T) const { find_stress(q, T, true); }
+    /// Calls f(wall, force on it) for the result of the last of these four [m/s].
+    template <class F>
+    void each_wall_force(const F& f) const {
+        for (const RowBlock& block : rows_->blocks)
+            for (std::size_t k = 0; k < block.walls.size(); ++k) {
+                const Vec4& v = forces_[block.place + block.touched.size() + k];
+                f(block.walls[k], Vec3(v.v[0], v.v[1], v.v[2]));
+            }
+    }
+    /// velocity_gradients() of its rows.
+    void gradient(Span<const Vec3> u, Span<Mat3> G) const { velocity_gradients(*rows_, spacing_, u, G); }
+    /// The 3x3 diagonal blocks of 1 + K (to a few per cent where directions are unresolved).
+    void diagonal(Span<Mat3> B) const;
+
+    /// tr D of the particle, given its gradient [1/s].
+    Real divergence(Index i, const Mat3& G) const;
+    StrainCoefficients coefficients(Index i) const {
+        const RowBlock& block = rows_->block_of(i);
+        const Index lane = block.lane[i - block.begin];
+        return by_slice_[block.first_slice + static_cast<std::size_t>(lane / lane_count)].of(lane % lane_count);
+    }
+    /// Coefficients of the k-th slice of a block.
+    const CoefficientLanes& coefficients(const RowBlock& block, std::size_t k) const { return by_slice_[block.first_slice + k]; }
+    const CoupledRows& rows() const { return *rows_; }
+
+private:
+    /// Forces of the product and of stresses. @param at_walls only those of slices with walls
+    void find_forces(Span<const Vec3> u, bool moving = false, bool at_walls = false) const;
+    void find_stress(Span<const Real> q, Span<const Mat3> T, bool at_walls) const;
+    /// (1 + K) u of particle i, given the forces.
+    Vec3 applied(Span<const Vec3> u, Index i) const {
+        const Vec4 f = rows_->gathered(forces_, i)[0];
+        Vec3 y = u[i] + Vec3(f.v[0], f.v[1], f.v[2]);
+        if (!friction_.empty()) y += friction_[i] * u[i];
+        return y;
+    }
+    Lanes33 resolved_part(const RowBlock& block, const RowSlice& slice, const Lanes33& m) const;
+
+    const CoupledRows* rows_ = nullptr;
+    Column<CoefficientLanes> by_slice_;
+    Span<const Mat3> friction_;
+    Real spacing_ = 1;
+    mutable Column<Vec4> forces_;  ///< one a touched particle of each block
+};
+
+}  // namespace whorl

@@ -1,0 +1,65 @@
+#include "engine/models/viscosity/coupled/two_level.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "engine/math/conjugate_gradients.h"
+
+namespace whorl {
+
+void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
+                       const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
+    const CoupledRows& rows = form.rows();
+    const auto neighbours = [&](Index i, const auto& visit) {
+        const RowBlock& block = rows.block_of(i);
+        const Index row = i - block.begin;
+        // If there are many pairs, a quarter of them finds nearest centres and connections as well as all.
+        block.each_pair(
+            row, [&](RowBlock::FileLocation at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
+    };
+    // The factor's entries grow faster than the particles.
+    const int size = static_cast<int>(options.aggregate * std::max(1.0, std::sqrt(static_cast<double>(x.size()) / options.many)));
+    aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
+    const int groups = split_unconnected(neighbours, aggregate);
+    coarse_.place(x, role, aggregate, groups, domain, spacing);
+    if (groups > 0) coarse_.factor(coarse_matrix(form, coarse_.motions()));
+}
+
+void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
+                   Real spacing, Span<const std::int32_t> aggregate) {
+    coarse_.place(x, role, aggregate, coarse_.groups(), domain, spacing);
+    inverse_diagonal_.resize(x.size());
+    form.diagonal(inverse_diagonal_);
+    bool any_slip = false;
+    for (std::size_t i = 0; i < x.size(); ++i) any_slip |= slip[i] != Vec3::Zero();
+    slip_.clear();
+    if (any_slip) slip_.assign(slip.begin(), slip.end());
+    parallel_for(static_cast<Index>(x.size()), [&](Index i) {
+        Mat3& B = inverse_diagonal_[i];
+        if (role[i] != 0) {
+            B.setZero();
+            return;
+        }
+        if (any_slip && slip[i] != Vec3::Zero()) {
+            // (I - n n^T) B (I - n n^T) + n n^T, and the inverse without its n n^T
+            const Mat3 normal = slip[i] * slip[i].transpose(), tangent = Mat3::Identity() - normal;
+            const Mat3 held = tangent * B * tangent + normal;
+            B = tangent * held.inverse() * tangent;
+            return;
+        }
+        B = B.inverse().eval();
+    });
+}
+
+double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
+    coarse_.solve(r);
+    return parallel_sum(static_cast<Index>(r.size()), [&](Index i) {
+        Vec3 sum = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
+        if (!slip_.empty()) sum -= slip_[i] * slip_[i].dot(sum);
+        z[i] = sum;
+        return dot_entry(r[i], z[i]);
+    });
+}
+
+}  // namespace whorl

@@ -1,0 +1,105 @@
+#pragma once
+/// Traits of the models, one row each. Plan, checks, scene keys, assembly and the prediction of cost read these tables; code compares
+/// a model's name only where it reads the model's options and makes its stages.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene.h"
+
+namespace whorl {
+
+struct PressureTraits {
+    PressureModel model = PressureModel::none;
+    const char* name = "";                      ///< in scene files
+    std::optional<PressureForm> form = {};      ///< the row is of this pressure.form alone
+    std::optional<PressureSource> source = {};  ///< and of this pressure.source
+    double cfl = 1;                             ///< share of time.cfl that its steps use
+    bool keeps_apart = false;                   ///< particles do not clump: surface tension needs that
+    bool has_sound = false;                     ///< explicit in time: its steps resolve the sound
+    bool solves = false;                        ///< a linear system a step, which has a tolerance
+    bool makes_density = false;                 ///< in its own way; for the others the stage Density does
+    bool solves_viscosity = false;              ///< in the same system: it needs a viscosity, and no other viscosity model goes with it
+    /// SceneScales::least_viscous_number from which on it works. "coupled" joins the particles by viscosity: thinner fluid would have to
+    /// part into drops, and its pools would lose height.
+    double least_viscous_number = 0;
+    bool has_micropolar = true;  ///< goes with micropolar terms
+    bool moves_bodies = false;
+    KernelKind kernel = KernelKind::cubic;  ///< its own
+    double support = 2;                     ///< its own [spacings]
+    double widest_support = 0;              ///< of particles with few neighbours [spacings]
+    const char* kernel_reason = "usual";
+    double loosens_lattice = 0;                    ///< spacings by which the particles of a lattice are moved at random at the start
+    BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; the only alternative is "none"
+    const char* boundary_reason = "";
+    ShiftingModel shifting = ShiftingModel::none;
+    const char* shifting_reason = "particles of this model keep apart by themselves";
+    double bytes_a_particle = 800;  ///< without neighbours, measured at 3,000 particles
+};
+
+struct ViscosityTraits {
+    ViscosityModel model = ViscosityModel::none;
+    const char* name = "";
+    std::optional<bool> correction = {};  ///< the row is of this viscosity.correction alone
+    bool viscous = false;                 ///< by fluid.viscosity, and at solids too
+    bool smooths = false;                 ///< velocities, by no viscosity of the fluid's
+    bool implicit = false;                ///< solves a linear system: bounds no step
+    bool needs_density = false;
+    bool knows_slip_length = false;
+    bool moves_bodies = true;
+};
+
+/// viscosity = mu + viscosity_by_transfer mu_t, coupling = coupling_by_mu mu + mu_t, with mu = fluid.viscosity and mu_t =
+/// micropolar.transfer_viscosity.
+struct MicropolarTraits {
+    MicropolarModel model = MicropolarModel::none;
+    const char* name = "";
+    bool spins = false;  ///< particles have a spin
+    double viscosity_by_transfer = 0, coupling_by_mu = 0;
+};
+
+const std::vector<PressureTraits>& pressure_models();
+const std::vector<ViscosityTraits>& viscosity_models();
+const std::vector<MicropolarTraits>& micropolar_models();
+
+const PressureTraits& facts_of(PressureModel model, PressureForm form = PressureForm::constraint,
+                               PressureSource source = PressureSource::velocity);
+const ViscosityTraits& facts_of(ViscosityModel model, const ViscosityOptions& options);
+const MicropolarTraits& facts_of(MicropolarModel model);
+
+/// The traits of the models that a plan has chosen, and their joint consequences.
+struct ModelTraits {
+    PressureTraits pressure;
+    ViscosityTraits viscosity;
+    MicropolarTraits micropolar;
+    /// Whether the fluid's viscosity acts, and whether implicitly.
+    bool viscous() const { return pressure.solves_viscosity || viscosity.viscous; }
+    bool viscous_implicitly() const { return pressure.solves_viscosity || viscosity.implicit; }
+    /// Whether the stage Density is in the step.
+    bool needs_density() const { return !pressure.makes_density || viscosity.needs_density || micropolar.spins; }
+};
+
+/// Names of the rows for which `wanted` is true, each once.
+template <class Facts>
+std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*wanted) {
+    std::vector<std::string> names;
+    for (const Facts& row : rows)
+        if (row.*wanted && (names.empty() || names.back() != row.name)) names.push_back(row.name);
+    return names;
+}
+
+/// How a user asks for a row: "full" with viscosity.correction = false.
+std::string described(const PressureTraits& row);
+std::string described(const ViscosityTraits& row);
+/// Descriptions of all rows for which `wanted` is true: "full" with viscosity.correction = true, "explicit" or "none".
+template <class Facts>
+std::string described(const std::vector<Facts>& rows, bool Facts::*wanted) {
+    std::vector<std::string> all;
+    for (const Facts& row : rows)
+        if (row.*wanted) all.push_back(described(row));
+    std::string text;
+    for (std::size_t k = 0; k < all.size(); ++k) text += (k == 0 ? "" : k + 1 < all.size() ? ", " : " or ") + all[k];
+    return text;
+}
+
+}  // namespace whorl

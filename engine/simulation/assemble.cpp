@@ -1,0 +1,512 @@
+#include "engine/simulation/assemble.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/models/bodies/body_motion.h"
+#include "engine/models/boundary/wall.h"
+#include "engine/models/ink/ink.h"
+#include "engine/models/micropolar/micropolar.h"
+#include "engine/models/motion/fickian.h"
+#include "engine/models/motion/motion.h"
+#include "engine/models/pressure/constraint.h"
+#include "engine/models/pressure/damping.h"
+#include "engine/models/pressure/expected_force.h"
+#include "engine/models/pressure/overdensity.h"
+#include "engine/models/pressure/poisson.h"
+#include "engine/models/pressure/pressure_multigrid.h"
+#include "engine/models/pressure/projection/corrected_micropolar.h"
+#include "engine/models/pressure/projection/corrected_viscosity.h"
+#include "engine/models/pressure/projection/momenta.h"
+#include "engine/models/pressure/projection/projection.h"
+#include "engine/models/pressure/projection/surface_pressure.h"
+#include "engine/models/pressure/wcsph.h"
+#include "engine/models/surface_tension/surface_tension.h"
+#include "engine/models/viscosity/ageing_viscosity.h"
+#include "engine/models/viscosity/assembled_viscosity.h"
+#include "engine/models/viscosity/coupled/coupled_solve.h"
+#include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/models/viscosity/full_viscosity.h"
+#include "engine/models/viscosity/strain/curvature.h"
+#include "engine/particles/search.h"
+#include "engine/sph/density.h"
+
+namespace whorl {
+namespace {
+
+/// Relative density error that is left of a single particle. @param tolerance of all in the mean: looser than the default it saves
+/// iterations, but splashes stay as they are.
+double largest_error(double tolerance) { return 10 * std::min(tolerance, PressureOptions{}.limits.tolerance); }
+
+/// cfl of the limit from pressure at most: with longer steps a column at rest shakes itself apart (physics.md 3).
+constexpr double calm_cfl = 0.8;
+
+/// Fluid and solid neighbours of the models with one support radius.
+Stage neighbours() {
+    Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}};
+    stage.run = [](World& w) {
+        const auto x = std::as_const(w.fluid).column<field::position>();
+        const Real support = w.step.support;
+        // A step may start with the neighbours that the last one found at its end. A resumed run has none.
+        const bool fresh = w.step.at_frame_time;
+        if (fresh || !NeighbourSearch::narrow(x, x, support, w.step.domain, w.fluid_pairs))
+            w.search.find(x, support, w.step.domain, w.fluid_pairs);
+        const Span<const Vec3> boundary = w.boundary_particles.position;
+        if (fresh || !NeighbourSearch::narrow(x, boundary, support, w.step.domain, w.solid_pairs))
+            w.search.find(x, boundary, support, w.step.domain, w.solid_pairs);
+    };
+    return stage;
+}
+
+/// The solids where they are at the end of the step.
+Stage move_solids() {
+    return {"solids", "move", {}, [](World& w) {
+                w.solids.set_time(w.step.time + w.step.dt, w.step.dt);
+                if (w.solids.any_moving()) w.boundary_particles.follow(w.solids);
+            }};
+}
+
+std::vector<Stream> make_streams(const Scene& scene) {
+    std::vector<Stream> streams;
+    for (const StreamKeys& keys : scene.streams)
+        streams.push_back({keys.min.cast<Real>(), keys.max.cast<Real>(), keys.velocity, keys.time});
+    return streams;
+}
+
+/// The preconditioner that the scene asks for, of those that a pressure solve has.
+template <class SetUp>
+SetUp preconditioner(Preconditioner wanted, SetUp automatic, SetUp none, SetUp diagonal, SetUp multigrid) {
+    switch (wanted) {
+        case Preconditioner::none: return none;
+        case Preconditioner::jacobi: return diagonal;
+        case Preconditioner::multigrid: return multigrid;
+        default: return automatic;
+    }
+}
+
+class Assembler {
+public:
+    Assembler(const Scene& scene, const Plan& plan)
+        : scene_(scene), plan_(plan), facts_(plan.traits), constraint_(facts_.pressure.form == PressureForm::constraint),
+          bodies_(scene.any_free_solid()), solid_factor_(factor_of_solids(scene, plan)), gate_{static_cast<Real>(scene.boundary.gate)} {}
+
+    Assembly assemble() {
+        limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
+        flow_limits();
+        ageing();
+        if (facts_.pressure.solves_viscosity) coupled();
+        else if (facts_.pressure.source == PressureSource::velocity) projection();
+        else separate();
+        ink_sources();
+        return std::move(made_);
+    }
+
+private:
+    static Real factor_of_solids(const Scene& scene, const Plan& plan) {
+        if (plan.boundary == BoundaryModel::none) return 1;
+        if (scene.models.printed()) return 1;
+        if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
+        return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
+    }
+    /// @param cause of the energy that the stage gives or takes, or of a share of it
+    template <class S>
+    void stage(const char* name, const char* group, S s, double EnergyBudget::*cause = nullptr, double share = 1) {
+        made_.stages.push_back(make_stage(name, group, std::move(s)));
+        made_.stages.back().cause = cause, made_.stages.back().share = share;
+    }
+    /// A force that adds to the acceleration. A micropolar model adds these up itself, with the work of solids.
+    template <class S>
+    void push(const char* name, const char* group, S s, double EnergyBudget::*cause) {
+        stage(name, group, std::move(s), cause, facts_.micropolar.spins ? 0 : 1);
+    }
+    void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
+        made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
+    }
+    double cfl() const { return scene_.time.cfl * facts_.pressure.cfl; }
+    static std::string number(double value) { return Expression(value).text(); }
+    static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
+
+    /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; the same holds for solids.
+    void flow_limits() {
+        const double cfl = this->cfl(), d = plan_.spacing;
+        limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
+            for (const Vec3& u : w.boundary_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
+            for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.centre_velocity().norm()));
+            return speed > 0 ? cfl * d / speed : never;
+        });
+        limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w, double) {
+            const double g = w.step.gravity.norm();
+            return g > 0 ? std::sqrt(2 * cfl * d / g) : never;
+        });
+        if (scene_.emitters.empty()) return;
+        std::vector<Expression> speeds;
+        for (const EmitterKeys& e : scene_.emitters) speeds.push_back(e.speed);
+        limit("emitter", number(cfl) + " d / emitter speed", [=](const World& w, double) {
+            double speed = 0;
+            for (const Expression& s : speeds) speed = std::max(speed, 2 * std::abs(s(w.step.time)));
+            return speed > 0 ? 2 * cfl * d / speed : never;
+        });
+    }
+
+    void ink_diffusion() {
+        if (scene_.fluid.ink_diffusion > 0) stage("ink diffusion", "ink", InkDiffusion{scene_.fluid.ink_diffusion});
+    }
+    void ink_sources() {
+        InkSources all;
+        for (const StreamKeys& stream : scene_.streams)
+            if (stream.ink.any())
+                all.sources.push_back({stream.min.cast<Real>(), stream.max.cast<Real>(), ExpressionField(stream.ink.vector())});
+        if (!all.sources.empty()) stage("ink of streams", "ink", std::move(all));
+    }
+
+    /// Viscosity and pressure in one solve.
+    void coupled() {
+        CoupledOptions options;
+        options.limits = scene_.pressure.limits;
+        options.support = plan_.support / plan_.spacing;
+        options.vessel = plan_.turning_vessel;
+        auto system = std::make_shared<CoupledSystem>(options);
+        if (scene_.fluid.ink_diffusion > 0) made_.stages.push_back(neighbours());
+        ink_diffusion();
+        stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
+        stage("coupled gradient", "viscosity", CoupledGradient{system});
+        if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
+        force();
+        // One solve for gravity, pressure and viscosity; what the potential energy gives in the move, less what contact
+        // takes back, belongs to it.
+        stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
+        stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
+        made_.stages.push_back(move_solids());
+        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}, &EnergyBudget::moves);
+        stage("coupled contact", "boundary", CoupledContact{system}, &EnergyBudget::viscosity);
+    }
+
+    ProjectionOptions projection_options() const {
+        ProjectionOptions options;
+        options.limits = scene_.pressure.limits;
+        options.free_surface = plan_.free_surface;
+        options.sharp = !facts_.micropolar.spins;
+        options.solves = bounded() ? 3 : 2;
+        options.tension = plan_.free_surface ? scene_.fluid.surface_tension : 0;
+        options.bare_surface = weightless() && options.tension == 0;
+        options.theta = bounded() ? 0.55 : 0.5;
+        options.gate = gate_;
+        const ParticleMultigrid& levels = poisson_levels_in(scene_.domain.dimensions);
+        options.preconditioner = preconditioner<PressurePreconditionerSetup>(scene_.pressure.preconditioner, poisson_automatic(levels),
+                                                                             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
+        return options;
+    }
+    bool bounded() const { return plan_.free_surface || !scene_.solids.empty(); }
+    bool weightless() const { return plan_.free_surface && scene_.domain.gravity.is_zero(); }
+
+    /// Forces and pressure where the flow takes the particles.
+    void projection() {
+        const ProjectionOptions options = projection_options();
+        auto system = std::make_shared<ProjectionSystem>(options);
+        const auto momenta = std::make_shared<Momenta>();
+        if (weightless()) stage("momenta before", "move", RecordMomentum{momenta});
+        stage("drift", "move", ProjectionDrift{system});
+        if (bodies_) stage("drift of bodies", "bodies", ProjectionBodyDrift{system});
+        if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
+        made_.stages.push_back(neighbours());
+        ink_diffusion();
+        stage("geometry", "density", ProjectionGeometry{system});
+        if (options.tension > 0) {
+            stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
+            tension_limit();
+        }
+        push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
+        if (facts_.micropolar.spins) spin(system);
+        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
+            if (scene_.viscosity.without_spin() == LaplacianForm::brookshaw) {
+                stage("corrected viscosity", "viscosity", CorrectedViscosity{system}, &EnergyBudget::viscosity);
+                viscous_limits();
+            } else {
+                explicit_viscosity();
+            }
+        }
+        kicks();
+        force();
+        if (facts_.viscosity.implicit) {
+            if (weightless() || (!plan_.free_surface && !scene_.solids.empty()))
+                stage("expected pressure", "pressure", ExpectPressure{system}, &EnergyBudget::pressure);
+            implicit_viscosity();
+        }
+        stage("projection", "pressure", Projection{system}, &EnergyBudget::pressure);
+        if (bounded()) pressure_limit(cfl());
+        stage("shift", "shifting", ProjectionShift{system}, &EnergyBudget::moves);
+        stage("move", "move", ProjectionMove{system}, &EnergyBudget::smoothing);
+        if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
+        if (weightless()) stage("momenta", "move", RestoreMomentum{momenta, !facts_.micropolar.spins}, &EnergyBudget::smoothing);
+        if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
+        if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
+        if (!scene_.solids.empty()) stage("keep outside", "boundary", PushOutOfSolids{}, &EnergyBudget::boundary);
+    }
+
+    /// Stages in sequence: accelerations, the kick, changes of the velocity, the move.
+    void separate() {
+        made_.stages.push_back(neighbours());
+        ink_diffusion();
+        if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
+        if (facts_.pressure.has_sound) sound_pressure();
+        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
+        push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
+        if (facts_.pressure.has_sound) sound_forces();
+        if (facts_.micropolar.spins) spin();
+        else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
+        kicks();
+        force();
+        if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
+        if (plan_.viscosity == ViscosityModel::xsph) smoothing(scene_.viscosity.alpha);
+        if (facts_.micropolar.spins && scene_.models.printed()) {
+            smoothing(scene_.micropolar.xsph_velocity);
+            stage("XSPH of the spin", "micropolar",
+                  XsphSpin{static_cast<Real>(scene_.micropolar.xsph_spin), scene_.micropolar.micro_inertia});
+        }
+        const bool expects =
+            facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
+        // Half of what these two do together belongs to the viscosity: its work is then F.(u + v)/2, with the velocity before the first and
+        // that after the solve, in which no pressure of neighbours that cancels out over the steps is left.
+        if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
+        if (facts_.viscosity.implicit) implicit_viscosity();
+        if (expects) stage("forget pressure", "pressure", ForgetForce{}, &EnergyBudget::viscosity, 0.5);
+        if (plan_.pressure == PressureModel::ppe) incompressibility();
+        if (expects) stage("pressure force", "pressure", TakeForce{});
+        if (plan_.shifting == ShiftingModel::fickian) stage("shift", "shifting", FickianShift{solid_factor_, gate_}, &EnergyBudget::moves);
+        moves();
+        if (!scene_.solids.empty()) at_solids();
+        if (constraint_)
+            stage("crowding", "pressure", RelaxOverdensity(largest_error(scene_.pressure.limits.tolerance), gate_), &EnergyBudget::moves);
+    }
+
+    void smoothing(double alpha) {
+        stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(alpha), scene_.models.printed()}, &EnergyBudget::smoothing);
+    }
+
+    /// What the plan adds to the keys.
+    template <class Options>
+    Options with_choices(Options options) const {
+        options.solid_factor = solid_factor_, options.gate = gate_, options.printed = scene_.models.printed();
+        return options;
+    }
+    PressureOptions pressure() const {
+        PressureOptions options = with_choices(scene_.pressure);
+        options.sound_speed = plan_.sound_speed, options.artificial_viscosity = plan_.artificial_viscosity;
+        options.slow_correction = scene_.fluid.surface_tension > 0;
+        return options;
+    }
+    ViscosityOptions viscosity() const {
+        ViscosityOptions options = with_choices(scene_.viscosity);
+        options.share = static_cast<Real>(plan_.spin.implicit_share);
+        return options;
+    }
+
+    void sound_pressure() {
+        stage("Tait's equation", "pressure", TaitPressure{pressure()});
+        if (scene_.pressure.sound_damping > 0) stage("sound damping", "pressure", SoundDamping{pressure()});
+        if (!scene_.emitters.empty()) stage("pressure in nozzles", "pressure", NozzlePressure{});
+    }
+
+    void sound_forces() {
+        push("pressure acceleration", "pressure", PressureAcceleration{pressure()}, &EnergyBudget::pressure);
+        if (plan_.artificial_viscosity > 0)
+            push("artificial viscosity", "pressure", ArtificialViscosity{pressure()}, &EnergyBudget::smoothing);
+        const double cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed, damping = scene_.pressure.sound_damping;
+        limit("sound", number(cfl) + " R/2 / (c + max |u|)", [=](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
+        if (bodies_)
+            limit("light bodies", "(" + number(cfl) + " R/2 / (c + max |u|)) sqrt(mass / mass of the fluid around)",
+                  [=](const World& w, double fastest) {
+                      return sound_step(cfl, R, c, fastest) * std::sqrt(lightness(w.solids, w.boundary_particles, w.step.mass));
+                  });
+        if (damping > 0)
+            limit("sound damping", "0.6 R/2 / (sound_damping c)",
+                  [dt = sound_damping_step(R, c, damping)](const World&, double) { return dt; });
+    }
+
+    void kicks() {
+        if (!scene_.streams.empty()) stage("streams", "move", FollowStreams{make_streams(scene_)}, &EnergyBudget::forces);
+        stage("kick", "move", Kick{});
+        if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
+    }
+    void force() {
+        if (scene_.fluid.force.is_zero()) return;
+        stage("force", "move", Force{scene_.fluid.force}, &EnergyBudget::forces);
+    }
+    void moves() {
+        stage("move", "move", Move{});
+        if (bodies_) stage("motion of bodies", "bodies", MoveBodies{!(constraint_ && plan_.pressure == PressureModel::ppe)});
+    }
+    void at_solids() {
+        made_.stages.push_back(move_solids());
+        stage("keep outside", "boundary", PushOutOfSolids{}, &EnergyBudget::boundary);
+    }
+
+    void incompressibility() {
+        if (scene_.pressure.damping > 0)
+            stage("unresolved motion", "pressure", DampUnresolved{scene_.pressure.damping, scene_.fluid.surface_tension},
+                  &EnergyBudget::smoothing);
+        if (constraint_) density_constraint();
+        else pressure_equation();
+    }
+
+    void density_constraint() {
+        auto solver = preconditioner<ConstraintPreconditionerSetup>(scene_.pressure.preconditioner, constraint_automatic,
+                                                                    constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
+        stage("density constraint", "pressure", ConstraintPressure(pressure(), std::move(solver)), &EnergyBudget::pressure);
+        pressure_limit<field::constraint_pressure>(std::min(cfl(), calm_cfl));
+    }
+
+    template <class Field = field::pressure>
+    void pressure_limit(double cfl) {
+        limit("pressure", number(cfl) + " d / sqrt(p / rho)",
+              [cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
+                  return pressure_step(cfl, d, rho_0, w.fluid.column<Field>());
+              });
+    }
+
+    void pressure_equation() {
+        ParticleMultigrid levels = poisson_levels_in(scene_.domain.dimensions);
+        levels.additive = scene_.pressure.cycle == MultigridCycle::additive;
+        levels.coarse.sweeps_before = levels.coarse.sweeps_after = scene_.pressure.sweeps;
+        auto solver = preconditioner<PressurePreconditionerSetup>(
+            scene_.pressure.preconditioner, scene_.pressure.asks_for_multigrid() ? poisson_multigrid(levels) : poisson_automatic(levels),
+            poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
+        stage("pressure equation", "pressure", PoissonPressure(pressure(), std::move(solver)), &EnergyBudget::pressure);
+        pressure_limit(cfl());
+    }
+
+    void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
+        const double tension = scene_.fluid.surface_tension;
+        SurfaceTensionOptions options{tension, {}, std::move(internal), constraint_};
+        for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
+        stage("surface tension", "surface tension", SurfaceTension(std::move(options)), &EnergyBudget::surface_tension);
+        tension_limit();
+    }
+
+    void tension_limit() {
+        const double tension = scene_.fluid.surface_tension;
+        const bool implicit = facts_.viscous_implicitly();
+        limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
+              [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
+                  double mu = 0;
+                  if (implicit) {
+                      const auto each = w.fluid.column<field::viscosity>();
+                      mu = -parallel_max(w.fluid.size(), -std::numeric_limits<double>::infinity(),
+                                         [&](Index i) { return -static_cast<double>(each[i]); });
+                      if (!std::isfinite(mu)) mu = 0;  // no fluid yet
+                  }
+                  return surface_tension_step(rho, d, tension, mu);
+              });
+    }
+
+    void ageing() {
+        const bool viscous = facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins;
+        if (!viscous || !scene_.viscosity_ages()) {
+            if (scene_.ages) stage("age", "move", AdvanceAge{});
+            return;
+        }
+        std::vector<Expression> of_source;
+        for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) of_source.push_back(scene_.viscosity_of_source(k));
+        if (scene_.viscosity_ages_by_place()) stage("ageing", "viscosity", AgeingViscosityByPlace{std::move(of_source)});
+        else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
+    }
+
+    void explicit_viscosity() {
+        stage("explicit viscosity", "viscosity", ExplicitViscosity{viscosity()}, &EnergyBudget::viscosity);
+        viscous_limits();
+    }
+
+    void viscous_limits() {
+        const bool monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
+        const double stiffness = monaghan ? monaghan_stiffness(plan_.dimensions()) : 1;
+        const double nu = stiffness * plan_.largest_viscosity / scene_.fluid.density;
+        const double step = nu > 0 ? viscous_step(plan_.support, nu) : never;
+        const std::string formula = monaghan ? "0.125 R^2 / (4 nu (D + 2)/D)" : "0.125 R^2 / (4 nu)";
+        limit("viscous", formula, [step](const World&, double) { return step; });
+        if (bodies_)
+            limit("light bodies in viscous fluid", "(" + formula + ") mass / mass of the fluid around", [step](const World& w, double) {
+                return step < never ? step * lightness(w.solids, w.boundary_particles, w.step.mass) : never;
+            });
+    }
+
+    void implicit_viscosity() {
+        if (plan_.viscosity == ViscosityModel::full_assembled)
+            stage("assembled viscosity", "viscosity", AssembledViscosity(viscosity()), &EnergyBudget::viscosity);
+        else if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(viscosity()), &EnergyBudget::viscosity);
+        else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(viscosity()), &EnergyBudget::viscosity);
+    }
+
+    MicropolarOptions micropolar_options() const {
+        const MicropolarKeys& keys = scene_.micropolar;
+        const MicropolarNumbers& n = plan_.spin;
+        MicropolarOptions options;
+        options.coupling = n.coupling;
+        options.pair_viscosity = n.pair_viscosity;
+        options.central_viscosity = n.central_viscosity;
+        options.composed_coupling = n.composed_coupling;
+        options.spin_viscosity = n.spin_viscosity;
+        options.micro_inertia = n.micro_inertia;
+        options.curl_velocity = keys.curl_velocity.value_or(options.curl_velocity);
+        options.curl_spin = keys.curl_spin.value_or(options.curl_spin);
+        options.co_rotating = keys.co_rotating;
+        options.implicit_exchange = n.implicit_exchange;
+        options.printed = scene_.models.printed();
+        options.smoothing_velocity = options.printed ? 0 : keys.xsph_velocity;
+        options.smoothing_spin = options.printed ? 0 : keys.xsph_spin;
+        options.smoothing_time = keys.xsph_time;
+        options.free_spin_walls = keys.wall_spin == WallSpin::free;
+        options.torque = keys.torque;
+        options.solid_factor = solid_factor_;
+        options.gate = gate_;
+        return options;
+    }
+
+    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
+    /// @param projection if there is one; it has its own corrected forms unless the scene sets others
+    void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
+        const MicropolarNumbers& n = plan_.spin;
+        const MicropolarOptions options = micropolar_options();
+        const MicropolarKeys& keys = scene_.micropolar;
+        const bool asks =
+            keys.curl_velocity || keys.curl_spin || !keys.co_rotating || n.central_viscosity != 0 || n.composed_coupling > 0 || n.slides;
+        if (projection && !asks) push("micropolar", "micropolar", CorrectedMicropolar{projection, options}, &EnergyBudget::viscosity);
+        else push("micropolar", "micropolar", Micropolar{options}, &EnergyBudget::viscosity);
+
+        const double R = plan_.support, rho = n.density;
+        // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
+        const double nu =
+            std::max(n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity) + n.composed_coupling / 2,
+                     n.coupling / 2) /
+            rho;
+        limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
+        const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
+        const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
+        const double exchange = n.coupling > 0 ? exchange_step(n.coupling / rho, n.micro_inertia, k) : never;
+        limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",
+              [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
+        // The rates of decay add up: 1.1 over the limits at most (R = 3 d), 2 over the step.
+        if (n.composed_coupling > 0) {
+            const double together =
+                1.5 / (1 / viscous_step(R, nu) + diffusion / viscous_step(R, 1) + (n.implicit_exchange ? 0 : 1 / exchange));
+            limit("spin", "1.5 / (sum of 1/limits of viscosity, spin diffusion and explicit exchange)",
+                  [=](const World&, double) { return together; });
+        }
+        if (n.implicit_exchange || n.coupling == 0) return;
+        limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d",
+              [=](const World&, double) { return exchange; });
+    }
+
+    const Scene& scene_;
+    const Plan& plan_;
+    const ModelTraits& facts_;
+    bool constraint_, bodies_;
+    Real solid_factor_;  ///< on the solids' volumes, see models/boundary/wall.h
+    SolidGate gate_;
+    Assembly made_;
+};
+
+}  // namespace
+
+Assembly assemble(const Scene& scene, const Plan& plan) { return Assembler(scene, plan).assemble(); }
+
+}  // namespace whorl

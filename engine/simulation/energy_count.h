@@ -1,0 +1,41 @@
+#pragma once
+/// The energy budget of a run: change of the fluid's energy by each stage, by cause.
+#include "engine/simulation/stage.h"
+
+namespace whorl {
+
+/// Energies of the particles outside nozzles [J]: sum m u^2/2, -sum m g . x, sum m theta w^2/2.
+struct Energies {
+    double kinetic_energy = 0, potential_energy = 0, spin_energy = 0;
+    double energy() const { return kinetic_energy + potential_energy + spin_energy; }
+};
+/// @param gravity m/s^2 @param micro_inertia theta, m^2
+Energies energies_of(const World& world, const Vec3d& gravity, double micro_inertia);
+
+/// Sees the stages of a step in order. A stage's change of kinetic energy, less the work of solids in it, goes to its cause, and so does
+/// its change of potential energy, but that of a push-out, which is a move. Forces that add to the acceleration have the kinetic energy
+/// that they will have given when the kick is done. The pulls of surface tension press particles onto each other, and the solve undoes that
+/// in the same step. So from the pulls until the move each cause has m v.(u + u')/2 of its change v of the velocity, with the velocities u
+/// before the pulls and u' of the move; the sum is the change of kinetic energy.
+class EnergyCount {
+public:
+    void begin(const World& world);
+    void before(const Stage& stage, const World& world);
+    void after(const Stage& stage, const World& world, EnergyBudget& budget);
+
+private:
+    struct Kick {
+        double EnergyBudget::*cause;
+        std::vector<Vec3> change;  ///< of the velocity [m/s]
+    };
+    void add_kick(double EnergyBudget::*cause, Span<const Vec3> u);
+    void count_kicks(const World& world, EnergyBudget& budget);
+
+    std::vector<Kick> kicks_;          ///< since the pulls of surface tension; empty before them and after the move
+    std::vector<Vec3> pulled_, last_;  ///< velocities before the pulls, and after the last kick
+    double kinetic_ = 0, potential_ = 0;
+    double work_ = 0;  ///< of solids up to now in this step
+    bool accelerated_ = false;
+};
+
+}  // namespace whorl

@@ -1,0 +1,21 @@
+#pragma once
+/// Data shared by the stages of a run. A stage gets only the parts that its operator() names.
+#include "engine/particles/interaction_context.h"
+#include "engine/particles/search.h"
+
+namespace whorl {
+
+struct World {
+    ParticleStore fluid;
+    Solids solids;
+    BoundaryParticles boundary_particles;
+    FluidPairs fluid_pairs;
+    SolidPairs solid_pairs;
+    NeighbourSearch search;  ///< fills them; its memory is reused by the next search
+    StepContext step;
+    StepReport report;
+
+    InteractionContext surroundings() { return {fluid_pairs, solid_pairs, solids, boundary_particles, step}; }
+};
+
+}  // namespace whorl

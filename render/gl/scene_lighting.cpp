@@ -1,0 +1,129 @@
+#include "render/gl/scene_lighting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/random.h"
+#include "render/look/environment.h"
+#include "render/look/material.h"
+
+namespace whorl {
+namespace {
+
+constexpr float far_below = -1e6f;      // m, of a ground that is not there
+constexpr float brightest = 1000;       // radiance: the sun itself would make single pixels of every soft reflection white
+constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
+constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
+
+gl::Texture texture_of(const Environment& environment) {
+    std::vector<float> rgba;
+    rgba.reserve(environment.rgb.size() / 3 * 4);
+    for (std::size_t i = 0; i < environment.rgb.size(); ++i) {
+        rgba.push_back(std::clamp(environment.rgb[i], 0.0f, brightest));
+        if (i % 3 == 2) rgba.push_back(1);
+    }
+    gl::Texture texture = gl::texture_2d(GL_RGBA16F, environment.width, environment.height, true);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, environment.width, environment.height, GL_RGBA, GL_FLOAT, rgba.data());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glGenerateMipmap(GL_TEXTURE_2D);
+    return texture;
+}
+
+}  // namespace
+
+SceneLighting::SceneLighting() : noise_(lattice_noise()), picture_(gl::texture_2d(GL_RGBA16F, 1, 1, true)) { light_.fill(Vec3f::Zero()); }
+
+void SceneLighting::fill(const LookOptions& look) {
+    if (look.environment == file_) return;
+    if (!look.environment.empty()) {
+        const Environment environment = read_environment(look.environment);
+        picture_ = texture_of(environment);
+        light_ = light_of(environment);
+    }
+    file_ = look.environment;
+}
+
+Studio SceneLighting::studio(const LookOptions& look) const {
+    Studio studio = studio_of(look.background);
+    if (file_.empty()) return studio;
+    const Vec3f lamp = brightest_side(light_);
+    studio.sky = light_on(light_, Vec3f::UnitY());
+    studio.sun = directed_share * (light_on(light_, lamp) - light_on(light_, -lamp)).cwiseMax(0.0f);
+    studio.backdrop_low = light_on(light_, -Vec3f::UnitY());
+    return studio;
+}
+
+Vec3f SceneLighting::shadow_lamp(const View& view) const {
+    return file_.empty() ? Vec3f(studio_axes(view).transpose() * shadow_light()) : brightest_side(light_);
+}
+
+std::string SceneLighting::constants(const LookOptions& look) const {
+    return gl::constant("table", static_cast<int>(table_material(look.table).pattern)) + gl::constant("has_environment", !file_.empty());
+}
+
+void SceneLighting::bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const {
+    const Studio light = studio(look);
+    program.set("studio", studio_axes(view));
+    program.set("backdrop_low", light.backdrop_low);
+    program.set("backdrop_high", light.backdrop_high);
+    program.set("backdrop_glow", light.backdrop_glow);
+    program.set("key_light", light.key);
+    program.set("window_light", light.window);
+    program.set("rim_light", light.rim);
+    program.set("fill_light", light.fill);
+    program.set("sky", light.sky);
+    program.set("key_colour", light.sun);
+    program.set("ground_height", look.ground ? ground : far_below);
+    program.set("eye", view.position);
+    program.set("pixel_angle", 2 * std::tan(view.fov * std::numbers::pi_v<float> / 360) / static_cast<float>(height));
+    const SolidMaterial table = table_material(look.table);
+    program.set("table_colour", table.colour);
+    program.set("table_roughness", table.roughness);
+    std::vector<Eigen::Vector4f> terms;
+    for (const Vec3f& c : light_) terms.emplace_back(round_share * c.x(), round_share * c.y(), round_share * c.z(), 0);
+    program.set("environment_light", terms);
+    program.texture("lattice_noise", unit, GL_TEXTURE_3D, noise_.id());
+    program.texture("environment_map", unit + 1, GL_TEXTURE_2D, picture_.id());
+}
+
+gl::Texture lattice_noise() {
+    constexpr int n = 64;
+    RandomNumbers random(1);
+    std::vector<float> value(n * n * n);
+    for (float& v : value) v = static_cast<float>(random());
+    gl::Texture texture;
+    gl::fill_3d(texture, n, n, n, value.data());
+    glGenerateMipmap(GL_TEXTURE_3D);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) glTexParameteri(GL_TEXTURE_3D, axis, GL_REPEAT);
+    return texture;
+}
+
+Backdrop::Backdrop(int width, int height)
+    : width_(width), height_(height), paper_(gl::texture_2d(GL_RGBA16F, width, height, false)), target_(gl::framebuffer({paper_.id()}, 0)) {
+}
+
+void Backdrop::draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare) {
+    if (key_ == key) return;
+    key_ = key;
+    gl::Program& program = program_.with(constants);
+    prepare(program);
+    program.set("to_ray", key.to_ray);
+    glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
+    glViewport(0, 0, width_, height_);
+    gl::draw_screen();
+}
+
+void Backdrop::bind(gl::Program& program, int unit) const {
+    program.texture("paper", unit, GL_TEXTURE_2D, paper_.id());
+    // The ray along r meets the ground at eye + r (ground - eye.y)/r.y.
+    Mat3f to_ground;
+    const Mat3f& ray = key_->to_ray;
+    for (const int row : {0, 1}) to_ground.row(row) = key_->eye[2 * row] * ray.row(1) + (key_->ground - key_->eye.y()) * ray.row(2 * row);
+    to_ground.row(2) = ray.row(1);
+    program.set("to_ground", to_ground);
+}
+
+}  // namespace whorl

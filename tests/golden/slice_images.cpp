@@ -1,0 +1,94 @@
+/// Slices of flows given by formulas, compared with the pictures in pictures/. They need no graphics device.
+/// WHORL_UPDATE_GOLDEN=1 redraws them: look at them before you commit them.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+
+#include "engine/core/random.h"
+#include "render/flow/slice_image.h"
+#include "render/image/image.h"
+#include "tests/support/shapes.h"
+
+using namespace whorl;
+
+namespace plates {
+
+namespace {
+
+/// Particles of a plane 0.24 m x 0.12 m, 2 mm apart and uneven, that turn about its middle, the faster the nearer.
+Frame vortex() {
+    Frame frame;
+    frame.dimensions = 2;
+    frame.spacing = 0.002f;
+    frame.domain_max = Vec3f(0.24f, 0.12f, 0);
+    frame.time = 1.25;
+    RandomNumbers random(1);
+    for (int j = 0; j < 60; ++j)
+        for (int i = 0; i < 120; ++i) {
+            const auto off = [&] { return 0.0005f * static_cast<float>(2 * random() - 1); };
+            const Vec3f x = 0.002f * Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, 0) + Vec3f(off(), off(), 0);
+            const Vec3f r = x - Vec3f(0.12f, 0.06f, 0);
+            const float q = r.squaredNorm() / (0.025f * 0.025f), turn = 10 * (1 - std::exp(-q)) / std::max(q, 1e-6f);
+            frame.position.push_back(x);
+            frame.velocity.push_back(turn * Vec3f(-r.y(), r.x(), 0));
+            frame.vector["vorticity"].emplace_back(0, 0, 20 * std::exp(-q));
+            frame.scalar["grain"].push_back(static_cast<float>(random()));
+            // Two inks, one above the other, that have turned for 0.4 s.
+            const float wound = std::sin(std::atan2(r.y(), r.x()) - 0.4f * turn);
+            frame.vector["ink"].emplace_back(std::clamp(0.5f + 4 * wound, 0.0f, 1.0f), std::clamp(0.5f - 4 * wound, 0.0f, 1.0f), 0);
+        }
+    FrameSolid post;
+    post.mesh = std::make_shared<const TriangleMesh>(test::sphere(Vec3f(0.2f, 0.06f, 0), 0.012f, 0.001f).mesh);
+    frame.solids.push_back(post);
+    return frame;
+}
+
+LookOptions slice_of(const std::string& field) {
+    LookOptions look;
+    look.style = "slice";
+    look.field = field;
+    look.background = "white";
+    look.time_stamp = look.legend = true;
+    look.title = "two inks";
+    return look;
+}
+
+void compare_plate(const LookOptions& look, int width, int height, const std::string& name) {
+    const Image drawn = draw_slice_image(vortex(), look, look.range, width, height);
+    const std::filesystem::path file = std::filesystem::path(WHORL_SOURCE_DIR) / "tests/golden/pictures" / (name + ".png");
+    if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
+    const PictureDifference d = difference(drawn, read_png(file));
+    INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E)");
+    // Words and lines may move by a part of a pixel with another Cairo; nothing else depends on the machine.
+    CHECK(d.mean < 0.3);
+    CHECK(d.p99 < 4);
+}
+
+}  // namespace
+
+TEST_CASE("two inks that a vortex winds up, on white paper", "[golden]") {
+    LookOptions look = slice_of("ink");
+    look.inks.of = {"#1e50a0", "#e6b400"};
+    look.streaks = false;
+    compare_plate(look, 320, 240, "slice_ink");
+}
+
+TEST_CASE("vorticity with streaks, a solid, a legend and the time, on black", "[golden]") {
+    LookOptions look = slice_of("vorticity");
+    look.colour_map = "inferno";
+    look.range = {0, 20};
+    look.background = "dark";
+    look.title = "a vortex";
+    compare_plate(look, 480, 240, "slice_vorticity");
+}
+
+TEST_CASE("vorticity in relief with iso-lines and arrows", "[golden]") {
+    LookOptions look = slice_of("vorticity");
+    look.colour_map = "coolwarm";
+    look.range = {-20, 20};
+    look.streaks = false;
+    look.isolines = 15, look.arrows = 16, look.relief = 0.7f;
+    compare_plate(look, 480, 320, "slice_marks");
+}
+
+}  // namespace plates

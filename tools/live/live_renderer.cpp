@@ -1,0 +1,184 @@
+#include "tools/live/live_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "engine/core/clock.h"
+#include "engine/core/errors.h"
+#include "engine/core/parallel.h"
+#include "render/gl/renderer.h"
+#include "render/look/camera.h"
+#include "tools/process/process.h"
+
+namespace whorl {
+namespace {
+
+bool same(const SurfaceOptions& a, const SurfaceOptions& b) {
+    return a.voxel == b.voxel && a.radius == b.radius && a.iso == b.iso && a.smoothing == b.smoothing && a.distance == b.distance;
+}
+
+}  // namespace
+
+LiveRenderer::LiveRenderer(int width, int height, double frame) : width_(width), height_(height), interval_(frame) {
+    share_threads_with_software_driver();
+    thread_ = std::thread([this] {
+        name_thread("draw");
+        adopt_threads();
+        try {
+            work();
+        } catch (...) {
+            const std::lock_guard lock(mutex_);
+            error_ = std::current_exception();
+            closed_ = true;
+            changed_.notify_all();
+        }
+    });
+}
+
+LiveRenderer::~LiveRenderer() {
+    close();
+    thread_.join();
+}
+
+void LiveRenderer::close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+}
+
+void LiveRenderer::show(Frame frame, std::uint64_t revision) {
+    auto shared = std::make_shared<const State>(std::move(frame), revision);
+    const std::lock_guard lock(mutex_);
+    waiting_ = std::move(shared);
+    changed_.notify_all();
+}
+
+bool LiveRenderer::wants_state_within(double seconds) const {
+    const std::lock_guard lock(mutex_);
+    return due_ < wall_seconds() + seconds;
+}
+
+void LiveRenderer::set_interval(double frame) {
+    const std::lock_guard lock(mutex_);
+    interval_ = frame;
+}
+
+void LiveRenderer::look(PictureOptions how, std::uint64_t revision) {
+    const std::lock_guard lock(mutex_);
+    if (look_ && revision < look_->revision) return;  // the loop is a little behind those who ask for a look
+    if (!look_ || revision > look_->revision) look_is_drawn_ = false;
+    look_ = std::make_shared<const Look>(std::move(how), revision);
+    changed_.notify_all();
+}
+
+std::shared_ptr<const Picture> LiveRenderer::newest() const {
+    const std::lock_guard lock(mutex_);
+    return newest_;
+}
+
+std::shared_ptr<const Picture> LiveRenderer::after(std::uint64_t number, double seconds) const {
+    std::unique_lock lock(mutex_);
+    const auto newer = [&] { return newest_ && newest_->number > number; };
+    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return closed_ || newer(); });
+    return !closed_ && newer() ? newest_ : nullptr;
+}
+
+void LiveRenderer::work() {
+    std::optional<Renderer> renderer(std::in_place, width_, height_);
+    {
+        const std::lock_guard lock(mutex_);
+        device_ = renderer->device();
+    }
+    bool is_new = false;
+    while (const auto state = next(is_new)) draw(renderer, state, is_new);
+}
+
+/// Waits for the next image to draw. @return null if the screen was closed
+std::shared_ptr<const LiveRenderer::State> LiveRenderer::next(bool& is_new) {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        if (closed_) return nullptr;
+        const double now = wall_seconds();
+        is_new = look_ && waiting_ && (waiting_->revision > shown_ || due_ <= now);
+        if (is_new) {
+            due_ = now + interval_;
+            shown_ = waiting_->revision;
+            return std::exchange(waiting_, nullptr);
+        }
+        if (look_ && drawn_ && !look_is_drawn_) return drawn_;
+        constexpr double long_time = 3600;  // s
+        changed_.wait_for(lock, std::chrono::duration<double>(waiting_ && look_ ? due_ - now : long_time));
+    }
+}
+
+void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State> state, bool is_new) {
+    const auto newest_look = [&] {
+        const std::lock_guard lock(mutex_);
+        return look_;
+    };
+    auto look = newest_look();
+    const Frame& frame = state->frame;
+    const double began = wall_seconds();
+    const SurfaceOptions surface = look->how.surface;
+    const bool field = shows_field(look->how.look);
+    if (is_new || !same(surface, surface_of_) || (surface_.mesh.triangle.empty() && !field))
+        surface_ = field ? Surface{} : build_surface(frame, surface);
+    surface_of_ = surface;
+    const double surfaced = wall_seconds();
+    // A look that was set meanwhile is shown now, not one image later.
+    if (const auto now = newest_look(); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
+    const View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
+    Image image = renderer->draw(frame, surface_, look->how.look, view);
+    const double drawn = wall_seconds();
+
+    const std::lock_guard lock(mutex_);
+    drawn_ = state;
+    look_is_drawn_ = look == look_;
+    newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
+                                              std::move(image));
+    times_["surface"] = {surfaced - began, 0, 1};
+    times_["draw"] = {drawn - surfaced, 0, 1};
+    changed_.notify_all();
+}
+
+StageTimes LiveRenderer::times() const {
+    const std::lock_guard lock(mutex_);
+    StageTimes all = times_;
+    if (newest_ && newest_->encode_seconds() > 0) all["encode"] = {newest_->encode_seconds(), 0, 1};
+    return all;
+}
+
+std::string LiveRenderer::device() const {
+    const std::lock_guard lock(mutex_);
+    return device_;
+}
+
+void LiveRenderer::check() const {
+    const std::lock_guard lock(mutex_);
+    if (error_) std::rethrow_exception(error_);
+}
+
+namespace {
+
+constexpr int jpeg_quality = 85;
+
+std::string text_of(const std::vector<std::uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+}  // namespace
+
+const std::string& Picture::jpeg() const {
+    std::call_once(jpeg_made_, [&] {
+        const double began = wall_seconds();
+        jpeg_ = text_of(encode_jpeg(image, jpeg_quality));
+        encode_seconds_ = wall_seconds() - began;
+    });
+    return jpeg_;
+}
+
+const std::string& Picture::png() const {
+    std::call_once(png_made_, [&] { png_ = text_of(encode_png(image)); });
+    return png_;
+}
+
+}  // namespace whorl
