@@ -37,7 +37,7 @@ void write_atomically(const std::filesystem::path& file, std::span<const std::by
     AtomicFile whole(file);
     std::FILE* out = std::fopen(whole.temporary().c_str(), "wbe");
     if (out == nullptr) fail(file, errno);
-    // fclose writes the rest of the buffer: a full disk may only show there.
+    // fclose writes the rest of the buffer: a full disk may be detected only here.
     bool written = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
     if (written && durable) written = std::fflush(out) == 0 && fsync(fileno(out)) == 0;
     const int write_error = errno;

@@ -1,5 +1,5 @@
 #pragma once
-/// Files that are either whole or not there: written under a temporary name in the same folder and renamed.
+/// Atomic file writes: a file is written under a temporary name in the same folder, then renamed. Readers never see part of a file.
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -7,7 +7,8 @@
 
 namespace whorl {
 
-/// A file that takes its name when whole: write to temporary(), then commit(). Without commit() the temporary file is removed.
+/// A file that gets its name only when it is complete: write to temporary(), then call commit(). Without commit() the temporary file is
+/// removed.
 class AtomicFile {
 public:
     explicit AtomicFile(std::filesystem::path file);
@@ -15,9 +16,9 @@ public:
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
 
-    /// The name to write to: hidden and with another extension, so that a search for *.png does not find partial images.
+    /// Path to write to: a hidden name with another extension, so that a search for *.png does not find partial images.
     const std::filesystem::path& temporary() const { return temporary_; }
-    /// @throws EnvironmentError if it cannot be renamed
+    /// Renames the temporary file. @throws EnvironmentError if that fails
     void commit();
 
 private:
@@ -25,8 +26,8 @@ private:
     bool committed_ = false;
 };
 
-/// Writes `bytes` to `file`, whole or not at all. @throws EnvironmentError (disk full, no such folder)
-/// @param durable wait until the disk has it, so that it outlives a power cut too
+/// Writes `bytes` to `file`, or leaves it unchanged. @throws EnvironmentError (disk full, no such folder)
+/// @param durable wait until the data are on the disk, so that they also survive a power cut
 void write_atomically(const std::filesystem::path& file, std::span<const std::byte> bytes, bool durable = false);
 void write_text(const std::filesystem::path& file, std::string_view text, bool durable = false);
 

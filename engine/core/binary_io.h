@@ -1,5 +1,5 @@
 #pragma once
-/// Plain values as bytes, as saved states hold them.
+/// Plain values as raw bytes, for checkpoints.
 #include <cstring>
 #include <istream>
 #include <ostream>
@@ -13,14 +13,14 @@ void put(std::ostream& out, const T& value) {
     out.write(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// @return false if the state ends before
+/// Reads a value. @return false if the data end too early
 template <class T>
 bool take(std::istream& in, T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     return static_cast<bool>(in.read(reinterpret_cast<char*>(&value), sizeof value));
 }
 
-/// Whether the byte read as part of a larger value is a valid bool (0 or 1).
+/// Whether a bool that was read as part of a larger value has a valid byte (0 or 1).
 inline bool is_truth(const bool& taken) {
     unsigned char byte = 0;
     std::memcpy(&byte, &taken, 1);

@@ -1,5 +1,5 @@
 #pragma once
-/// Wall and CPU seconds by stage.
+/// Clocks, and wall and CPU seconds per stage.
 #include <chrono>
 #include <ctime>
 #include <map>
@@ -9,7 +9,7 @@ namespace whorl {
 
 inline double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// CPU seconds of the whole process, all threads.
+/// CPU seconds of the process, summed over its threads.
 inline double cpu_seconds() {
     timespec t{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);

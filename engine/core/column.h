@@ -1,5 +1,5 @@
 #pragma once
-/// Arrays whose memory is aligned to a cache line, so that vectorised loops give the same bits in every run.
+/// Arrays aligned to a cache line, so that vectorised loops give bit-identical results in every run.
 #include <new>
 #include <vector>
 
@@ -21,7 +21,7 @@ struct CacheAligned {
 template <class T>
 using Column = std::vector<T, CacheAligned<T>>;
 
-/// values.resize(n) with a sixteenth to spare where it has to grow; the standard's doubles.
+/// values.resize(n). Growth reserves n/16 spare entries; std::vector would double the capacity.
 template <class T>
 void resize_tightly(Column<T>& values, std::size_t n) {
     if (n > values.capacity()) values.reserve(n + n / 16);

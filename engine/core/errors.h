@@ -7,26 +7,26 @@
 
 namespace whorl {
 
-/// Location of a mistake in a file; line and column count from 1, 0: not known (a command line option, for example).
+/// Location in a file. Line and column count from 1; 0: unknown (a command line option, for example).
 struct FileLocation {
     std::string file;
     int line = 0;
     int column = 0;
 };
 
-/// One mistake of the user: "file:line:column: what is wrong; did you mean X?; what is allowed".
+/// One mistake in the input. message(): "file:line:column: what is wrong; did you mean X?; what is allowed".
 struct Problem {
     FileLocation place;
-    std::string what;     ///< what is wrong, with the value
-    std::string hint;     ///< the nearest valid name or the way out; may be empty
-    std::string allowed;  ///< what is allowed; may be empty
+    std::string what;     ///< the fault, with the value
+    std::string hint;     ///< the nearest valid name or a fix; may be empty
+    std::string allowed;  ///< the allowed values; may be empty
     std::string message() const;
 };
 
-/// Problems in the order in which people read them: the main file's by line and column, then those of the command line; each once.
+/// Problems sorted for reading: those of the main file by line and column, then those of the command line. Duplicates are removed.
 std::vector<Problem> in_order(std::vector<Problem> problems, const std::string& main_file);
 
-/// The user's mistakes, all that were found in one go. Exit code 2.
+/// Invalid input: all mistakes that one check found. Exit code 2.
 class InputError : public std::runtime_error {
 public:
     explicit InputError(std::vector<Problem> problems);
@@ -37,19 +37,19 @@ private:
     std::vector<Problem> problems_;
 };
 
-/// The world's failure: no EGL device, disk full, ffmpeg missing. Exit code 1.
+/// Failure of the environment: no EGL device, disk full, ffmpeg missing. Exit code 1.
 class EnvironmentError : public std::runtime_error {
 public:
-    /// @param what the failure @param tried the attempts, in order @param remedy what to install or free
+    /// @param what the failure @param tried the attempts, in order @param remedy the fix: what to install or free
     EnvironmentError(std::string what, std::string tried = "", std::string remedy = "");
 };
 
-/// The closest of `names` to `word` by edit distance (a beginning counts as close), or "" where none is near enough to be meant.
+/// The entry of `names` with the smallest edit distance to `word` (a prefix counts as distance 1); "" if all are too far.
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace whorl
 
-/// Our own failure: stops the program with the condition, the place and the numbers.
+/// Internal error: stops the program and prints the condition, its file and line, and the values.
 #define WHORL_ASSERT(condition, ...)                                                                 \
     do {                                                                                             \
         if (!(condition)) ::whorl::assertion_failed(#condition, __FILE__, __LINE__, "" __VA_ARGS__); \

@@ -1,5 +1,5 @@
 #pragma once
-/// Array index of an entry of an image or a volume; the first coordinate runs fastest.
+/// Array index of an entry of an image or a volume. The first coordinate varies fastest.
 #include <cstddef>
 
 namespace whorl {

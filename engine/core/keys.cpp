@@ -42,7 +42,7 @@ std::string in_words(const Value& v) {
     }
 }
 
-/// Ranges as people say them: 1 rather than 1.0.
+/// A number as people write ranges: 1, not 1.0.
 std::string plain(double v) { return fmt::format("{}", v); }
 
 bool fits(KeyType type, const Value& v) {
@@ -123,7 +123,7 @@ std::string Key::allowed_beside(double x) const {
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
-    // The largest number of the C++ type means nothing to users: it is shown only if x, a number, is beyond it.
+    // The limits of the C++ type mean nothing to users: they are shown only if x is a number beyond them.
     const double largest = single ? shortest_decimal(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
     const double low = std::max(least, -largest), high = std::min(most, largest);
     const bool shown = std::isfinite(x) || single, bounded_below = std::abs(low) < 2e9 || (shown && x < low),

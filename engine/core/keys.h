@@ -1,11 +1,11 @@
 #pragma once
-/// Key tables: the keys of a plain struct in a file. One table gives reading with every error, the resolved file, the JSON Schema,
-/// the reference page and the sliders of a live view. Defaults are the struct's own member initialisers.
+/// Key tables: each describes the keys of a plain struct in a file. The reader with its error messages, the resolved file, the JSON
+/// Schema, the reference page and the sliders of the live view use the table. Defaults are the struct's own member initialisers.
 ///
 ///     KeyTable time_keys() {
-///         KeyTableOf<TimeKeys> t("when the run ends, how often a picture is taken");
-///         t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0);
-///         t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film").above(0).at_most(1000);
+///         KeyTableOf<TimeKeys> t("end of the run and rate of frames");
+///         t.key("end", &TimeKeys::end, "s", "end of the run").required().above(0);
+///         t.key("fps", &TimeKeys::fps, "1/s", "frames per second of the video").above(0).at_most(1000);
 ///         return t;
 ///     }
 #include <array>
@@ -37,7 +37,7 @@ inline std::string variable_names(const std::string& letters) {
     return all;
 }
 
-/// A value in a file, with its location. Without a kind: a value that no key accepts (a date).
+/// A value in a file, with its location. A date has no kind (std::monostate), and no key accepts it.
 struct Value {
     using List = std::vector<Value>;
     using Table = std::vector<std::pair<std::string, Value>>;  ///< in the file's order
@@ -65,7 +65,7 @@ struct Value {
     std::string toml() const;
 };
 
-/// A key of a scene by its full name ("emitter[0].speed") and a value, whose place tells where it was given: in a file or an option.
+/// A key of a scene by its full name ("emitter[0].speed"), and its value. The value's `place` is the file or option that set it.
 struct KeyValue {
     std::string path;
     Value value;
@@ -73,32 +73,34 @@ struct KeyValue {
 
 enum class KeyType { flag, integer, number, text, expression, any };
 
-/// Meaning of a key's three entries in a 2D flow, that of the plane z = 0.
+/// Meaning of a key's three entries in a 2D flow, which lies in the plane z = 0.
 enum class InPlane {
-    free,    ///< as ever: they are no vector of the flow's space
-    vector,  ///< the third is 0 and may be left out
-    axis,    ///< only the third counts, the others are 0: rotation about z
-    cut      ///< of a shape, which the plane cuts: the third may be left out
+    free,    ///< same as in 3D: the entries are not a vector of the flow's space
+    vector,  ///< the third is 0 and may be omitted
+    axis,    ///< rotation about z: only the third is used, the others must be 0
+    cut      ///< of a shape, of which the plane z = 0 makes a section: the third may be omitted
 };
 
-/// Fault of a value that has the right type (a bad expression, for example).
+/// Fault of a value of the right type (an invalid expression, for example).
 struct KeyFault : std::invalid_argument {
     KeyFault(FileLocation where, const std::string& what) : std::invalid_argument(what), place(std::move(where)) {}
     FileLocation place;
 };
 
-/// Conversion between a member of type T and its value in a file. Specialise it for further types; enums need only a choices(E) next to
-/// them: `inline std::vector<std::pair<Slip, const char*>> choices(Slip) { return {{Slip::no, "no"}, {Slip::free, "free"}}; }`
+/// Conversion between a member of type T and its value in a file. Specialise it for further types. An enum needs only a function
+/// choices(E) in its namespace: `inline std::vector<std::pair<Slip, const char*>> choices(Slip) { return {{Slip::no, "no"}, {Slip::free,
+/// "free"}}; }`
 template <class T, class = void>
 struct KeyCodec;
 
-/// Access of a key to its member, which depends on the member's type alone.
+/// Access of a key to its member. It depends only on the member's type.
 struct MemberAccess {
     Value (*write)(const void* member);
-    void (*read)(void* member, const Value&);                   ///< the type was checked before; may throw KeyFault
-    std::vector<double> (*constants)(const void* member) = {};  ///< of expressions: those that are plain numbers
-    std::string (*variables)(const void* member) = {};          ///< of expressions
-    Value (*from_text)(const Value& text) = {};                 ///< the same value, of a list that may be a text; may throw KeyFault
+    void (*read)(void* member, const Value&);                   ///< the type has been checked; may throw KeyFault
+    std::vector<double> (*constants)(const void* member) = {};  ///< expressions: the values of those that are plain numbers
+    std::string (*variables)(const void* member) = {};          ///< expressions: the letters of the variables that they use
+    Value (*from_text)(const Value& text) = {};                 ///< lists that may also be given as a text: the text's value as a list;
+                                                                ///< may throw KeyFault
 };
 
 struct Key {
@@ -108,26 +110,26 @@ struct Key {
     int count = 0;  ///< entries of a list; 0: any number
     InPlane in_plane = InPlane::free;
     bool may_be_auto = false;          ///< "auto" is a value (a std::optional member)
-    std::vector<std::string> choices;  ///< of a text; none: any
+    std::vector<std::string> choices;  ///< allowed texts; empty: any text
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool least_open = false;  ///< `least` itself is not allowed
-    bool single = false;      ///< its numbers are held in single precision
-    std::string variables;    ///< that an expression may use, of "txyz"
+    bool single = false;      ///< stored in single precision
+    std::string variables;    ///< letters of "txyz" (and 'a', age) that an expression may use
     bool is_required = false;
-    bool decides = true;      ///< the simulation's result depends on it
-    bool may_change = false;  ///< during a run
-    std::string
-        selector;  ///< key that decides whether this one counts: "shape" in the same table, "models.pressure" from the root; "": always
-    std::vector<std::string> selected_by;  ///< the selector's values for which it counts
+    bool decides = true;      ///< the simulation's result depends on this key
+    bool may_change = false;  ///< may be changed during a run
+    std::string selector;     ///< key on which the use of this one depends: "shape" in the same table, "models.pressure" from the root; "":
+                              ///< always used
+    std::vector<std::string> selected_by;  ///< values of the selector with which this key is used
     Value standard;                        ///< the default
 
     std::ptrdiff_t offset = 0;  ///< of the member in the object [bytes]
     const MemberAccess* access = nullptr;
     Value get(const void* object) const { return access->write(static_cast<const char*>(object) + offset); }
 
-    /// In a flow of two dimensions its third entry may be left out.
+    /// Whether the third entry may be omitted in a 2D flow.
     bool may_lack_depth() const { return in_plane == InPlane::vector || in_plane == InPlane::cut; }
-    /// Value in a 2D flow: a missing third entry is added if the key may omit it.
+    /// The value for a 2D flow: appends a missing third entry if the key may omit it.
     Value with_depth(const Value& v) const;
 
     Key& required() { return is_required = true, *this; }
@@ -142,9 +144,9 @@ struct Key {
     Key& not_deciding() { return decides = false, *this; }
     Key& live() { return may_change = true, *this; }
 
-    /// Reads v into the object's member; appends to `problems` what is wrong with it. @param path the key's full name, for messages
+    /// Reads v into the object's member and appends the faults of v to `problems`. @param path the key's full name, for messages
     void read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const;
-    /// "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" where every value of the type is allowed.
+    /// "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" if every value of the type is allowed.
     std::string allowed() const;
     /// allowed() with the limits of the C++ type if x is beyond them.
     std::string allowed_beside(double x) const;
@@ -161,15 +163,15 @@ private:
     void check_expressions(const void* object, const Value& v, const std::string& path, Problems& problems) const;
 };
 
-/// The keys of one struct, and its parts: structs and lists of structs inside it, which have tables of their own.
+/// The keys of one struct, and its parts: nested structs and lists of structs, each with its own table.
 class KeyTable {
 public:
     struct Part {
         std::string name;  ///< [name], or [[name]] for a list
         bool is_list = false;
-        bool decides = true;  ///< the simulation's result depends on it
+        bool decides = true;  ///< the simulation's result depends on this part
         std::shared_ptr<const KeyTable> table;
-        std::function<void*(void* object)> one;  ///< the part, of a part that is no list
+        std::function<void*(void* object)> one;  ///< address of the part in the object, unless the part is a list
         std::function<std::size_t(const void* object)> size;
         std::function<void*(void* object, std::size_t)> at;
         std::function<void(void* object, std::size_t)> resize;
@@ -178,9 +180,9 @@ public:
     std::string meaning;
     std::vector<Key> keys;
     std::vector<Part> parts;
-    std::function<std::shared_ptr<void>()> make;  ///< a struct with every default
+    std::function<std::shared_ptr<void>()> make;  ///< makes a struct with all defaults
 
-    /// Lets every key of this table change during a run; parts have their own tables.
+    /// Allows changes of every key of this table during a run. The tables of parts are not affected.
     void all_live() {
         for (Key& k : keys) k.live();
     }
@@ -191,7 +193,7 @@ protected:
     Key& add(Key key, std::string_view name, std::string_view unit, std::string_view what, const void* fresh);
 };
 
-/// One constant for each type of member, however many keys there are.
+/// The MemberAccess of a member type, shared by all keys of that type.
 template <class T>
 const MemberAccess* access_of() {
     using Codec = KeyCodec<T>;
@@ -208,7 +210,7 @@ const MemberAccess* access_of() {
     return &made;
 }
 
-/// The member of a member, for key(): inside(&BlockKeys::shape, &ShapeKeys::min).
+/// Accessor of a member of a member, for key(): inside(&BlockKeys::shape, &ShapeKeys::min).
 template <class S, class Inner, class T>
 auto inside(Inner S::*outer, T Inner::*inner) {
     return [outer, inner](S& s) -> T& { return s.*outer.*inner; };
@@ -222,7 +224,7 @@ public:
         make = [] { return std::make_shared<S>(); };
     }
 
-    /// @param member a member pointer, or inside() @param unit "" for a bare number
+    /// @param member a member pointer, or inside() @param unit "" if dimensionless
     template <class Member>
     Key& key(std::string_view name, Member member, std::string_view unit, std::string_view what) {
         using T = std::remove_cvref_t<std::invoke_result_t<Member, S&>>;
@@ -232,7 +234,7 @@ public:
         k.access = access_of<T>();
         return add(std::move(k), name, unit, what, &fresh_);
     }
-    /// A struct inside this one: [name].
+    /// Adds a struct inside this one: [name].
     template <class T>
     Part& part(std::string name, T S::*member, KeyTable table) {
         Part p;
@@ -241,7 +243,7 @@ public:
         parts.push_back(std::move(p));
         return parts.back();
     }
-    /// A list of structs inside this one: [[name]].
+    /// Adds a list of structs inside this one: [[name]].
     template <class T>
     Part& list(std::string name, std::vector<T> S::*member, KeyTable table) {
         Part p;
@@ -257,7 +259,7 @@ private:
     S fresh_{};  ///< source of defaults and offsets
 };
 
-/// The shortest decimal that is this number, also for a float.
+/// The shortest decimal number that reads back as v.
 double shortest_decimal(float v);
 
 template <>
@@ -272,12 +274,14 @@ struct KeyCodec<T, std::enable_if_t<std::is_integral_v<T> && !std::is_same_v<T, 
         k.type = KeyType::integer;
         k.least = std::is_unsigned_v<T> ? 0 : static_cast<double>(std::numeric_limits<T>::min());
         k.most = static_cast<double>(std::numeric_limits<T>::max());
-        if (sizeof(T) == 8) k.most = std::nextafter(k.most, 0.0);  // a double takes the largest for one more
+        if (sizeof(T) == 8)
+            k.most = std::nextafter(k.most, 0.0);  // as a double, the maximum of a 64-bit type would round up to one
+                                                   // beyond it
     }
     static Value write(T v) { return Value(static_cast<std::int64_t>(v)); }
     static T read(const Value& v) {
         const auto* whole = v.as<std::int64_t>();
-        return whole ? static_cast<T>(*whole) : static_cast<T>(*v.as<double>());  // 1e3 is whole, too
+        return whole ? static_cast<T>(*whole) : static_cast<T>(*v.as<double>());  // 1e3 is also a whole number
     }
 };
 template <class T>
@@ -289,7 +293,7 @@ struct KeyCodec<T, std::enable_if_t<std::is_floating_point_v<T>>> {
     }
     static T read(const Value& v) { return static_cast<T>(v.number()); }
 };
-/// A value of any type: its type follows from elsewhere.
+/// A value of any type. Another key determines the type.
 template <>
 struct KeyCodec<Value> {
     static void describe(Key& k) { k.type = KeyType::any; }
@@ -325,7 +329,7 @@ struct KeyCodec<T, std::enable_if_t<std::is_enum_v<T>>> {
         return T{};
     }
 };
-/// A value, or "auto".
+/// A value or "auto".
 template <class T>
 struct OptionalCodec {
     static void describe(Key& k) { KeyCodec<T>::describe(k), k.may_be_auto = true; }
@@ -339,7 +343,7 @@ struct OptionalCodec {
 template <class T>
 struct KeyCodec<std::optional<T>> : OptionalCodec<T> {};
 
-/// Lists: of a fixed count of flags or numbers, or of any count of texts.
+/// Lists: a fixed number of flags or numbers, or any number of texts.
 template <class L, class T, int Count>
 struct ListCodec {
     static void describe(Key& k) {
@@ -362,7 +366,8 @@ template <class T, std::size_t Count>
 struct KeyCodec<std::array<T, Count>> : ListCodec<std::array<T, Count>, T, static_cast<int>(Count)> {};
 template <class T>
 struct KeyCodec<Eigen::Matrix<T, 3, 1>> : ListCodec<Eigen::Matrix<T, 3, 1>, T, 3> {};
-/// Places and velocities of the flow are in double; colours and cameras are not, and know no plane.
+/// Positions and velocities of the flow are in double and lose their third entry in 2D. Colours and cameras are in single precision and do
+/// not.
 template <>
 struct KeyCodec<Vec3d> : ListCodec<Vec3d, double, 3> {
     static void describe(Key& k) { ListCodec::describe(k), k.in_plane = InPlane::vector; }

@@ -1,5 +1,5 @@
 #pragma once
-/// A triangle mesh: solids that users bring, surfaces that the renderer draws.
+/// A triangle mesh: a solid's shape from a file, or a surface to draw.
 #include <array>
 #include <vector>
 
@@ -9,9 +9,9 @@ namespace whorl {
 
 struct TriangleMesh {
     std::vector<Vec3f> position;                         ///< m
-    std::vector<Vec3f> normal;                           ///< one a vertex, unit length, outward; may be empty
+    std::vector<Vec3f> normal;                           ///< per vertex, unit length, outward; may be empty
     std::vector<std::array<std::uint32_t, 3>> triangle;  ///< counter-clockwise seen from outside
-    std::vector<float> scalar;                           ///< a value a vertex for colour maps; may be empty
+    std::vector<float> scalar;                           ///< per vertex, for colour maps; may be empty
 };
 
 }  // namespace whorl

@@ -9,23 +9,24 @@
 
 namespace whorl {
 
-/// Chooses the number of threads of every parallel loop, once, for OpenMP (and, through render/, for TBB). 0: all cores.
+/// Sets the number of threads of all parallel loops, once, for OpenMP (and, through render/, for TBB). 0: all cores.
 void set_threads(int count);
 int threads();
 
-/// Call first in every thread that is not OpenMP's own: its parallel loops use the chosen number of threads too (OpenMP keeps it a thread).
+/// Call first in every thread that OpenMP did not start, so that its parallel loops use the chosen number of threads: OpenMP keeps that
+/// number per thread.
 void adopt_threads();
 
-/// OpenMP threads that spin while they wait ruin shared machines, and libgomp reads its policy before main() starts.
-/// Call first thing in main(): restarts the program once with a passive policy where the user has set none.
+/// Makes idle OpenMP threads sleep instead of spin, which would slow other programs on a shared machine. Call it first in main(): libgomp
+/// reads its policy before main() starts, so this restarts the program once with a passive policy, unless the user has set one.
 void wait_passively(char** argv);
 
-/// A loop shorter than this runs on the calling thread: waking the others would cost more.
+/// A loop with fewer iterations runs on the calling thread: waking the others would cost more than it saves.
 inline constexpr Index serial_below = 512;
 
-/// Calls f(begin, end) for fixed blocks that cover [0, n). The body is compiled once and always runs over the same blocks: inlined twice,
-/// for one thread and for several, the compiler might contract or vectorise the copies differently, and their bits would differ. Each call
-/// must write only data of its block.
+/// Calls f(begin, end) for fixed blocks that cover [0, n). Each call must write only data of its block. The body is compiled once and
+/// always runs over the same blocks: if it were inlined twice, for one thread and for several, the compiler might contract or vectorise
+/// the two copies differently, and the results would not be bit-identical.
 template <class F>
 void parallel_blocks(Index n, Index block, F&& f) {
     const auto run = [&f](Index begin, Index end) __attribute__((noinline)) { f(begin, end); };
@@ -46,7 +47,7 @@ void parallel_for(Index n, F&& f) {
     });
 }
 
-/// parallel_for for few long iterations: threads fetch them one by one.
+/// parallel_for for few long iterations: each thread fetches one at a time.
 template <class F>
 void parallel_tasks(Index n, F&& f) {
     const auto run = [&f](Index i) __attribute__((noinline)) { f(i); };
@@ -54,8 +55,8 @@ void parallel_tasks(Index n, F&& f) {
     for (Index i = 0; i < n; ++i) run(i);
 }
 
-/// sum_i f(i), in double, over fixed blocks that are added in order: the same bits for any number of threads.
-/// T needs operator+= and must be given as its zero.
+/// sum_i f(i), in double, over fixed blocks that are added in order: bit-identical for any number of threads.
+/// @param zero the zero of T, which needs operator+=
 template <class T, class F>
 T parallel_sum(Index n, T zero, F&& f) {
     constexpr Index block = 1024;
@@ -76,7 +77,7 @@ double parallel_sum(Index n, F&& f) {
     return parallel_sum(n, 0.0, [&](Index i) { return static_cast<double>(f(i)); });
 }
 
-/// max_i f(i), at least `lowest`.
+/// max(lowest, max_i f(i)).
 template <class F>
 double parallel_max(Index n, double lowest, F&& f) {
     constexpr Index block = 1024;

@@ -1,10 +1,10 @@
 #pragma once
-/// Random numbers that are the same everywhere.
+/// Reproducible random numbers.
 #include <cstdint>
 
 namespace whorl {
 
-/// Deterministic uniform numbers in [0, 1): the same on every platform (std's distributions are not).
+/// Uniform random numbers in [0, 1), the same on every platform (the distributions of std are not).
 class RandomNumbers {
 public:
     explicit RandomNumbers(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 0x632BE59BD9B4E019ull) {}

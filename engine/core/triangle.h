@@ -7,7 +7,7 @@ namespace whorl {
 template <class Scalar>
 struct NearestOnTriangle {
     Eigen::Matrix<Scalar, 3, 1> point;
-    int feature;  ///< where it lies: 0 to 2 corner a, b or c, 3 to 5 the edge opposite to it, 6 face
+    int feature;  ///< location of the point: 0 to 2 corner a, b or c; 3 to 5 the edge opposite to it; 6 the face
 };
 
 /// The point of triangle abc nearest to p (Ericson 2005, "Real-time collision detection", 5.1.5).
@@ -30,7 +30,7 @@ NearestOnTriangle<Scalar> nearest_on_triangle(const Eigen::Matrix<Scalar, 3, 1>&
     const Scalar va = d3 * d6 - d5 * d4;
     if (va <= 0 && d4 >= d3 && d5 >= d6) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 3};
     const Scalar sum = va + vb + vc;
-    if (!(sum > 0)) return {a, 0};  // a triangle without an area
+    if (!(sum > 0)) return {a, 0};  // a degenerate triangle: its area is zero
     return {a + vb / sum * ab + vc / sum * ac, 6};
 }
 

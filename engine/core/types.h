@@ -1,5 +1,5 @@
 #pragma once
-/// The scalar, vector and index types that every layer shares.
+/// Scalar, vector and index types.
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <limits>
@@ -22,7 +22,7 @@ using Vec3d = Eigen::Vector3d;
 using Mat3f = Eigen::Matrix3f;
 using Mat3d = Eigen::Matrix3d;
 
-/// The least that a divisor is taken as.
+/// Lower bound for divisors.
 inline constexpr Real min_positive = std::numeric_limits<Real>::min();
 
 template <class T>

@@ -3,7 +3,7 @@
 
 namespace whorl {
 
-/// Whether the bytes are UTF-8, which TOML and JSON are. Files may have other names.
+/// Whether the bytes are valid UTF-8, which TOML and JSON require. File names need not be.
 inline bool is_utf8(std::string_view text) {
     for (std::size_t i = 0; i < text.size();) {
         const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u; };
@@ -12,7 +12,7 @@ inline bool is_utf8(std::string_view text) {
         if (length == 0) return false;
         for (std::size_t k = 1; k < length; ++k)
             if ((byte(k) & 0xC0) != 0x80) return false;
-        // Too long for their number, halves of a pair, or beyond the last character.
+        // Overlong encodings, surrogates, and code points beyond U+10FFFF are invalid.
         if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F)) return false;
         if ((first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F)) return false;
         i += length;
