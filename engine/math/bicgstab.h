@@ -4,8 +4,8 @@
 
 namespace whorl {
 
-/// Solves A x = b from x = 0. @param r b; then the last residual @param x zeros; then the solution
-/// @param M as of conjugate_gradients(), symmetric and positive definite
+/// Solves A x = b from x = 0. @param r b on entry, the last residual on return @param x zeros on entry, the solution on return
+/// @param M preconditioner as in conjugate_gradients(), symmetric and positive definite
 /// @param reference > 0, scale of the residual's norm sqrt(r.M r)
 template <class T, class Operator, class Preconditioner>
 SolveReport bicgstab(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits, double reference) {

@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::size_t leaf_nodes = 12;  // smaller pieces are not dissected: their fronts would cost more in book-keeping than in arithmetic
+constexpr std::size_t leaf_nodes = 12;  // smaller sets are not split: book-keeping of their fronts would cost more than the arithmetic
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void SymmetricBlocks::add(int row, int column, const Block& m) {
     rows_[low].push_back({high, row >= column ? m : Block(m.transpose())});
 }
 
-/// Splits sets of nodes in two halves that do not touch and a separator, until the pieces are small.
+/// Splits a set of nodes into two halves that are not adjacent and a separator, recursively until the sets are small.
 struct BlockCholesky::Dissection {
     const std::vector<std::vector<int>>& neighbours;
     Span<const Vec3d> place;
@@ -84,7 +84,7 @@ bool BlockCholesky::factor(const SymmetricBlocks& A, Span<const Vec3d> place) {
     for (int r = 0; r < n; ++r)
         for (std::size_t e = 0; e < A.row(r).size(); ++e) {
             const int c = A.row(r)[e].column;
-            // (row, place) of the block that couples the earlier node of the two with the later one
+            // (row, index in the row) of the block that couples the earlier of the two nodes with the later one.
             below_[order_[r] < order_[c] ? r : c].emplace_back(r, static_cast<int>(e));
         }
     std::vector<Eigen::MatrixXd> left_over(fronts_.size());
@@ -109,7 +109,7 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
         if (k < front.last) return k - front.first;
         return own + static_cast<int>(std::lower_bound(front.boundary.begin(), front.boundary.end(), k) - front.boundary.begin());
     };
-    // The front's lower triangle: own nodes, the boundary's rows of them, and the remainder for the parent.
+    // Lower triangle of the front: own nodes, their rows of the boundary, and the Schur complement for the parent.
     const int n = 6 * own, m = 6 * (all - own);
     Eigen::MatrixXd corner = Eigen::MatrixXd::Zero(n, n), below = Eigen::MatrixXd::Zero(m, n), rest = Eigen::MatrixXd::Zero(m, m);
     const auto add = [&](int row, int column, const auto& block) {
@@ -122,7 +122,7 @@ bool BlockCholesky::eliminate(Front& front, const SymmetricBlocks& A, std::vecto
         for (const auto& [r, e] : below_[v]) {
             const SymmetricBlocks::Entry& entry = A.row(r)[e];
             const int other = r == v ? entry.column : r;
-            // Below the diagonal the row is that of the later node. The stored block has the row r.
+            // Below the diagonal, the row belongs to the later node. The stored block has row r.
             if (other == r) add(local(order_[other]), local(k), entry.value);
             else add(local(order_[other]), local(k), entry.value.transpose());
         }

@@ -1,12 +1,12 @@
 #pragma once
-/// Two-point boundary value problems y' = f(y) on 0 <= s <= 1, with conditions at both ends: collocation of fourth order (the cubic through
-/// values and slopes of two nodes solves the equation in their middle, too: Lobatto IIIA, as in Kierzenka & Shampine 2001), Newton's method
-/// with exact Jacobians, and meshes that spread the error evenly. Constants that are sought are functions whose slope is zero.
+/// Two-point boundary value problems y' = f(y) on 0 <= s <= 1 with conditions at both ends. Collocation of fourth order (Lobatto IIIA, as
+/// in Kierzenka & Shampine 2001): the cubic through values and slopes of two nodes also satisfies the equation at their midpoint. Newton's
+/// method uses exact Jacobians, and meshes equalise the error. An unknown constant is a function with slope zero.
 ///
 /// A problem has
-///     static constexpr int functions, start_conditions;          end conditions are the rest
+///     static constexpr int functions, start_conditions;          the others are end conditions
 ///     template <class T> Vector<T, functions> slope(const Vector<T, functions>& y) const;
-///     template <class T> Vector<T, start_conditions> at_start(const Vector<T, functions>& y) const;                 zero where they hold
+///     template <class T> Vector<T, start_conditions> at_start(const Vector<T, functions>& y) const;                 zero if satisfied
 ///     template <class T> Vector<T, functions - start_conditions> at_end(const Vector<T, functions>& y) const;
 #include <Eigen/Core>
 #include <algorithm>
@@ -21,10 +21,10 @@ namespace whorl {
 template <class T, int n>
 using Vector = Eigen::Matrix<T, n, 1>;
 
-/// Functions by their values at the nodes of a mesh.
+/// Functions, as values at the nodes of a mesh.
 template <int n>
 struct Curve {
-    std::vector<double> s;  ///< 0 ... 1, rising
+    std::vector<double> s;  ///< nodes from 0 to 1, ascending
     std::vector<Vector<double, n>> y;
 };
 
@@ -34,20 +34,21 @@ public:
     static constexpr int n = Problem::functions, first = Problem::start_conditions, last = n - first;
     using Values = Vector<double, n>;
 
-    /// Solves on the mesh of `curve`, which holds the first guess; a step of Newton's method is halved while it does not lessen the
+    /// Solves on the mesh of `curve`, which contains the first guess. A Newton step is halved up to four times until it reduces the
     /// residual.
-    /// @param limits tolerance: of the last step, relative to 1 + |y|
-    /// @return residuals: defects over the interval's length, relative to 1 + |y'|, and those of the conditions, in the mean square
+    /// @param limits tolerance of the last step, relative to 1 + |y|
+    /// @return residuals: root mean square of the defects per interval length, relative to 1 + |y'|, and of the conditions
     static SolveReport solve(const Problem& problem, Curve<n>& curve, SolveLimits limits);
-    /// A mesh of `intervals` intervals with about the same error of `curve` in each.
+    /// A mesh of `intervals` intervals that each contribute about the same error of `curve`.
     static std::vector<double> even_mesh(const Problem& problem, const Curve<n>& curve, int intervals);
-    /// Interpolates the curve on another mesh.
+    /// The curve interpolated at the nodes of another mesh.
     static Curve<n> on_mesh(const Problem& problem, const Curve<n>& curve, const std::vector<double>& mesh);
 
 private:
     using Matrix = Eigen::Matrix<double, n, n>;
     class Cubics;
-    static constexpr int rows = first + n;  ///< eliminated together: conditions on a node, and the defects after it
+    static constexpr int rows = first + n;  ///< rows eliminated together: the conditions on a node and the defects of the interval after
+                                            ///< it
 
     template <int m, class F>
     static Vector<double, m> with_jacobian(const F& f, const Values& y, Eigen::Matrix<double, m, n>& jacobian);
@@ -64,7 +65,7 @@ private:
 template <class Problem>
 template <int m, class F>
 Vector<double, m> Collocation<Problem>::with_jacobian(const F& f, const Values& y, Eigen::Matrix<double, m, n>& jacobian) {
-    using Varying = Eigen::AutoDiffScalar<Values>;  // a number with its derivatives by the functions
+    using Varying = Eigen::AutoDiffScalar<Values>;  // a number with its derivatives with respect to the functions
     Vector<Varying, n> varying;
     for (int k = 0; k < n; ++k) varying[k] = Varying(y[k], n, k);
     const Vector<Varying, m> result = f(varying);
@@ -105,11 +106,11 @@ bool Collocation<Problem>::eliminate(Block& block, int columns) {
     return true;
 }
 
-// With the defect of an interval   D = y_1 - y_0 - h/6 (f_0 + 4 f_m + f_1),  f_m = f((y_0 + y_1)/2 + h/8 (f_0 - f_1)),
+// Defect of an interval:   D = y_1 - y_0 - h/6 (f_0 + 4 f_m + f_1),  f_m = f((y_0 + y_1)/2 + h/8 (f_0 - f_1)),
 //     dD/dy_0 = -1 - h/6 (J_0 + 2 J_m) - h^2/12 J_m J_0,   dD/dy_1 = 1 - h/6 (J_1 + 2 J_m) + h^2/12 J_m J_1.
-// From the start on, the conditions on a node and the defects of the interval after it are eliminated together: n rows give that node by
-// the next, the others are conditions on the next. Rows may change places among them, which keeps the growth of what rises and of what
-// falls along s in bounds.
+// From the start on, the conditions on a node are eliminated together with the defects of the interval after it. n rows give that node's
+// step in terms of the next node's; the other rows become conditions on the next node. Pivoting among all these rows keeps both growing
+// and decaying solutions bounded.
 template <class Problem>
 std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_step(const Problem& problem, const Curve<n>& curve) {
     const std::size_t intervals = curve.s.size() - 1;
@@ -156,7 +157,7 @@ std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_
 template <class Problem>
 SolveReport Collocation<Problem>::solve(const Problem& problem, Curve<n>& curve, SolveLimits limits) {
     constexpr int most_halvings = 4;
-    constexpr double rounding = 1e-9;  // residuals below that need not fall any more
+    constexpr double rounding = 1e-9;  // residuals below this need not decrease further
     SolveReport report;
     report.first_residual = report.last_residual = residual(problem, curve);
     Curve<n> trial;
@@ -190,7 +191,7 @@ public:
     Cubics(const Problem& problem, const Curve<n>& curve) : curve_(curve) {
         for (const Values& y : curve.y) f_.push_back(problem.slope(y));
     }
-    /// At the part q of interval i.
+    /// Value at fraction q of interval i.
     Values value(std::size_t i, double q) const {
         const double h = curve_.s[i + 1] - curve_.s[i], p = 1 - q;
         return p * p * (1 + 2 * q) * curve_.y[i] + q * q * (3 - 2 * q) * curve_.y[i + 1] + h * q * p * (p * f_[i] - q * f_[i + 1]);
@@ -219,8 +220,9 @@ Curve<Collocation<Problem>::n> Collocation<Problem>::on_mesh(const Problem& prob
     return other;
 }
 
-// The cubic's slope against f at the two points between where they need not agree (sqrt(3/7) of half an interval from its middle) is of
-// fourth order: an interval's length follows the fourth root of that error, and is at most twice the mean.
+// The cubic satisfies y' = f at the ends and the middle of an interval. Its defect at two points between (sqrt(3/7) of half an interval
+// from the middle) is of fourth order, so the density of nodes follows the fourth root of that error; an interval is at most twice the
+// mean length.
 template <class Problem>
 std::vector<double> Collocation<Problem>::even_mesh(const Problem& problem, const Curve<n>& curve, int intervals) {
     const Cubics cubics(problem, curve);
@@ -238,7 +240,7 @@ std::vector<double> Collocation<Problem>::even_mesh(const Problem& problem, cons
         roots += root[i] = std::pow(std::max(error, 1e-24), 1.0 / 8);
     }
     for (std::size_t i = 0; i < old; ++i) density[i] = root[i] / roots / length(i) + 0.5;
-    for (std::size_t i = 0; i < old; ++i) {  // neighbours differ little in length
+    for (std::size_t i = 0; i < old; ++i) {  // adjacent intervals must be of similar length
         const std::size_t from = i < 2 ? 0 : i - 2, to = std::min(old, i + 3);
         double mean = 0;
         for (std::size_t k = from; k < to; ++k) mean += density[k] / static_cast<double>(to - from);

@@ -1,5 +1,5 @@
 #pragma once
-/// Preconditioned conjugate gradients over particles: one Real (pressure) or one Vec3 (velocity) an entry.
+/// Preconditioned conjugate gradients over particles, with one Real (pressure) or one Vec3 (velocity) per entry.
 #include <cmath>
 #include <type_traits>
 
@@ -8,13 +8,14 @@
 
 namespace whorl {
 
-/// The norm of the residual r = b - A x that stops the solver.
+/// Norm of the residual r = b - A x that the tolerance limits.
 enum class ResidualNorm {
     euclidean,       ///< |r| / |b|
-    preconditioned,  ///< sqrt(r.M r) / sqrt(b.M b): with a good M close to the error's energy norm, which |r| overstates for stiff systems
+    preconditioned,  ///< sqrt(r.M r) / sqrt(b.M b): with a good M close to the energy norm of the error, which |r| overestimates for stiff
+                     ///< systems
 };
 
-/// a.b of one entry, in double.
+/// a.b of one entry, in double precision.
 inline double dot_entry(float a, float b) { return static_cast<double>(a) * b; }
 inline double dot_entry(double a, double b) { return a * b; }
 template <class T>
@@ -22,20 +23,20 @@ double dot_entry(const Eigen::Matrix<T, 3, 1>& a, const Eigen::Matrix<T, 3, 1>& 
     return static_cast<double>(a[0]) * b[0] + static_cast<double>(a[1]) * b[1] + static_cast<double>(a[2]) * b[2];
 }
 
-/// a.b in double, the same bits for any number of threads.
+/// a.b in double precision, bit-identical for any number of threads.
 template <class T>
 double dot(Span<const T> a, Span<const T> b) {
     return parallel_sum(static_cast<Index>(a.size()), [&](Index i) { return dot_entry(a[i], b[i]); });
 }
 
-/// 0 of an entry.
+/// The zero of an entry.
 template <class T>
 T zero_entry() {
     if constexpr (std::is_arithmetic_v<T>) return T(0);
     else return T(T::Zero());
 }
 
-/// The identity: conjugate gradients without a preconditioner.
+/// Identity, for conjugate gradients without a preconditioner.
 struct NoPreconditioner {
     template <class T>
     void operator()(Span<const T> r, Span<T> z) const {
@@ -43,7 +44,7 @@ struct NoPreconditioner {
     }
 };
 
-/// Calls f(v, y), which sets y. @returns v.y, which f may return itself: a sum in the loop that sets y saves one over both
+/// Calls f(v, y), which sets y. @returns v.y. f may return that sum itself, which saves a loop over both
 template <class T, class F>
 double apply_and_dot(const F& f, Span<const T> v, Span<T> y) {
     if constexpr (std::is_same_v<decltype(f(v, y)), double>) return f(v, y);
@@ -53,10 +54,10 @@ double apply_and_dot(const F& f, Span<const T> v, Span<T> y) {
     }
 }
 
-/// Goes on from a first guess whose residual is known, which saves a product with A (see conjugate_gradients for the rest).
-/// @param r b - A x; then the last residual
+/// Continues from a first guess whose residual is known, which saves a product with A. For the other parameters see conjugate_gradients().
+/// @param r b - A x on entry, the last residual on return
 /// @param reference > 0, scale of the residual in the chosen norm
-/// @param Mr M r, where it is known already
+/// @param Mr M r, if it is already known
 template <class T, class Operator, class Preconditioner>
 SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M, Span<T> r, Span<T> x, const SolveLimits& limits,
                                      ResidualNorm norm, double reference, Span<const T> Mr = {}) {
@@ -89,7 +90,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
             return report;
         }
         const Real alpha = static_cast<Real>(rz / pAp);
-        const double rr = parallel_sum(count, [&](Index i) {  // in one loop: threads that wait have to be woken for each
+        const double rr = parallel_sum(count, [&](Index i) {  // one loop for both, because each loop must wake the waiting threads
             x[i] += alpha * p[i];
             r[i] -= alpha * q[i];
             return euclidean ? dot_entry(r[i], r[i]) : 0.0;
@@ -105,13 +106,13 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
     return report;
 }
 
-/// Solves A x = b. A and M must be symmetric and positive definite on the entries that b and x use: entries that a mask excludes must be
-/// zero in b and x and left at zero by A and M.
-/// @param A called as A(Span<const T> x, Span<T> y): y = A x; it may return x.y
-/// @param M called as M(Span<const T> r, Span<T> z): z is near A^-1 r; it may return r.z
-/// @param x the first guess, then the solution; where the solver stops early, its last iterate
+/// Solves A x = b. A and M must be symmetric and positive definite on the entries that b and x use. Entries that a mask excludes must be
+/// zero in b and x, and A and M must leave them zero.
+/// @param A called as A(Span<const T> x, Span<T> y): sets y = A x; may return x.y
+/// @param M called as M(Span<const T> r, Span<T> z): sets z to an approximation of A^-1 r; may return r.z
+/// @param x the first guess on entry; on return the solution, or the last iterate if the solver stops early
 /// @param reference scale of the residual in the chosen norm; 0: the norm of b
-/// @returns iterations and relative residuals; converged is false with a reason where a limit was reached or A or M are not definite
+/// @returns iterations and relative residuals; converged is false, with a reason, if a limit was reached or A or M is not definite
 template <class T, class Operator, class Preconditioner>
 SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span<const T> b, Span<T> x, const SolveLimits& limits,
                                 ResidualNorm norm = ResidualNorm::euclidean, double reference = 0) {

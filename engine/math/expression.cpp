@@ -29,7 +29,7 @@ std::string shortest(double value) {
     return text;
 }
 
-/// muParser's message for an unknown function points at its parenthesis; people look for the name.
+/// For an unknown function, muParser reports the position of the parenthesis. The message here gives the function's name and column.
 ExpressionError described(const std::string& text, const mu::Parser& parser, const mu::Parser::exception_type& e) {
     const auto end = static_cast<std::size_t>(std::max(0, e.GetPos()));
     if (e.GetCode() == mu::ecUNEXPECTED_PARENS && end > 0 && end < text.size() && text[end] == '(') {
@@ -42,7 +42,7 @@ ExpressionError described(const std::string& text, const mu::Parser& parser, con
             std::string all;
             for (const auto& function : parser.GetFunDef()) known.push_back(function.first), all += " " + function.first;
             const auto shorter = [](const std::string& a, const std::string& b) { return a.size() < b.size(); };
-            std::stable_sort(known.begin(), known.end(), shorter);  // of two that are as near, "sin" before "sign"
+            std::stable_sort(known.begin(), known.end(), shorter);  // of two equally near names, the shorter: "sin" before "sign"
             const std::string near = name.size() > 3 ? nearest_name(name, known) : "";
             std::string hint = near.empty() ? "; there are" + all : "; did you mean \"" + near + "\"?";
             if (name == "pow") hint = "; powers are written x^2";
@@ -76,7 +76,7 @@ Expression::Expression(const std::string& text) : text_(text) {
         p.DefineVar("x", &compiled->x);
         p.DefineVar("y", &compiled->y);
         p.DefineVar("z", &compiled->z);
-        p.DefineVar("age", &compiled->t);  // what is of an age is asked for at it, not at a time
+        p.DefineVar("age", &compiled->t);  // an expression of an age is evaluated with t = age
         p.DefineConst("pi", std::numbers::pi);
         p.DefineOprt(
             "and", [](double a, double b) { return double(a != 0 && b != 0); }, mu::prLAND);
@@ -88,7 +88,7 @@ Expression::Expression(const std::string& text) : text_(text) {
         p.SetExpr(text);
         const auto used = p.GetUsedVar();
         const double value = p.Eval();
-        // muParser takes "0,25" for a list and returns its last entry.
+        // muParser reads "0,25" as a list and returns its last entry.
         if (p.GetNumResults() > 1)
             throw ExpressionError("\"" + text + "\" is not an expression: a comma outside a function (column " +
                                       std::to_string(text.find(',') + 1) + " of the text)",

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers that the scene file gives as expressions of t, x, y, z.
+/// Numbers that the scene file gives as expressions of t, x, y, z or age.
 #include <array>
 #include <memory>
 #include <stdexcept>
@@ -9,15 +9,15 @@
 
 namespace whorl {
 
-/// A text that is not a valid expression; what() gives reason and column.
+/// A text that is not a valid expression. what() gives reason and column.
 struct ExpressionError : std::invalid_argument {
     ExpressionError(const std::string& what, int in_column) : std::invalid_argument(what), column(in_column) {}
-    int column;  ///< of the text, from 1; 0: not known
+    int column;  ///< in the text, from 1; 0: unknown
 };
 
-/// An expression of t [s], x, y, z [m], the constant pi and the functions of muParser (sin, exp, sqrt, if-then-else "a ? b : c", ...);
-/// && || may be written and, or; not a is 1 where a is 0, and binds less tightly than a comparison.
-/// Cheap to copy; evaluation is not thread-safe.
+/// An expression of t [s], x, y, z [m] (or `age` [s], which is passed as t), with the constant pi and the functions of muParser (sin, exp,
+/// sqrt, "a ? b : c", ...). && and || may be written and, or. `not a` is 1 if a is 0; it binds less tightly than a comparison. Copies are
+/// cheap. Evaluation is not thread-safe.
 class Expression {
 public:
     Expression() : Expression(0.0) {}
@@ -29,9 +29,9 @@ public:
     double operator()(double t, const Vec3d& x) const { return (*this)(t, x.x(), x.y(), x.z()); }
     bool is_constant() const;
     bool depends_on_time() const;
-    /// Which of t, x, y, z it uses: "", "t", "xz", ...
+    /// The variables that it uses: "", "t", "xz", ... ('a' for age).
     std::string variables() const;
-    /// Text of the user; a plain number if it was one.
+    /// The text that the user wrote; for a number, its shortest decimal.
     const std::string& text() const { return text_; }
 
 private:

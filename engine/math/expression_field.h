@@ -1,5 +1,5 @@
 #pragma once
-/// A vector expression at many places.
+/// A vector expression evaluated at many positions.
 #include <utility>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Evaluates on all threads: every block of places has a copy of the expression with its own parser.
+/// Evaluates on all threads: every block of positions has its own copy of the expression, with its own parser.
 class ExpressionField {
 public:
     explicit ExpressionField(VectorExpression expression) : expression_(std::move(expression)) {}

@@ -8,7 +8,7 @@ namespace whorl {
 
 enum class KernelKind { cubic, wendland_c2, wendland_c4 };
 
-/// Kind of kernel and dimension of the flow, 2 or 3. Code that depends on the dimension reads it here.
+/// Kind of kernel and dimension of the flow, 2 or 3. Code that depends on the dimension gets it from here.
 struct KernelForm {
     KernelKind kind = KernelKind::cubic;
     int dimensions = 3;
@@ -16,26 +16,25 @@ struct KernelForm {
     bool operator==(const KernelForm&) const = default;
 };
 
-/// length^D: m^3 in 3D; in 2D m^2, the volume of a metre of depth.
+/// length^D: m^3 in 3D; m^2 in 2D, the volume per metre of depth.
 template <class T>
 T power_of(T length, int dimensions) {
     return dimensions == 2 ? length * length : length * length * length;
 }
 
-/// Common part of the three kernels. norm makes the integral over space (2D: over the plane) 1.
+/// Common part of the three kernels. `norm` makes the integral over space (2D: over the plane) equal to 1.
 struct KernelBase {
     int dimensions;
     Real R, inverse, norm;
-    /// @param space, plane norm R^D
+    /// @param space, plane norm R^D in 3D and in 2D
     KernelBase(Real support, int in_dimensions, double space, double plane)
         : dimensions(in_dimensions), R(support), inverse(1 / support),
           norm(static_cast<Real>(in_dimensions == 2 ? plane : space) / power_of(support, in_dimensions)) {}
 };
 
-/// W(r), its derivative, and slope(r) = W'(r)/r, which is finite at 0 where W' is 0 there; r in m, for q = r/R in [0, 1); all are 0 beyond.
-/// Units are those of 3D; in 2D there is one m less in the denominator.
-/// Cubic B-spline (Monaghan and Lattanzio 1985), written for q = r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3), in 2D with
-/// 40/(7 pi R^2).
+/// Members of each kernel: W(r) [m^-3], derivative W'(r) [m^-4], and slope W'(r)/r [m^-5], which is finite at r = 0. r in m, q = r/R; all
+/// are 0 for q >= 1. In 2D the units have one m less in the denominator. Cubic B-spline (Monaghan and Lattanzio 1985), written for q =
+/// r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3); 2D: 40/(7 pi R^2).
 struct CubicKernel : KernelBase {
     explicit CubicKernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 8 / std::numbers::pi, 40 / (7 * std::numbers::pi)) {}
@@ -58,7 +57,7 @@ struct CubicKernel : KernelBase {
     }
 };
 
-/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q), in 2D with 7/(pi R^2).
+/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q); 2D: 7/(pi R^2).
 struct WendlandC2Kernel : KernelBase {
     explicit WendlandC2Kernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 21 / (2 * std::numbers::pi), 7 / std::numbers::pi) {}
@@ -78,7 +77,7 @@ struct WendlandC2Kernel : KernelBase {
     }
 };
 
-/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2), in 2D with 9/(pi R^2).
+/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2); 2D: 9/(pi R^2).
 struct WendlandC4Kernel : KernelBase {
     explicit WendlandC4Kernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 495 / (32 * std::numbers::pi), 9 / std::numbers::pi) {}
@@ -99,7 +98,7 @@ struct WendlandC4Kernel : KernelBase {
     }
 };
 
-/// Calls f with that kernel, so that the loops inside f are compiled once a kind and hold no branch on it.
+/// Calls f with the kernel of this form, so that the loops inside f are compiled once per kind and have no branch on it.
 template <class F>
 decltype(auto) with_kernel(KernelForm form, Real support, F&& f) {
     switch (form.kind) {
@@ -109,7 +108,7 @@ decltype(auto) with_kernel(KernelForm form, Real support, F&& f) {
     }
 }
 
-/// Calls f(a, b, c) for all whole numbers from -reach to reach: the points of a cubic lattice. In the plane c is 0, on a line b, too.
+/// Calls f(a, b, c) for all whole numbers from -reach to reach, the points of a cubic lattice. In 2D c is 0; in 1D b is also 0.
 template <class F>
 void each_lattice_point(int dimensions, int reach, F&& f) {
     const int across = dimensions > 1 ? reach : 0, deep = dimensions > 2 ? reach : 0;

@@ -17,7 +17,7 @@ Column<Real> inverse_diagonal(const SparseRows& A) {
     return inverse;
 }
 
-/// (1 - w D^-1 A) times constants over the groups.
+/// Smoothed interpolation: (1 - w D^-1 A) applied to the vectors that are 1 on a group and 0 elsewhere.
 SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const std::vector<Index>& group_of, Index groups) {
     SparseRows P;
     P.columns = groups;
@@ -70,7 +70,7 @@ Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse) {
         for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) sum += std::abs(A.value[k]);
         return sum * inverse[i];
     }));
-    // A start without symmetries.
+    // A start vector without symmetries.
     Column<Real> x(A.size()), y(A.size());
     parallel_for(A.size(), [&](Index i) { x[i] = static_cast<Real>(std::sin(12.9898 * (i + 1))); });
     double estimate = 0;
@@ -98,8 +98,8 @@ void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const Multigri
             return;
         }
         level.smoothing = inverse_diagonal(A);
-        // With sweeps of 4/3 over the largest eigenvalue the smoothed interpolation is the best of its degree; sweeps are symmetric and
-        // positive definite up to 2, so the estimate may miss a third.
+        // w = 4/3 over the largest eigenvalue makes the smoothed interpolation the best of its degree. Sweeps are symmetric and positive
+        // definite up to w = 2 over it, so the estimate may be a third too small.
         const Real w = Real(4.0 / 3) / largest_eigenvalue(A, level.smoothing);
         for (Real& one : level.smoothing) one *= w;
 
@@ -123,12 +123,11 @@ void Multigrid::factor(const SparseRows& A) {
     for (Index i = 0; i < A.size(); ++i)
         if (!(dense(i, i) > static_cast<double>(min_positive))) dense(i, i) = 1;
     coarsest_.compute(dense);
-    // Pivot of a row after elimination: only accumulated round-off if A
-    // is singular. A correction by the inverse of that would be noise.
+    // Pivot of a row after elimination, relative to its diagonal. If A is singular, it is only round-off, and its inverse would be noise.
     constexpr double round_off = 1e-3;
     const auto left = [&] { return (coarsest_.matrixLLT().diagonal().array().square() / dense.diagonal().array()).minCoeff(); };
     if (coarsest_.info() == Eigen::Success && left() > round_off) return;
-    // Singular, as in a closed box: constants are then weighted 10^4 times a neighbour's difference instead of infinitely.
+    // Singular, as in a closed box: raise the diagonal, so that the weight of constants is 10^4 instead of infinite.
     constexpr double lift = 1e-4;
     dense.diagonal() *= 1 + lift;
     coarsest_.compute(dense);
@@ -151,7 +150,7 @@ void Multigrid::cycle(std::size_t l, Span<const Real> b, Span<Real> x) const {
         A.multiply(x, level.work);
         parallel_for(n, [&](Index i) { x[i] += level.smoothing[i] * (b[i] - level.work[i]); });
     };
-    // x = S b, and x += S (b - A x) for every sweep more;  r = b - A x;  x += P (next level) P^T r;  x += S (b - A x)        S = w/D
+    // x = S b, and x += S (b - A x) for each further sweep;  r = b - A x;  x += P (next level) P^T r;  x += S (b - A x)        S = w/D
     parallel_for(n, [&](Index i) { x[i] = level.smoothing[i] * b[i]; });
     for (int k = 1; k < sweeps_before_; ++k) sweep();
     A.multiply(x, level.work);

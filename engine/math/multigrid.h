@@ -9,11 +9,11 @@ namespace whorl {
 
 using GridCell = Eigen::Vector3i;
 
-/// Numbers the cells in the order in which they are first met. of[i] = -1 where `wanted` is false.
+/// Numbers the cells in the order in which they are first met.
 class CellNumbers {
 public:
     explicit CellNumbers(std::size_t expected);
-    /// @returns the number of the cell, a new one where it is met for the first time
+    /// @returns the number of the cell; a cell that is met for the first time gets a new one
     Index number(const GridCell& cell);
     const std::vector<GridCell>& cells() const { return cells_; }
     std::vector<GridCell> take() { return std::move(cells_); }
@@ -21,20 +21,20 @@ public:
 private:
     void grow();
     std::size_t slot(const GridCell& cell) const;
-    std::vector<Index> table_;  ///< number + 1; 0: free. Open addressing, a power of two
+    std::vector<Index> table_;  ///< number + 1, 0: free. Open addressing; the size is a power of two
     std::vector<GridCell> cells_;
 };
 
 struct MultigridOptions {
-    Index coarsest = 250;   ///< unknowns that are left to a dense Cholesky factorisation
-    int sweeps_before = 1;  ///< of damped Jacobi on every level before the correction from the next, at least 1
-    int sweeps_after = 1;   ///< and after it; as many as before keep the cycle symmetric, which conjugate gradients need
+    Index coarsest = 250;   ///< most unknowns that a dense Cholesky factorisation solves
+    int sweeps_before = 1;  ///< number of damped Jacobi sweeps on each level before the correction from the next, at least 1
+    int sweeps_after = 1;   ///< number of sweeps after it; must equal sweeps_before for conjugate gradients, which need a symmetric cycle
 };
 
-/// x = M^-1 b with M symmetric and positive definite for any symmetric positive semi-definite A (with as many sweeps before as after):
-/// damped Jacobi sweeps from zero, the correction from the next level (2 x 2 x 2 cells become one; A' = P^T A P), sweeps again; Cholesky on
-/// the coarsest level, whose diagonal is raised by 1e-4 where it is singular, as in a closed box.
-/// Rows whose diagonal is zero get x = 0.
+/// x = M^-1 b. M is symmetric and positive definite for any symmetric positive semi-definite A if the sweeps before and after are equal in
+/// number. A cycle: damped Jacobi sweeps from zero, the correction from the next level (2 x 2 x 2 cells become one; A' = P^T A P), sweeps
+/// again. Cholesky solves the coarsest level; if it is singular, as in a closed box, its diagonal is raised by a factor of 1 + 1e-4. Rows
+/// with a zero diagonal give x = 0.
 class Multigrid {
 public:
     void set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options);
@@ -47,7 +47,7 @@ private:
     struct Level {
         SparseRows A;
         Column<Real> smoothing;  ///< w/D
-        SparseRows P, R;         ///< to this level from the next, and its transpose; empty on the coarsest
+        SparseRows P, R;         ///< interpolation from the next level to this one, and its transpose; empty on the coarsest
         mutable Column<Real> b, x, work;
     };
     void cycle(std::size_t level, Span<const Real> b, Span<Real> x) const;
@@ -58,7 +58,7 @@ private:
     Eigen::LLT<Eigen::MatrixXd> coarsest_;
 };
 
-/// Largest eigenvalue of D^-1 A by the power method, at most the largest row sum of |D^-1 A|.
+/// Largest eigenvalue of D^-1 A by the power method, limited to the largest row sum of |D^-1 A|.
 Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse_diagonal);
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 namespace whorl {
 
 struct SolveLimits {
-    double tolerance = 1e-4;  ///< on the norm that the solver's own docstring names, relative to the right-hand side
+    double tolerance = 1e-4;  ///< relative to the right-hand side, in the norm that the solver's docstring names
     int max_iterations = 200;
 };
 
@@ -14,7 +14,7 @@ struct SolveReport {
     double first_residual = 0, last_residual = 0;  ///< relative, in the norm that stops the solver
     bool converged = false;
     std::string why_not;                           ///< empty if it converged
-    int levels = 1;                                ///< of the preconditioner, 1: a single one
+    int levels = 1;                                ///< of the preconditioner; 1: no hierarchy
     double set_up_seconds = 0, solve_seconds = 0;  ///< wall time
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Sparse matrices by rows, for coarse levels.
+/// Sparse matrices stored by rows, for coarse levels.
 #include <vector>
 
 #include "engine/core/column.h"
@@ -8,7 +8,7 @@
 namespace whorl {
 
 struct SparseRows {
-    std::vector<std::size_t> first{0};  ///< rows + 1
+    std::vector<std::size_t> first{0};  ///< begin of each row in column and value; the last entry is their size
     Column<Index> column;
     Column<Real> value;
     Index columns = 0;
@@ -18,8 +18,8 @@ struct SparseRows {
     void multiply(Span<const Real> x, Span<Real> y) const;
 };
 
-/// Sums up rows: f(i, add) calls add(column, value) any number of times. A row's columns are in the order in which they first occur,
-/// so the bits do not depend on the number of threads.
+/// Assembles rows: f(i, add) calls add(column, value) any number of times, and values of equal columns are summed. The columns of a row
+/// are in the order in which they first occur, so the result is bit-identical for any number of threads.
 template <class F>
 SparseRows gather_rows(Index rows, Index columns, F&& f) {
     constexpr Index block = 256;
@@ -31,7 +31,7 @@ SparseRows gather_rows(Index rows, Index columns, F&& f) {
     const Index blocks = (rows + block - 1) / block;
     std::vector<Part> parts(blocks);
     parallel_tasks(blocks, [&](Index b) {
-        // Position of a column in the current row; an entry of an earlier row is detected by its target.
+        // Index of a column's entry in the current row. A stale index, of an earlier row, is detected by comparison with that entry.
         thread_local std::vector<std::size_t> place;
         if (place.size() < static_cast<std::size_t>(columns)) place.resize(columns, 0);
         Part& part = parts[b];
@@ -60,11 +60,11 @@ SparseRows gather_rows(Index rows, Index columns, F&& f) {
     return all;
 }
 
-/// A B
+/// The product A B.
 SparseRows product(const SparseRows& A, const SparseRows& B);
 SparseRows transposed(const SparseRows& A);
 
-/// Each unknown's group, from 0; -1: in none. Summing over groups and copying from them are one matrix and its transpose.
+/// The group of each unknown, from 0; -1: none. The sum over groups and the copy from groups are a matrix and its transpose.
 struct IndexGroups {
     std::vector<Index> of;
     std::vector<Index> first{0}, member;  ///< members by group, in order
@@ -72,7 +72,7 @@ struct IndexGroups {
     IndexGroups() = default;
     IndexGroups(std::vector<Index> group_of, Index groups);
     Index groups() const { return static_cast<Index>(first.size()) - 1; }
-    /// sum_k = sum of r over the members of k.
+    /// sum[k] = sum of r over the members of group k.
     void sum(Span<const Real> r, Span<Real> sum) const;
 };
 
