@@ -63,7 +63,7 @@ void BodyContacts::find(const Solids& solids, const BoundaryParticles& boundary,
         for (std::size_t b = 0; b < n; ++b) {
             if (a == b || !solids.all[a].body) continue;
             const RigidBody& body = *solids.all[a].body;
-            // From the centre of b, if it is free, to the nearest image of a.
+            // Vector from the centre of b, if b is free, to the nearest periodic image of a.
             Vec3d image = Vec3d::Zero();
             if (solids.all[b].body) {
                 const Vec3d from = body.centre - solids.all[b].body->centre;
@@ -80,8 +80,8 @@ void BodyContacts::find(const Solids& solids, const BoundaryParticles& boundary,
     want(solids);
 }
 
-/// The place on the surface of a nearest to `start` that is deepest in b: down along the surface from there, up to about a spacing. The
-/// particles alone would make a polyhedron of a ball, which does not roll.
+/// The point of a's surface near `start` that is deepest in b, found by descent along the surface over at most about a spacing. Boundary
+/// particles alone would represent a ball as a polyhedron, which does not roll.
 Vec3d BodyContacts::deepest(const Solid& a, const Solid& b, const Vec3d& image, const Vec3d& start) const {
     const auto depth = [&](const Vec3d& x) { return static_cast<double>(b.distance(x.cast<Real>())); };
     const auto on_surface = [&](const Vec3d& x) {
@@ -100,7 +100,8 @@ Vec3d BodyContacts::deepest(const Solid& a, const Solid& b, const Vec3d& image, 
         if (lower < gap) p = q, gap = lower, along = slope(p);
         else step /= 2;
     }
-    // Depths are rounded. Where both surfaces are smooth, the slope vanishes at the place, and a secant finds it.
+    // Depths are rounded, so the descent stops early. If both surfaces are smooth, the slope is zero at the deepest point: one secant step
+    // finds it.
     if (!(along.norm() > 1e-6)) return p;
     const Vec3d way = 0.01 * step_.spacing * along.normalized(), q = on_surface(p + way);
     const double bend = 1 - slope(q).dot(along) / along.squaredNorm();
@@ -118,7 +119,7 @@ void BodyContacts::look_from(const Solids& solids, const BoundaryParticles& boun
     Point p;
     p.place = deepest(solids.all[a], other, image, start);
     const auto apart = static_cast<double>(other.distance(p.place.cast<Real>()));
-    // Distances within rounding error count as 0: otherwise the points of a rigid face would contradict each other.
+    // Distances within rounding error count as 0, because otherwise the points of a rigid face would contradict each other.
     const double rounding = 1e-5 * step_.spacing + 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * p.place.norm();
     p.gap = std::min(0.0, apart + rounding) + std::max(0.0, apart - step_.clearance - rounding);
     if (p.gap > coming + 0.1 * step_.spacing) return;
@@ -151,7 +152,7 @@ void BodyContacts::thin(std::size_t first) {
             if (points_[k].gap < points_[best[ways]].gap) best[ways] = k;
         }
         for (const std::size_t k : best) kept[k] = 1;
-        // The polygon of the places in the order of their ways, as triangles about its middle.
+        // The face as a polygon: its corners in the order of their directions, split into triangles about the middle.
         const auto corner = [&](std::size_t way) { return points_[best[way % ways]].place; };
         Vec3d middle = Vec3d::Zero();
         for (std::size_t way = 0; way < ways; ++way) middle += corner(way) / ways;
@@ -162,7 +163,8 @@ void BodyContacts::thin(std::size_t first) {
             farthest = std::max(farthest, p.norm());
             area += triangle, moment += triangle * 2 / 3 * (p.norm() + 2 * (p + q).norm() + q.norm()) / 6;
         }
-        const double mean = area > 1e-3 * farthest * farthest ? moment / area : farthest / 2;  // distance over the face; of a line
+        const double mean = area > 1e-3 * farthest * farthest ? moment / area : farthest / 2;  // mean distance from the middle, over the
+                                                                                               // face; farthest/2 for a line
         for (const std::size_t k : best) {
             const Vec3d out = points_[k].place - middle;
             points_[k].grip = mean * (out.norm() > 1e-3 * farthest ? out.normalized() : t) - out;
@@ -210,7 +212,7 @@ void BodyContacts::push(const Point& p, Direction& n, double impulse) {
     b.velocity -= b.lightness * impulse * n.along, b.turning -= impulse * n.turn_b;
 }
 
-/// @returns the change of velocity [m/s]
+/// Makes the normal velocity at least p.wanted. @returns the change of velocity [m/s]
 double BodyContacts::push_apart(Point& p) {
     Direction& n = p.ways[0];
     const double change = std::max(-n.impulse, (p.wanted - speed(p, n)) / n.softness);
@@ -219,7 +221,7 @@ double BodyContacts::push_apart(Point& p) {
     return std::abs(change) * n.softness;
 }
 
-/// @returns the change of velocity [m/s]
+/// Brakes sliding within the limit of friction. @returns the change of velocity [m/s]
 double BodyContacts::hold_back(Point& p) {
     auto& [n, s, t] = p.ways;
     if (n.impulse == 0 && s.impulse == 0 && t.impulse == 0) return 0;
@@ -238,7 +240,7 @@ double BodyContacts::hold_back(Point& p) {
 
 BodyVector BodyContacts::velocities(const BodyVector& free) {
     constexpr int rounds = 400;
-    constexpr double exactly = 1e-6;  // of the fastest relative velocity: a body that rests gains dt g in a step
+    constexpr double exactly = 1e-6;  // relative to the fastest relative velocity; a body at rest gains dt g per step
     for (Moving& m : moving_)
         if (m.slot >= 0) m.velocity = free.segment<3>(m.slot), m.turning = free.segment<3>(m.slot + 3);
     double fastest = 0;
@@ -263,7 +265,7 @@ BodyVector BodyContacts::velocities(const BodyVector& free) {
 }
 
 void BodyContacts::add_rows(std::size_t first, std::size_t last, std::vector<Eigen::Triplet<double>>& J) const {
-    // Rows r act on the velocities of a relative to b, continued to the centre of a; lengths in `scale`.
+    // Rows r act on the velocity of a relative to b, taken at the centre of a. Lengths are in units of `scale`.
     const Moving &a = moving_[points_[first].a], &b = moving_[points_[first].b];
     const Vec3d between = points_[first].arm_b - points_[first].arm_a;
     double scale = step_.spacing;
@@ -304,7 +306,7 @@ void BodyContacts::hold() {
     const auto held = std::make_shared<Held>();
     held->rows = rows * lightness_;
     Eigen::SparseMatrix<double> S = held->rows * rows.transpose();
-    // Regularisation: otherwise redundant contacts make the matrix singular.
+    // Regularisation, without which redundant contacts would make the matrix singular.
     for (Eigen::Index r = 0; r < S.rows(); ++r) S.coeffRef(r, r) *= 1 + 1e-10;
     held->between.compute(S);
     held_ = held;

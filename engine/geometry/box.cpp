@@ -36,7 +36,7 @@ public:
         const double volume = 8 * half.prod();
         return {volume, centre_.cast<double>(), Mat3d((volume / 3 * half.cwiseProduct(half)).asDiagonal())};
     }
-    /// Each face on its own, so that its normals are sharp at the edges.
+    /// Each face has its own vertices, so that normals are sharp at the edges.
     TriangleMesh mesh(Real, Real) const override {
         TriangleMesh m;
         for (int a = 0; a < 3; ++a)
@@ -62,7 +62,7 @@ public:
         return m;
     }
 
-    /// A lattice on the six faces, edges and corners once.
+    /// A lattice on the six faces, with each point of an edge or corner once.
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         LatticeLine line[3];
         for (int a = 0; a < 3; ++a) line[a] = lattice_line(region, a, centre_[a], half_[a], offset, "box");

@@ -54,7 +54,7 @@ public:
         for (int l = 0; l <= around; ++l) {
             const double angle = 2 * std::numbers::pi * (l % around) / around;
             const Vec3f out = static_cast<float>(std::cos(angle)) * u + static_cast<float>(std::sin(angle)) * v;
-            for (float side : {-1.f, 1.f}) {  // the wall and, with their own normals, the two ends
+            for (float side : {-1.f, 1.f}) {  // the wall, and the two ends with their own normals
                 const Vec3f rim = c + side * h * n + R * out;
                 m.position.push_back(rim);
                 m.normal.push_back(out);
@@ -73,7 +73,7 @@ public:
         return m;
     }
 
-    /// Rings on the wall, every other one turned by half a spacing, and rings on the ends.
+    /// Rings on the wall, with every second one rotated by half a spacing, and rings on the ends.
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const double R = inset(radius_, offset), half = inset(half_, offset), d = region.spacing, pi = std::numbers::pi;
         const Vec3d c = middle_.cast<double>(), n = axis_.cast<double>();
@@ -112,12 +112,12 @@ public:
     }
 
 private:
-    /// A triangle of places on the rim in both ends.
+    /// Adds a triangle between three positions on the rim, to both ends.
     static void add_ends(std::uint32_t a, std::uint32_t b, std::uint32_t c, TriangleMesh& m) {
         m.triangle.push_back({4 * c + 1, 4 * b + 1, 4 * a + 1});
         m.triangle.push_back({4 * a + 3, 4 * b + 3, 4 * c + 3});
     }
-    /// Fills the area between the rim from `a` to `b` and the chord. Large triangles are drawn faster than a fan of thin ones.
+    /// Fills the area between the chord and the rim from `a` to `b`. Large triangles are drawn faster than a fan of thin ones.
     static void fill_ends(std::uint32_t a, std::uint32_t b, TriangleMesh& m) {
         if (b - a < 2) return;
         const std::uint32_t middle = (a + b) / 2;

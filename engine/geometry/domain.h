@@ -1,5 +1,5 @@
 #pragma once
-/// The box that particles live in, with any subset of its axes periodic. A box without depth is a piece of the plane z = 0.
+/// The box that contains the particles. Any of its axes may be periodic. In 2D it has no depth and lies in the plane z = 0.
 #include <array>
 #include <cmath>
 
@@ -14,9 +14,9 @@ struct Domain {
 
     int dimensions() const { return min.z() < max.z() ? 3 : 2; }
     bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
-    /// It has no edge.
+    /// Whether the domain has no boundary.
     bool all_periodic() const { return periodic[0] && periodic[1] && (periodic[2] || dimensions() == 2); }
-    /// m^3; of a box without depth m^2, the volume of a metre of depth.
+    /// m^3; in 2D m^2, the volume per metre of depth.
     double volume() const {
         const Vec3d size = (max - min).cast<double>();
         return size.x() * size.y() * (dimensions() == 2 ? 1 : size.z());
@@ -27,14 +27,14 @@ struct Domain {
             if (!periodic[a] && !(x[a] >= min[a] && x[a] <= max[a])) return false;
         return true;
     }
-    /// Length of each periodic axis, 0 for the others: multiply-add of minimum_image() then needs no branch.
+    /// Length of each periodic axis, 0 for the others: with it, minimum_image() in a loop needs only multiply-adds, no branch.
     Vec3 period() const {
         Vec3 L = Vec3::Zero();
         for (int a = 0; a < 3; ++a)
             if (periodic[a]) L[a] = max[a] - min[a];
         return L;
     }
-    /// The shortest of the periodic images of the distance r.
+    /// The displacement r, reduced to that between nearest periodic images.
     Vec3 minimum_image(Vec3 r) const {
         for (int a = 0; a < 3; ++a)
             if (periodic[a]) {

@@ -29,13 +29,13 @@ std::string lower(std::string_view text) {
     return made;
 }
 
-/// A text file line by line, word by word.
+/// Reads a text file by lines and words.
 class Words {
 public:
-    /// @param joins a line that ends in "\" continues in the next one
+    /// @param joins whether a line that ends in "\" continues on the next one
     Words(const std::string& file, std::string_view text, bool joins = false) : file_(file), rest_(text), joins_(joins) {}
 
-    /// Goes to the next line; false at the end.
+    /// Moves to the next line. @return false at the end of the file
     bool next_line() {
         if (rest_.empty()) return false;
         const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
@@ -48,7 +48,7 @@ public:
         words_ = line_text_;
         return true;
     }
-    /// The next word of this line, empty at its end.
+    /// The next word of this line, or "" at its end.
     std::string_view word() {
         std::size_t begin = words_.find_first_not_of(" \t");
         while (begin == words_.npos && goes_on_ && next_line()) begin = words_.find_first_not_of(" \t");
@@ -82,22 +82,22 @@ public:
         for (int a = 0; a < 3; ++a) x[a] = number(word(), std::numeric_limits<float>::max());
         return x;
     }
-    /// Goes to the next line that has a word.
+    /// Moves to the next line that has a word. @return false at the end of the file
     bool next_full_line() {
         while (next_line())
             if (words_.find_first_not_of(" \t") != words_.npos) return true;
         return false;
     }
-    /// Passes over the name of an STL solid: the rest of the line, or all before a facet.
+    /// Skips the name of an STL solid: the rest of the line, or everything before a facet on it.
     void skip_name() { words_.remove_prefix(std::min(words_.size(), lower(words_).find("facet normal"))); }
     std::string_view rest() const { return rest_; }
-    /// At the last word that was taken.
+    /// Reports a fault at the last word that was read.
     [[noreturn]] void fail(const std::string& what, const std::string& allowed = "") const {
         throw InputError({file_, line_, column_}, what, "", allowed);
     }
 
 private:
-    /// All of the text as a number.
+    /// Converts the whole text to a number.
     template <class T>
     static std::errc read(std::string_view text, T& value) {
         if (!text.empty() && text.front() == '+') text.remove_prefix(1);
@@ -115,16 +115,17 @@ private:
     int line_ = 0, column_ = 0;
 };
 
-/// Vertices and polygons as a file lists them.
+/// Vertices and polygons in the order of the file.
 struct Polygons {
     std::vector<Vec3d> position;
-    std::vector<Corner> corner;    ///< of all polygons, one after the other
-    std::vector<std::size_t> end;  ///< where each polygon ends in `corner`
-    bool single = false;           ///< the file has its coordinates in single precision
+    std::vector<Corner> corner;    ///< vertex of each corner, polygon after polygon
+    std::vector<std::size_t> end;  ///< end of each polygon in `corner`
+    bool single = false;           ///< whether the file stores single precision
 };
 
-/// Cuts ears off a polygon in the plane of its area vector: right for concave ones, and for holes that a bridge joins to the rim. A convex
-/// one becomes a fan from its first corner; one that crosses itself keeps its winding numbers.
+/// Splits a polygon into triangles by ear clipping in the plane of its area vector. This also holds for concave polygons, and for holes
+/// that a bridge joins to the rim. A convex polygon becomes a fan from its first corner; a self-intersecting one keeps its winding
+/// numbers.
 void triangulate(const std::vector<Vec3d>& x, std::vector<Corner> ring, std::vector<std::array<Corner, 3>>& to) {
     Vec3d normal = Vec3d::Zero();
     for (std::size_t k = 2; k < ring.size(); ++k) normal += (x[ring[k - 1]] - x[ring[0]]).cross(x[ring[k]] - x[ring[0]]);
@@ -171,7 +172,7 @@ Polygons read_obj(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-/// Word by word, as some programs write all on one line; what is no corner, normals too, counts for nothing.
+/// Reads word by word, because some programs write everything on one line. Words other than corners, also normals, are ignored.
 Polygons read_ascii_stl(const std::string& file, std::string_view text) {
     Polygons mesh;
     Words words(file, text);
@@ -214,10 +215,10 @@ Polygons read_binary_stl(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-/// A property of a PLY element. Types as letters: b, h, i integers of 1, 2, 4 bytes (capital: unsigned), f, d floats of 4, 8.
+/// A property of a PLY element. Type letters: b, h, i for integers of 1, 2, 4 bytes (capital: unsigned); f, d for floats of 4, 8 bytes.
 struct PlyProperty {
     std::string name;
-    char type = 0, length_type = 0;  ///< a list has a type for its length too
+    char type = 0, length_type = 0;  ///< length_type: type of a list's length, 0 if it is not a list
 };
 struct PlyElement {
     std::string name;
@@ -225,7 +226,7 @@ struct PlyElement {
     std::vector<PlyProperty> properties;
 };
 
-/// Takes a value off the bytes; none where they are too few.
+/// Reads a value from the front of the bytes; empty if there are too few.
 std::optional<double> ply_value(char type, std::string_view& bytes, bool swapped) {
     const auto take = [&]<class T>(T) -> std::optional<double> {
         if (bytes.size() < sizeof(T)) return {};
@@ -322,8 +323,9 @@ Polygons read_ply(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-/// glTF, by assimp. Its reader of OBJ passes over lines that it does not understand and takes a decimal comma for the end of a number; that
-/// of STL wants normals that are numbers, and lower case; of 2000 damaged PLY files 432 crash its reader, and 391 never end.
+/// Reads glTF with assimp. The other formats have their own readers here. In assimp, the OBJ reader skips lines that it does not
+/// understand and ends a number at a decimal comma. The STL reader requires valid normals and lower case. Of 2000 damaged PLY files, 432
+/// crash the PLY reader and 391 never finish.
 Polygons read_gltf(const std::string& file) {
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(file, aiProcess_PreTransformVertices);
@@ -382,7 +384,8 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Ve
     buffer << in.rdbuf();
     const std::string bytes = buffer.str();
     std::string_view text = bytes;
-    // A binary STL file may begin with "solid", too. A text has no zeros; the count of triangles has one, or there is room for them all.
+    // A binary STL file may also begin with "solid". A text has no zero bytes. A binary file has one in its triangle count, or is long
+    // enough for that many triangles.
     const bool binary = text.size() >= 84 && (text.substr(0, 84).find('\0') != text.npos ||
                                               text.size() >= 84 + 50 * std::size_t(bytes_as<std::uint32_t>(text.data() + 80)));
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte-order mark

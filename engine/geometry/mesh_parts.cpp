@@ -17,12 +17,13 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 Vec3d corner_of(const TriangleMesh& mesh, std::uint32_t vertex) { return mesh.position[vertex].cast<double>(); }
 
-/// Joins triangles around an edge that more than two share: from the first of two, the second is the next that is met through what the
-/// first holds, however the parts that meet there lie.
+/// Joins triangles around an edge that more than two of them share. Each triangle that passes the edge from a to b is joined to the first
+/// triangle of opposite direction that is met when turning about the edge through the inside.
 template <class Join>
 void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, const std::vector<std::uint32_t>& around, const Join& join) {
     const Vec3d along = (corner_of(mesh, b) - corner_of(mesh, a)).stableNormalized();
-    std::vector<std::pair<std::uint32_t, Vec3d>> with, against;  // triangles that pass the edge from a to b, from b to a; the way into each
+    std::vector<std::pair<std::uint32_t, Vec3d>> with, against;  // triangles that pass the edge from a to b, and from b to a, with the
+                                                                 // direction into each
     for (const std::uint32_t t : around) {
         const Triangle& corner = mesh.triangle[t];
         const std::size_t k = corner[0] != a && corner[0] != b ? 0 : corner[1] != a && corner[1] != b ? 1 : 2;
@@ -49,11 +50,12 @@ void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, con
     }
 }
 
-/// For each triangle the representative triangle of its part (connected by edges). Of faces with the same corners that leave an edge open,
-/// the first is kept. @param doubled counts the others @throws InputError if the mesh has holes or inconsistent orientation
+/// For each triangle, the representative triangle of its part (connected by edges). Of faces with equal corners, the first is kept and
+/// those that leave an edge open are removed. @param doubled number of removed faces @throws InputError if the mesh has holes or
+/// inconsistent orientation
 std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::string& name, std::size_t& doubled) {
     struct Edge {
-        int turns = 0, uses = 0;  ///< passes one way less passes back; all passes
+        int turns = 0, uses = 0;  ///< turns: passes in one direction minus passes in the other; uses: all passes
         std::uint32_t first = 0;  ///< triangle
     };
     using Ends = std::pair<std::uint32_t, std::uint32_t>;
@@ -107,10 +109,10 @@ std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::stri
     return part;
 }
 
-/// Takes faces off the list that are there the other way round, too, two at a time. @returns how many
+/// Removes pairs of faces with equal corners and opposite orientation from the list. @returns the number of removed faces
 std::size_t cancel_opposite(const TriangleMesh& mesh, std::vector<std::uint32_t>& faces) {
     std::vector<std::tuple<Triangle, bool, std::uint32_t>>
-        sorted;  // corners in order; whether the face passes them in this order; the face
+        sorted;  // sorted corners; whether the face passes them in this order; index of the face
     for (const std::uint32_t t : faces) {
         Triangle c = mesh.triangle[t];
         std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
@@ -155,7 +157,7 @@ std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& nam
     };
     std::vector<std::uint32_t> whole(mesh.triangle.size());
     std::iota(whole.begin(), whole.end(), 0u);
-    if (volume_of(whole) < 0) turn(whole);  // parts that share edges are distinguished by their insides
+    if (volume_of(whole) < 0) turn(whole);  // parts that share edges are separated by their insides, so faces must be oriented outward
     std::size_t doubled = 0;
     std::map<std::uint32_t, std::vector<std::uint32_t>> triangles;
     const std::vector<std::uint32_t> part = find_closed_parts(mesh, name, doubled);

@@ -19,9 +19,9 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Signed distance by the nearest triangle, in a tree of boxes; the sign from the angle-weighted normal of the nearest corner, edge or face
-/// (Baerentzen and Aanaes 2005): right also where the nearest point is shared by triangles that disagree. The inside of a mesh that crosses
-/// itself is where its winding number is not 0.
+/// Signed distance to the nearest triangle, found in a tree of boxes. The sign is from the angle-weighted normal of the nearest corner,
+/// edge or face (Baerentzen and Aanaes 2005), so it is right even if triangles that share the nearest point disagree. In a
+/// self-intersecting mesh the inside is where the winding number is not 0.
 class Mesh final : public Shape {
 public:
     explicit Mesh(TriangleMesh mesh) : mesh_(std::move(mesh)) {
@@ -48,7 +48,7 @@ public:
     Vec3 normal(const Vec3& x) const override {
         Vec3d n, offset;
         const double distance = nearest(x.cast<double>(), infinity, offset, n);
-        // Very near the surface the direction to it is rounding: there the surface's own normal is the better one.
+        // Very near the surface, rounding dominates the direction to it: there the surface's own normal is used.
         const double size = nodes_[0].box.diagonal().norm();
         if (std::abs(distance) < 1e-6 * size) return n.stableNormalized().cast<Real>();
         return (offset / distance).cast<Real>();
@@ -63,8 +63,8 @@ public:
 private:
     struct Node {
         Eigen::AlignedBox3d box;
-        std::uint32_t begin = 0, end = 0;  ///< of order_, in a leaf
-        std::uint32_t right = 0;           ///< 0 in a leaf; the left child follows its parent
+        std::uint32_t begin = 0, end = 0;  ///< range of order_, in a leaf
+        std::uint32_t right = 0;           ///< index of the right child, 0 in a leaf; the left child follows its parent
     };
 
     Vec3d area_vector(const Triangle& t) const { return (vertex_[t[1]] - vertex_[t[0]]).cross(vertex_[t[2]] - vertex_[t[0]]); }
@@ -83,7 +83,8 @@ private:
             for (std::size_t k = 0; k < 3; ++k)
                 edge_normal_[t][k] = edges[std::minmax(mesh_.triangle[t][(k + 1) % 3], mesh_.triangle[t][(k + 2) % 3])];
     }
-    /// Just outside a face the winding number is 0 unless the mesh crosses itself: tested at its centre and next to its edges.
+    /// Counts the faces that have the inside also on their outer side. Just outside a face the winding number is 0, unless the mesh
+    /// intersects itself. Each face is tested at its centre and next to its edges.
     void find_crossings() {
         const double step = 1e-9 * box().diagonal().norm();
         std::vector<char> crosses(mesh_.triangle.size());
@@ -96,7 +97,8 @@ private:
         });
         crossings_ = std::count(crosses.begin(), crosses.end(), 1);
     }
-    /// Winding number of the surface about x: its crossings with the ray from x along z. Both faces at an edge agree on the side of x.
+    /// Winding number of the surface about x, from crossings of the ray from x along z. Both faces at an edge agree on which side of it x
+    /// lies.
     int winding(const Vec3d& x) const {
         int sum = 0;
         std::uint32_t stack[64];
@@ -110,7 +112,7 @@ private:
             if (node.right != 0) stack[depth++] = at + 1, stack[depth++] = node.right;
             for (std::uint32_t k = node.begin; k < (node.right == 0 ? node.end : node.begin); ++k) {
                 const Triangle& c = mesh_.triangle[order_[k]];
-                int turns = 0;  // of the triangle's rim about the ray
+                int turns = 0;  // times that the triangle's rim turns about the ray
                 for (std::size_t e = 0; e < 3; ++e) {
                     const Vec3d &a = vertex_[c[e]], &b = vertex_[c[(e + 1) % 3]];
                     if ((a.y() <= x.y()) == (b.y() <= x.y())) continue;
@@ -154,7 +156,7 @@ private:
         build(order, middle, end);
     }
 
-    /// Signed distance; offset = x - nearest point; normal of the feature there, not unit.
+    /// Signed distance, with offset = x - nearest point and the normal of the nearest feature (not of unit length).
     double nearest(const Vec3d& x, double bound, Vec3d& offset, Vec3d& normal) const {
         double best = bound * bound;
         offset = normal = Vec3d::UnitY();
@@ -200,7 +202,7 @@ private:
     std::ptrdiff_t crossings_ = 0;  ///< faces with the inside on both sides, or turned inward
 };
 
-/// Normals are smooth across edges of less than 40 degrees and sharp across the others.
+/// For drawing: normals are smooth across edges of less than 40 degrees and sharp across the others.
 TriangleMesh Mesh::mesh(Real, Real) const {
     const double sharp = std::cos(40 * std::acos(-1.0) / 180);
     std::vector<std::vector<std::uint32_t>> faces(vertex_.size());
@@ -208,7 +210,7 @@ TriangleMesh Mesh::mesh(Real, Real) const {
         for (std::uint32_t corner : mesh_.triangle[t]) faces[corner].push_back(t);
 
     TriangleMesh drawn;
-    std::vector<std::vector<std::uint32_t>> made(vertex_.size());  // vertices drawn for each corner: one a normal
+    std::vector<std::vector<std::uint32_t>> made(vertex_.size());  // vertices made for each corner, one per normal
     for (std::uint32_t t = 0; t < mesh_.triangle.size(); ++t) {
         Triangle triangle{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -233,7 +235,7 @@ TriangleMesh Mesh::mesh(Real, Real) const {
     return drawn;
 }
 
-/// Closed parts that may overlap, touch or lie inside each other: together they are solid, and one inside another is a hollow in it.
+/// Closed parts that may overlap, touch or contain each other. The solid is their union; a part inside another is a hollow in it.
 class Parts final : public Shape {
 public:
     Parts(const std::vector<TriangleMesh>& meshes, std::vector<std::string> notes) {
@@ -267,7 +269,7 @@ public:
                     parts[k].depth = std::max(parts[k].depth, parts[other].depth + 1);
                 else overlap_ = overlap_ || (box(k).intersection(box(other)).sizes().array() > 0).all();
             }
-        // Separate parts form one mesh, in which the nearest face determines the side.
+        // Separate parts are merged into one mesh, in which the nearest face determines the sign.
         TriangleMesh alone;
         for (std::size_t k = 0; k < parts.size(); ++k) {
             if (near[k].empty()) append(alone, meshes[k]);
@@ -290,12 +292,13 @@ public:
         const Eigen::AlignedBox3d box = whole_box();
         min = box.min().cast<Real>(), max = box.max().cast<Real>();
     }
-    /// Overlapping parts are integrated by evenly spread points (Roberts's sequence): the sum over surfaces would count the overlap twice.
+    /// Overlapping parts are integrated over evenly spread points (Roberts's sequence). The sum over surfaces would count the overlap
+    /// twice.
     MassProperties bulk() const override {
         if (!overlap_) return Shape::bulk();
         const Eigen::AlignedBox3d box = whole_box();
         const Vec3d apart(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);
-        const int count = std::clamp(20'000'000 / static_cast<int>(parts_.size()), 20'000, 200'000);  // a place asks every part
+        const int count = std::clamp(20'000'000 / static_cast<int>(parts_.size()), 20'000, 200'000);  // each point queries every part
         const double share = box.volume() / count;
         MassProperties bulk;
         Vec3d first = Vec3d::Zero();
@@ -330,12 +333,13 @@ private:
     struct Part {
         std::shared_ptr<const Mesh> mesh;
         double volume = 0;
-        int depth = 0;  ///< how many lie around it, each inside the next
+        int depth = 0;  ///< number of parts that enclose it
         bool hollow() const { return depth % 2 == 1; }
         Real sign() const { return hollow() ? Real(-1) : Real(1); }
     };
 
-    /// Whether no corner and no middle of a triangle is outside, and one is inside: the surfaces may touch.
+    /// Whether `inner` lies in `outer`: no corner or middle of its triangles is outside, and at least one is inside. The surfaces may
+    /// touch.
     static bool within(const TriangleMesh& inner, const Mesh& outer) {
         const double rounding = 1e-6 * outer.box().min().cwiseAbs().cwiseMax(outer.box().max().cwiseAbs()).norm();
         bool inside = false;
@@ -351,7 +355,7 @@ private:
         return inside;
     }
 
-    /// Signed distance to the union of the parts: solid parts add to it, hollows subtract.
+    /// Signed distance to the union of the solid parts minus the hollows. @param whose index of the nearest part
     double distance(const Vec3d& x, std::size_t& whose) const {
         double best = infinity;
         for (std::size_t k = 0; k < parts_.size(); ++k) {

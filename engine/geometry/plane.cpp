@@ -18,7 +18,7 @@ public:
         const Real inf = std::numeric_limits<Real>::infinity();
         min = Vec3::Constant(-inf);
         max = Vec3::Constant(inf);
-        for (int a = 0; a < 3; ++a) {  // an upright plane bounds its half-space on one side
+        for (int a = 0; a < 3; ++a) {  // an axis-aligned plane bounds its half-space on one side
             if (normal_[a] == 1) max[a] = point_[a];
             if (normal_[a] == -1) min[a] = point_[a];
         }
@@ -38,7 +38,7 @@ public:
         return m;
     }
 
-    /// A lattice, without a seam along periodic axes that the plane holds.
+    /// A lattice. Along periodic axes that lie in the plane it has no seam.
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const Vec3d n = normal_.cast<double>();
         const PlaneLattice lattice(n);

@@ -9,10 +9,10 @@ namespace whorl {
 
 std::shared_ptr<const Shape> make_plane(const Vec3d& point, const Vec3d& normal);
 
-/// Lattice in a plane. Its two directions are axes of the domain if the plane contains them.
+/// Lattice in a plane. Its two directions are domain axes if the plane contains such axes.
 struct PlaneLattice {
     Vec3d direction[2];
-    int axes[2] = {-1, -1};  ///< the domain's axis of each direction, -1: not an axis
+    int axes[2] = {-1, -1};  ///< domain axis of each direction, -1: not an axis
 
     explicit PlaneLattice(const Vec3d& n);
     bool has_no_depth(std::size_t k, const SamplingRegion& region) const { return axes[k] == 2 && region.domain.dimensions() == 2; }
@@ -21,23 +21,23 @@ struct PlaneLattice {
     }
     /// Extent of the domain along direction k [m], from `low` to `high`.
     void ends(std::size_t k, const SamplingRegion& region, double& low, double& high) const;
-    /// All lattice coordinates along direction k [m] if it is periodic or has no depth (2D); empty if ends() bounds it.
+    /// All lattice coordinates along direction k [m] if that direction is periodic or has no depth (2D); empty if ends() bounds it.
     std::optional<std::vector<double>> line_without_ends(std::size_t k, const SamplingRegion& region) const;
-    /// Lattice points (each coordinate of the first line with each of the second [m]) within the region. @param foot the point with
-    /// coordinates (0, 0) @param n the plane's normal
+    /// The lattice points within the region: each coordinate of the first line combined with each of the second [m].
+    /// @param foot the point with coordinates (0, 0) @param n the plane's normal
     std::vector<SurfaceSample> points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
                                       const SamplingRegion& region) const;
 };
 
-/// Rectangle of a moving plane, in its own axes, that needs boundary particles at any time. Its lattice has the same origin as that of
-/// the plane at rest, whatever the rectangle's size.
+/// Rectangle of a moving plane, in the plane's own axes, in which boundary particles are needed at some time. Its lattice always has the
+/// same origin as that of the plane at rest.
 class PlanePatch {
 public:
-    /// @param at_rest region of the plane at rest; periodic axes in the plane are filled
+    /// @param at_rest region of the plane at rest; the patch fills periodic axes that lie in the plane
     PlanePatch(const Vec3d& point, const Vec3d& normal, const SamplingRegion& at_rest);
-    /// Extends the rectangle to x, projected along the normal.
+    /// Extends the rectangle to the projection of x along the normal.
     void add(const Vec3d& x);
-    /// Extends the rectangle to the part of the line from p to q that is within a spacing of the plane.
+    /// Extends the rectangle to the part of the segment from p to q that is within a spacing of the plane.
     void add_crossing(const Vec3d& p, const Vec3d& q);
     double points() const;  ///< number of lattice points in the rectangle
     /// Boundary particles at signed distance `offset` [m] from the plane. @throws InputError beyond 50 million points
@@ -51,7 +51,7 @@ private:
     SamplingRegion at_rest_;
     PlaneLattice lattice_;
     double begin_[2] = {0, 0};   ///< origin of the lattice [m]
-    double first_[2], last_[2];  ///< range in lattice steps from begin_
+    double first_[2], last_[2];  ///< range, in lattice steps from begin_
 };
 
 }  // namespace whorl

@@ -1,22 +1,23 @@
 #pragma once
-/// Periodic images of shapes: in a periodic domain a shape exists once per period, wherever it is.
+/// Periodic images of shapes: in a periodic domain every shape repeats with each period.
 #include "engine/geometry/shape.h"
 
 namespace whorl {
 
-/// The images of a bounded shape along the domain's periodic axes. The fluid meets the union of all of them.
+/// The images of a bounded shape along the domain's periodic axes. The fluid interacts with their union.
 class Repeats {
 public:
     Repeats() = default;
-    /// @param rotation, translation from the shape's own axes to the domain's
+    /// @param rotation, translation from the shape's own axes to the domain's axes
     Repeats(const Shape& shape, const Domain& domain, const Mat3& rotation = Mat3::Identity(), const Vec3& translation = Vec3::Zero());
 
     bool any() const { return any_; }
-    /// By how much the images that reach into the domain are moved [m], whole periods; first the one with its middle there. Along an axis
-    /// that the shape spans, this one alone.
+    /// Displacements [m], whole periods, of the images that reach into the domain. The first is that of the image whose middle is in the
+    /// domain. Along an axis that the shape spans, there is only this one.
     std::vector<Vec3> shifts_into(const Domain& domain) const;
-    /// The least of the signed distances [m] over the images. @param distance from the shape where it is @param image x moved by whole
-    /// periods to where that image is seen as the shape itself; along an axis that the shape spans without an end, to its middle
+    /// Smallest signed distance [m] from x to any image. @param distance signed distance from the shape itself, as a function of position
+    /// @param image x moved by whole periods, such that the nearest image becomes the shape itself; along an axis that the shape spans
+    /// without ends, its middle
     template <class F>
     Real least(const Vec3& x, F&& distance, Vec3& image) const {
         Vec3 near = x;
@@ -25,7 +26,7 @@ public:
             else if (period_[a] > 0) near[a] -= period_[a] * std::nearbyint((near[a] - centre_[a]) / period_[a]);
         image = near;
         Real best = distance(near);
-        // The nearest image by its centre need not be the nearest by its surface: along each axis the second nearest may be.
+        // The image with the nearest centre need not have the nearest surface: along each axis the second nearest may be closer.
         for (unsigned other = 1; other <= axes_; ++other) {
             if ((other & ~axes_) != 0) continue;
             Vec3 at = near;
@@ -46,14 +47,14 @@ private:
     Vec3 period_ = Vec3::Zero();  ///< m, 0: not repeated
     Vec3 centre_ = Vec3::Zero(), half_ = Vec3::Zero();
     std::array<bool, 3> endless_{false, false, false};
-    unsigned axes_ = 0;  ///< bit a: images follow each other along axis a
+    unsigned axes_ = 0;  ///< bit a: the shape repeats along axis a
     bool any_ = false;
 };
 
-/// A shape with its periodic images: distance and normal are those of the nearest. The bounds, volume and mesh are those of one image.
+/// A shape with its periodic images. Distance and normal are those of the nearest image; bounds, volume and mesh are those of one image.
 class Repeated final : public Shape {
 public:
-    /// @param shape must outlive this
+    /// @param shape must outlive this object
     Repeated(const Shape& shape, const Domain& domain) : shape_(shape), repeats_(shape, domain) {}
     Repeated(std::shared_ptr<const Shape> shape, const Domain& domain) : Repeated(*shape, domain) {
         remarks = shape->remarks, owned_ = std::move(shape);
@@ -89,7 +90,7 @@ private:
     Repeats repeats_;
 };
 
-/// The shape with its images where the domain has any. @throws InputError as make_shape()
+/// The shape, with its images if the domain is periodic. @throws InputError as make_shape()
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys, const Domain& domain);
 
 }  // namespace whorl

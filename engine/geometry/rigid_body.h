@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Kinds of force between fluid and solid. `contact`: push-out, contact of `coupled`, pull of wetting.
+/// Kinds of force between fluid and solid. `contact` is push-out, contact in the model `coupled`, and the pull of wetting.
 enum class Push { pressure, viscous, contact };
 inline constexpr int pushes = 3;
 
@@ -18,11 +18,11 @@ struct Wrench {
     void operator+=(const Wrench& o) { force += o.force, torque += o.torque; }
     friend Wrench operator+(Wrench a, const Wrench& b) { return a += b, a; }
     friend Wrench operator*(double s, const Wrench& w) { return {s * w.force, s * w.torque}; }
-    /// At the distance `arm` [m] from the centre.
+    /// The wrench of a force that acts at the distance `arm` [m] from the centre.
     static Wrench at(const Vec3d& arm, const Vec3d& force) { return {force, arm.cross(force)}; }
 };
 
-/// Impulses of the fluid on a solid over the present step, by kind. In two dimensions for a metre of depth.
+/// Impulses of the fluid on a solid during this step, by kind. In 2D per metre of depth.
 struct Ledger {
     std::array<Wrench, pushes> impulse{};
     Wrench& operator[](Push kind) { return impulse[static_cast<std::size_t>(kind)]; }
@@ -30,7 +30,7 @@ struct Ledger {
     Wrench total() const { return impulse[0] + impulse[1] + impulse[2]; }
 };
 
-/// The rotation about `angle` by its length in radians.
+/// Rotation about the axis of `angle` by its length [rad].
 Eigen::AngleAxisd turn_by(const Vec3d& angle);
 
 /// x_world = rotation x_own + translation.
@@ -40,34 +40,35 @@ struct Pose {
     Vec3 velocity = Vec3::Zero();          ///< m/s, of the origin
     Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, in the world's axes
     Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
-    /// Velocity in the middle of a step of dt [s] of the point that is at x when the step begins; dt < 0: when it ends.
+    /// Velocity at the middle of a step of dt [s], of the point that is at x at the start of the step. dt < 0: of the point that is at x
+    /// at its end.
     Vec3 velocity_over(Real dt, const Vec3& x) const { return velocity_at(x + dt / 2 * velocity_at(x)); }
 };
 
-/// Point at which solids touch.
+/// Contact properties of a solid.
 struct Contact {
-    double friction = 0.3;  ///< Coulomb's coefficient; of a pair: the geometric mean
-    double bounce = 0;      ///< share of the approaching speed that comes back; of a pair: the larger
+    double friction = 0.3;  ///< Coulomb's coefficient; a pair uses the geometric mean
+    double bounce = 0;      ///< share of the approach speed that is returned; a pair uses the larger
 };
 
-/// Position, orientation, momentum and angular momentum, all in double: what acts between fluid and body is added to the one and taken from
-/// the other.
+/// Position, orientation, momentum and angular momentum, in double precision. Every impulse between fluid and body is added to one and
+/// subtracted from the other.
 struct RigidBody {
     double mass = 0, volume = 0;            ///< kg, m^3
-    Vec3d own_centre = Vec3d::Zero();       ///< of gravity, in the solid's own axes [m]
-    Mat3d own_inertia = Mat3d::Identity();  ///< about it, in the same axes [kg m^2]
+    Vec3d own_centre = Vec3d::Zero();       ///< centre of mass in the solid's own axes [m]
+    Mat3d own_inertia = Mat3d::Identity();  ///< tensor of inertia about the centre, in the same axes [kg m^2]
 
     Vec3d centre = Vec3d::Zero();                              ///< m, in the world
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< from the own axes to the world's
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< rotation from own axes to world axes
     Vec3d velocity = Vec3d::Zero();                            ///< m/s, of the centre
     Vec3d spin_momentum = Vec3d::Zero();                       ///< angular momentum about the centre [kg m^2/s]
-    Wrench pressed;  ///< of the last step's pressure and contacts [N, N m], the prediction of ExpectForce
+    Wrench pressed;  ///< force and torque of pressure and contact in the last step [N, N m]: the prediction of ExpectForce
 
-    /// At rest where the shape's own keys put it. @param density kg/m^3
+    /// A body at rest at its shape's position. @param density kg/m^3
     RigidBody() = default;
     RigidBody(const MassProperties& bulk, double density);
 
-    /// Inverse of the tensor of inertia in the world's axes [1/(kg m^2)].
+    /// Inverse of the tensor of inertia in world axes [1/(kg m^2)].
     Mat3d inverse_inertia() const;
     Vec3d angular_velocity() const { return inverse_inertia() * spin_momentum; }
     void spin_at(const Vec3d& w) { spin_momentum = turn * own_inertia * turn.conjugate() * w; }
@@ -75,12 +76,12 @@ struct RigidBody {
     double kinetic_energy() const { return mass * velocity.squaredNorm() / 2 + spin_momentum.dot(angular_velocity()) / 2; }  ///< J
 
     void push(const Wrench& impulse) { velocity += impulse.force / mass, spin_momentum += impulse.torque; }
-    /// Moves and turns freely over dt [s]: momentum and angular momentum stay, to the bit.
+    /// Moves and turns freely over dt [s]. Momentum and angular momentum stay bit-identical.
     void move(double dt);
     Pose pose() const;
 
     void save(std::ostream& out) const;
-    /// Leaves `in` failed where the data are cut short. @return whether the state is one that a body can have
+    /// Reads a saved state; leaves `in` failed if the data end too early. @return whether the state is possible
     bool load(std::istream& in);
 };
 

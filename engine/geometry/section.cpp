@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// Depth of a drawn section: far enough to both sides to hide the flow around it.
+/// Half size of a drawn section along z: large enough to hide the flow behind it.
 Vec3d half_depth(Real edge) { return {0, 0, static_cast<double>(edge)}; }
 
 class Rectangle final : public Shape {

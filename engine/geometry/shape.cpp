@@ -6,7 +6,7 @@
 namespace whorl {
 
 Vec3 Shape::normal(const Vec3& x) const {
-    // Central differences of the distance, over a step that float can resolve at the size of x.
+    // Central differences of the distance, with a step that single precision resolves at the magnitude of x.
     const Real step = std::max(x.cwiseAbs().maxCoeff(), std::abs(distance(x))) * Real(1e-3) + Real(1e-12);
     Vec3 gradient;
     for (int a = 0; a < 3; ++a) gradient[a] = distance(x + step * Vec3::Unit(a)) - distance(x - step * Vec3::Unit(a));
@@ -22,7 +22,7 @@ MassProperties bulk_of(const TriangleMesh& mesh) {
     for (const auto& t : mesh.triangle) {
         const Vec3d a = mesh.position[t[0]].cast<double>() - apex, b = mesh.position[t[1]].cast<double>() - apex,
                     c = mesh.position[t[2]].cast<double>() - apex;
-        // Moments of a tetrahedron with a corner at 0: int x = V s/4, int x x^T = V/20 (a a^T + b b^T + c c^T + s s^T), s = a + b + c.
+        // Moments of a tetrahedron with one corner at 0: int x = V s/4, int x x^T = V/20 (a a^T + b b^T + c c^T + s s^T), s = a + b + c.
         const double volume = a.dot(b.cross(c)) / 6;
         const Vec3d s = a + b + c;
         bulk.volume += volume;

@@ -7,18 +7,19 @@
 namespace whorl {
 namespace {
 
-/// Turns add up over fixed intervals of this many seconds from t = 0: the pose at a time does not depend on the steps that led there.
+/// Rotations are integrated over fixed intervals of this length [s] from t = 0, so that the pose at a time does not depend on earlier
+/// steps.
 constexpr double interval = 1.0 / 256;
 
-/// dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2), w1 and w2 at the two Gauss
-/// points.
+/// Solution of dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2) with w1 and w2 at
+/// the two Gauss points.
 Mat3d turned_over(const Mat3d& R, const VectorExpression& spin, double t, double h) {
     const double root = std::sqrt(3.0) / 6;
     const Vec3d w1 = spin(t + (0.5 - root) * h), w2 = spin(t + (0.5 + root) * h);
     return R * turn_by(h / 2 * (w1 + w2) + std::sqrt(3.0) / 12 * h * h * w1.cross(w2)).toRotationMatrix();
 }
 
-/// The rotation at time t; `turned` keeps the last whole interval.
+/// The rotation at time t. @param turned caches the rotation after the last whole interval
 Mat3d rotation_at(const VectorExpression& spin, double t, Turned& turned) {
     if (spin.is_zero()) return Mat3d::Identity();
     if (!spin.depends_on_time()) return turn_by(t * spin(0)).toRotationMatrix();
@@ -33,7 +34,7 @@ Mat3d rotation_at(const VectorExpression& spin, double t, Turned& turned) {
 }  // namespace
 
 Vec3d turning_point(const Shape& shape) {
-    if (!shape.bounded()) {  // a point of the plane near the origin
+    if (!shape.bounded()) {  // the point of the plane that is nearest to the origin
         const Vec3 origin = Vec3::Zero();
         return (-shape.distance(origin) * shape.normal(origin)).cast<double>();
     }
@@ -82,7 +83,7 @@ Domain in_own_axes(const Domain& domain, const Pose& pose) {
 
 bool Solid::moves() const { return body || position.depends_on_time() || !spin.is_zero(); }
 
-// R(t) = turn A(t) solves dR/dt = R [w]x for any constant `turn`, A being the turning by the spin since t = 0.
+// For constant `turn`, R(t) = turn A(t) solves dR/dt = R [w]x, with A the rotation by the spin since t = 0.
 void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, double t) {
     const Vec3d moved = position(t) + shift;
     const Mat3d R = turn * rotation_at(spin, t, turned);
@@ -107,7 +108,7 @@ void Solid::receive(Push kind, const Wrench& impulse) {
 void Solids::set_time(double t, double dt) {
     for (Solid& solid : all) {
         if (solid.body) continue;
-        // x_world = R (x_own - c) + c + position: it turns about its own centre c.
+        // x_world = R (x_own - c) + c + position: the solid turns about its own centre c.
         const Vec3d c = turning_point(*solid.shape), moved = solid.position(t) + solid.shift;
         const Mat3d R = solid.turn * rotation_at(solid.spin, t, solid.turned);
         solid.pose.rotation = R.cast<Real>();
@@ -119,7 +120,7 @@ void Solids::set_time(double t, double dt) {
         const Eigen::AngleAxisd turn(solid.turn * rotation_at(solid.spin, t + step, ahead) * R.transpose());
         const Vec3d w = turn.angle() / step * turn.axis(), u = (solid.position(t + step) + solid.shift - moved) / step;
         solid.pose.angular_velocity = w.cast<Real>();
-        solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // of the own origin; the centre moves with u
+        solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // of the own origin, such that the centre moves with u
     }
     place_bodies();
 }

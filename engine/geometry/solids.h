@@ -1,5 +1,5 @@
 #pragma once
-/// Solids: shapes that are fixed, or move and turn by expressions, and the particles that sample their surfaces.
+/// Solids: shapes that are fixed, move by expressions or are moved by forces, and the particles that sample their surfaces.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
@@ -13,55 +13,56 @@
 
 namespace whorl {
 
-/// Rotation of a solid with a time-dependent spin after whole intervals of the quadrature; follows from the expression alone.
+/// Rotation of a solid with a time-dependent spin after a whole number of intervals. It depends only on the expression.
 struct Turned {
     long intervals = 0;
     Mat3d rotation = Mat3d::Identity();
 };
 
-/// The point that a solid turns about: the centre of the shape's bounds at its first position; of a plane, its point nearest to the
+/// The point about which a solid turns: the centre of the shape's bounds at its initial position. For a plane, its point nearest to the
 /// origin.
 Vec3d turning_point(const Shape& shape);
 
-/// The least box along a solid's own axes about the domain. Periodic axes stay so where one of the solid's axes lies along them.
+/// The smallest box along a solid's own axes that contains the domain. A periodic axis stays periodic if an own axis is parallel to it.
 Domain in_own_axes(const Domain& domain, const Pose& pose);
 
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position;  ///< m, of t: displacement from the shape's first position
-    VectorExpression spin;      ///< rad/s about the own axes through turning_point(), of t
+    VectorExpression position;  ///< displacement from the shape's initial position [m], of t
+    VectorExpression spin;      ///< angular velocity about the own axes through turning_point() [rad/s], of t
     bool inside = false;        ///< the fluid is inside the shape
-    double slip_length = 0;     ///< m: u - u_wall = slip_length du/dn on the surface; 0: the fluid sticks, infinite: it slides freely
+    double slip_length = 0;     ///< m, in u - u_wall = slip_length du/dn on the surface; 0: no slip, infinite: free slip
     std::string material;
-    Contact contact;                 ///< how it touches other solids
-    std::optional<RigidBody> body;   ///< free: forces move it; position and spin only say where it starts
-    Vec3d shift = Vec3d::Zero();     ///< m, added to `position`; follows from earlier motions (go_on_as)
-    Mat3d turn = Mat3d::Identity();  ///< before the turning by `spin` since t = 0: the scene's tilt, and the result of earlier motions
+    Contact contact;                 ///< contact with other solids
+    std::optional<RigidBody> body;   ///< set for a free body, which forces move; position and spin then only give its initial pose
+    Vec3d shift = Vec3d::Zero();     ///< added to `position` [m]; the result of earlier motions (go_on_as)
+    Mat3d turn = Mat3d::Identity();  ///< rotation before that by `spin` since t = 0: the scene's tilt and the result of earlier motions
     Pose pose;
     Turned turned;
-    Repeats repeats;      ///< of the shape in its pose
-    bool probed = false;  ///< a probe reads a ledger: then all solids keep one, and it accounts for all of the fluid's momentum
-    Ledger ledger;        ///< impulses of the fluid in this step; kept where keeps_ledger()
-    double work = 0;      ///< of a driven solid on the fluid by these [J]
+    Repeats repeats;      ///< periodic images of the shape in its pose
+    bool probed = false;  ///< a probe reads a ledger. Then all solids keep one, so that the ledgers account for all of the fluid's
+                          ///< momentum
+    Ledger ledger;        ///< impulses of the fluid in this step, kept if keeps_ledger()
+    double work = 0;      ///< work of a driven solid on the fluid in this step, from the ledger [J]
 
-    /// Replaces position and spin from time t [s] on, continuing from the pose at that time.
+    /// Replaces position and spin from time t [s] on. The motion continues from the pose at that time.
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
     bool keeps_ledger() const { return probed || body; }
-    /// Reference point of torques [m]: a free body's centre of mass, else where turning_point() is now.
+    /// Reference point of torques [m]: the centre of mass of a free body, otherwise the current position of turning_point().
     Vec3d centre() const;
-    /// Adds the fluid's impulse to the ledger, and its work; a free body takes it up.
+    /// Adds an impulse of the fluid to the ledger, with its work; a free body also changes its momentum.
     void receive(Push kind, const Wrench& impulse);
     /// Velocity of turning_point() [m/s].
     Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }
     bool sticks() const { return slip_length == 0; }
-    /// The fluid slips, but not freely.
+    /// Whether the fluid slips with friction: neither sticks nor slides freely.
     bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
-    /// Distance from x to the solid's surface, positive on the fluid's side [m]; in a periodic domain to that of its nearest image.
+    /// Distance from x to the solid's surface, positive on the fluid's side [m]. In a periodic domain, to the nearest image.
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.
     Vec3 normal(const Vec3& x) const;
-    /// x moved by whole periods to where the solid's nearest image is seen as the solid itself.
+    /// x moved by whole periods, such that the solid's nearest image becomes the solid itself.
     Vec3 image(const Vec3& x) const;
     /// Velocity of the solid's nearest image at x [m/s].
     Vec3 velocity_at(const Vec3& x) const { return pose.velocity_at(image(x)); }
@@ -71,47 +72,48 @@ private:
     Real nearest_image(const Vec3& x, Vec3& image) const;
 };
 
-/// All solids of a run, moved together.
+/// All solids of a run.
 class Solids {
 public:
     std::vector<Solid> all;
-    Domain domain;  ///< whose periodic axes repeat the solids
-    /// Sets every pose for time t; velocities such that the pose at t + dt is reached when dt has passed. Depends on t and dt alone, not on
-    /// earlier calls: the same bits after a resume.
+    Domain domain;  ///< its periodic axes repeat the solids
+    /// Sets every pose for time t, with velocities such that the pose at t + dt is reached after dt. The result depends only on t and dt,
+    /// not on earlier calls, so a resumed run is bit-identical.
     void set_time(double t, double dt);
-    /// The solid whose surface is nearest to x, -1 where there is none; distance on the fluid's side.
+    /// Index of the solid whose surface is nearest to x, -1 if there are no solids. @param distance positive on the fluid's side [m]
     int nearest(const Vec3& x, Real& distance) const;
     bool any_moving() const;
     bool any_free() const;
     bool any_ledger() const;
     bool any_probed() const;
-    /// At the start of a step.
+    /// Clears all ledgers. Call at the start of a step.
     void clear_ledgers();
-    /// Poses and velocities of the free bodies as their states say.
+    /// Sets the poses and velocities of the free bodies from their states.
     void place_bodies();
 
 private:
     void place_images();
 };
 
-/// BoundaryParticles::flat at a distance from the nearest surface that is not flat [m].
+/// BoundaryParticles::flat at a given distance from the nearest surface that is not flat [m].
 inline Real flat_beside(Real distance, Real support) { return std::clamp(distance / support - 1, Real(0), Real(1)); }
 
 /// Boundary particles: one layer on the solids' surfaces, about a spacing apart, half a spacing inside the solid.
 struct BoundaryParticles {
-    std::vector<Index> solid;         ///< whose
-    Column<Vec3> own_position;        ///< in the solid's axes, m
-    Column<Vec3> own_normal;          ///< in the solid's axes, into the fluid; empty: normals stay as they are
-    Column<Vec3> position, velocity;  ///< m, m/s, in the world's axes
+    std::vector<Index> solid;         ///< index of the solid of each
+    Column<Vec3> own_position;        ///< in the solid's own axes [m]
+    Column<Vec3> own_normal;          ///< in the solid's own axes, into the fluid; empty: normals are not updated
+    Column<Vec3> position, velocity;  ///< in world axes [m, m/s]
     Column<Vec3> normal;              ///< into the fluid
-    Column<Real> volume;              ///< 1/sum W over the solid particles near by, m^3 (Akinci et al. 2012)
-    Column<Real> behind;              ///< how much of a kernel the solid behind it fills, over that of a flat wall; 0: an edge
-    Column<Vec3> own_face, face;      ///< on convex edges: SurfaceSample::face; elsewhere 0
-    /// Weight of a flat wall's images of the fluid: 1 farther than 2 R from where the surface bends, ends or opens and from solids that
-    /// move, 0 nearer than R. The surface may end at others at right angles that face the fluid, too; -1: where they meet. Empty: none is
-    /// flat.
+    Column<Real> volume;              ///< 1/sum W over the neighbouring boundary particles [m^3] (Akinci et al. 2012)
+    Column<Real> behind;              ///< part of the kernel that the solid behind it fills, relative to a flat wall; 0: an edge
+    Column<Vec3> own_face, face;      ///< on convex edges SurfaceSample::face, elsewhere 0
+    /// Weight of the fluid's mirror images in a flat wall. 1: farther than 2 R from all bends, ends and openings of the surface and from
+    /// solids that move; 0: nearer than R. Ends at other surfaces at a right angle that faces the fluid do not count. -1: on such a
+    /// corner. Empty: no wall is flat.
     Column<Real> flat;
-    /// Impulse of the fluid's pressure and contact on each in this step [N s], on solids that keep a ledger; empty: no probe asks for it.
+    /// Impulse of the fluid's pressure and contact on each particle in this step [N s], for solids that keep a ledger. Empty: no probe
+    /// needs it.
     std::vector<Vec3d> pressed;
     Index size() const { return static_cast<Index>(solid.size()); }
     /// Moves the particles with their solids.

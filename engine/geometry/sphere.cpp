@@ -23,7 +23,7 @@ public:
         const double r = radius_, volume = 4 * std::numbers::pi / 3 * r * r * r;
         return {volume, centre_.cast<double>(), volume * r * r / 5 * Mat3d::Identity()};
     }
-    /// Rings of latitude; at least 64 segments around.
+    /// Rings of latitude with at least 64 segments.
     TriangleMesh mesh(Real edge, Real) const override {
         const double wanted = edge > 0 ? 2 * std::numbers::pi * radius_ / edge : 0;
         const int around = static_cast<int>(std::clamp(wanted, 64.0, 512.0)), rings = around / 2;
@@ -31,7 +31,7 @@ public:
         for (int k = 0; k <= rings; ++k)
             for (int l = 0; l <= around; ++l) {
                 const double polar = std::numbers::pi * k / rings, angle = 2 * std::numbers::pi * (l % around) / around;
-                const double out = k == 0 || k == rings ? 0 : std::sin(polar);  // the poles exactly, so that they are one point
+                const double out = k == 0 || k == rings ? 0 : std::sin(polar);  // exactly 0 at the poles, so that each is a single point
                 const Vec3f n(static_cast<float>(out * std::cos(angle)), static_cast<float>(std::cos(polar)),
                               static_cast<float>(out * std::sin(angle)));
                 m.normal.push_back(n);
@@ -46,7 +46,7 @@ public:
         return m;
     }
 
-    /// A spiral of equal areas (Swinbank and Purser 2006).
+    /// A spiral with equal areas per point (Swinbank and Purser 2006).
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const double R = inset(radius_, offset), d = region.spacing,
                      count = std::max(4.0, std::round(4 * std::numbers::pi * R * R / (d * d)));

@@ -79,11 +79,11 @@ namespace {
 
 struct Dart {
     Vec3d position, outward;
-    int rank = -1;  ///< 0: on the wanted surface; 1, 2, ...: half, a quarter, ... as deep, where the shape is thin; -1: no use
+    int rank = -1;  ///< 0: at the requested depth; 1, 2, ...: at half, a quarter, ... of it, because the shape is thin there; -1: rejected
 };
 
-/// Near the surface at `offset`, as deep as the shape allows. A sheet, which a line inward leaves at half of that, has its layer wherever
-/// it can.
+/// A point near the surface at signed distance `offset`, or at a fraction of it if the shape is too thin. Fractions below a quarter are
+/// tried only in a sheet, that is, if a line inward leaves the shape within half of the offset.
 Dart aimed(const Shape& shape, const Vec3d& on_surface, const Vec3d& normal, const Vec3d& direction, double offset) {
     const auto distance = [&](const Vec3d& x) { return double(shape.distance(x.cast<Real>())); };
     double depth = offset;
@@ -110,7 +110,7 @@ std::vector<SurfaceSample> Shape::surface_samples(Real offset, const SamplingReg
     }
     check_count(area / (d * d), "mesh");
 
-    // Sixteen darts for each place: remaining gaps are hardly wide enough for another.
+    // Sixteen darts per point: the gaps that remain are hardly wide enough for another point.
     const Index count = static_cast<Index>(std::ceil(16 * area / (d * d))) + 64;
     std::vector<Dart> darts(count);
     parallel_for(count, [&](Index i) {
@@ -121,7 +121,7 @@ std::vector<SurfaceSample> Shape::surface_samples(Real offset, const SamplingReg
         double u = random(), v = random();
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const Vec3d e1 = corner(t, 1) - corner(t, 0), e2 = corner(t, 2) - corner(t, 0);
-        // The direction strays from the face's normal, so that the rounded surface beyond an edge is hit too.
+        // The direction varies about the face's normal, so that darts also reach the rounded surface beyond an edge.
         const Vec3d stray(random() - 0.5, random() - 0.5, random() - 0.5);
         const Vec3d normal = e1.cross(e2).stableNormalized(), direction = (normal + stray).normalized();
         darts[i] = aimed(*this, corner(t, 0) + u * e1 + v * e2, normal, direction, offset);

@@ -4,21 +4,22 @@
 
 namespace whorl {
 
-/// Half-length of the surface at signed distance `offset` (negative: inside) from a body's surface; at least half of the body's.
+/// Half-length of the surface at signed distance `offset` (negative: inside) from a body's surface; at least half of the body's
+/// half-length.
 inline double inset(double half, double offset) { return offset < 0 ? std::max(half + offset, half / 2) : half + offset; }
 
 /// Evenly spaced coordinates over the period of the axis [m], half a step from its ends.
 std::vector<double> period_points(const SamplingRegion& region, int axis);
 
-/// Whether x is in the region and, along periodic axes, within the domain: of all periodic copies of a point exactly one is.
+/// Whether x is in the region and, along periodic axes, within the domain. Of all periodic copies of a point this holds for exactly one.
 bool contains_once(const SamplingRegion& region, const Vec3d& x);
 
-/// Lattice coordinates along an axis of a box's surface at `offset`, from end to end; if the box spans a period, over the period without
-/// ends.
+/// Lattice coordinates along one axis of a box's surface at `offset`, including both ends. If the box spans a period, they cover the
+/// period without ends.
 struct LatticeLine {
     std::vector<double> at;  ///< m
-    std::vector<int> side;   ///< -1 at the low end, 1 at the high one, 0 between
-    /// Step to the next entry on the surface: 1 on a face; otherwise from end to end, since only the ends are on the surface.
+    std::vector<int> side;   ///< -1 at the low end, 1 at the high end, 0 between
+    /// Step to the next entry that is on the surface: 1 if all are, otherwise from end to end, since only the ends are.
     /// @param on_face whether all entries are on the surface
     std::size_t next(bool on_face) const { return on_face ? 1 : std::max<std::size_t>(1, at.size() - 1); }
 };
