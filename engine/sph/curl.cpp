@@ -9,7 +9,7 @@ double largest_curl(KernelForm form, Real support, Real spacing) {
     return with_kernel(form, support, [&](const auto& W) {
         const int reach = static_cast<int>(std::ceil(support / spacing));
         double most = 0;
-        // The symbol of the curl of exp(i k.x) is |sum_j V sin(k.r) grad W|.
+        // The symbol of the curl for a wave exp(i k.x) is |sum_j V sin(k.r) grad W|.
         for (const Vec3d& direction : {Vec3d(1, 0, 0), Vec3d(1, 1, 0), Vec3d(1, 1, 1)}) {
             if (direction.z() != 0 && form.dimensions == 2) continue;
             for (int step = 1; step < 64; ++step) {

@@ -6,12 +6,12 @@ namespace whorl {
 
 ///   symmetric:               -rho_i sum_j m (u_i/rho_i^2 + u_j/rho_j^2) x grad W_ij    times m/rho_i, antisymmetric in the pair
 ///   difference:              sum_j m/rho_j (u_i - u_j) x grad W_ij                     exact for constant u
-///   difference_own_density:  1/rho_i sum_j m (u_i - u_j) x grad W_ij                   the adjoint of the first: sum V v.curl u = sum V
+///   difference_own_density:  1/rho_i sum_j m (u_i - u_j) x grad W_ij                   adjoint of the first: sum V v.curl u = sum V
 ///                                                                                      u.curl v
 enum class CurlForm { symmetric, difference, difference_own_density };
 
-/// All three are sum_j m (P u_i - Q u_j) x grad W_ij with P = p + p_b b_j and Q = q_b b_j + q_bb b_j^2 + q, b = 1/rho: one loop serves them
-/// all.
+/// All three forms are sum_j m (P u_i - Q u_j) x grad W_ij with P = p + p_b b_j, Q = q_b b_j + q_bb b_j^2 + q and b = 1/rho, so one loop
+/// computes any of them.
 struct CurlWeights {
     Real p, p_b, q, q_b, q_bb;
     Real own(Real b_j) const { return p + p_b * b_j; }
@@ -26,8 +26,8 @@ inline CurlWeights curl_weights(CurlForm form, Real b_i) {
     }
 }
 
-/// The largest k [1/m] for which a wave of the wavenumber k, or shorter, is turned by the discrete curl on a lattice: this bounds the step
-/// of an explicit exchange. Waves along an edge and along the diagonals of the lattice are looked at.
+/// Largest eigenvalue k [1/m] of the discrete curl over waves on a lattice, along an edge and along its diagonals. It bounds the step of
+/// an explicit exchange.
 double largest_curl(KernelForm kernel, Real support, Real spacing);
 
 }  // namespace whorl

@@ -1,16 +1,16 @@
 #pragma once
-/// The density by kernel sums.
+/// Density by kernel sums.
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
 #include "engine/sph/gate.h"
 
 namespace whorl {
 
-/// rho_i = m W_ii + sum_j m W_ij + rho_0 sum_s f V_s W_is        Solids count with their volumes (Akinci et al. 2012).
+/// rho_i = m W_ii + sum_j m W_ij + rho_0 sum_s f V_s W_is. Solids contribute through their volumes V_s (Akinci et al. 2012).
 /// @param solid_factor f, see models/boundary/wall.h @param density [kg/m^3], written
 void sum_density(const InteractionContext& context, Real solid_factor, SolidGate gate, Span<Real> density);
 
-/// The stage of sum_density().
+/// Stage that computes sum_density().
 struct Density {
     Real solid_factor = 1;
     SolidGate gate = {};

@@ -1,18 +1,18 @@
 #pragma once
-/// The gate at solids: a solid does not act on a fluid particle until enough of it is within the kernel.
+/// Gate at solids: a solid acts on a fluid particle only if enough of it is within the kernel.
 #include <algorithm>
 
 #include "engine/particles/pairs.h"
 
 namespace whorl {
 
-/// A solid acts on fluid particle i with the weight t^2 (3 - 2 t), t = S_i/threshold - 1/2 between 0 and 1, where S_i = sum_s V_s W_is: not
-/// at all below half of the threshold, wholly from one and a half. Fluid on a lattice that touches a flat wall has S = 0.15 in its lowest
-/// layer with R = 2 d, and 0.01 half a spacing further away.
+/// A solid acts on fluid particle i with the weight t^2 (3 - 2 t), where t = S_i/threshold - 1/2 is limited to [0, 1] and S_i = sum_s V_s
+/// W_is. So the weight is 0 below half of the threshold, and 1 above one and a half times it. For fluid on a lattice at a flat wall with R
+/// = 2 d, S = 0.15 in the lowest layer, and 0.01 half a spacing farther away.
 struct SolidGate {
     Real threshold = 0;  ///< 0: solids always act
 
-    /// S times its weight, and the derivative of that by S.
+    /// S times its weight, and the derivative of this product with respect to S.
     struct Gated {
         Real sum, slope;
     };
@@ -22,7 +22,7 @@ struct SolidGate {
         return {S * weight, weight + S * 6 * t * (1 - t) / threshold};
     }
 
-    /// @param volume V_s [m^3] @param factor on the volumes, see models/boundary/wall.h
+    /// The weight for fluid particle i. @param volume V_s [m^3] @param factor on the volumes, see models/boundary/wall.h
     template <class Kernel>
     Real weight(const Kernel& W, Index i, const Pairs& solid_pairs, Span<const Real> volume, Real factor) const {
         if (!(threshold > 0)) return 1;
