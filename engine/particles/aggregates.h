@@ -1,5 +1,5 @@
 #pragma once
-/// Compact groups of neighbouring particles: the coarse level of two-level preconditioners.
+/// Compact groups of neighbouring particles, for the coarse level of two-level preconditioners.
 #include <numeric>
 
 #include "engine/core/parallel.h"
@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// The parts of aggregate_by() that do not use neighbours.
+/// The steps of aggregate_by() that do not need neighbours.
 struct Grouping {
     Span<const Vec3> x;
     const Domain& domain;
@@ -23,11 +23,11 @@ struct Grouping {
     Real distance2(Index i, std::int32_t g) const { return domain.minimum_image(x[i] - centre[g - 1]).squaredNorm(); }
 };
 
-/// Groups of about `size` free particles: equal runs along the space-filling curve, made round by sweeps in which each particle joins the
-/// nearest centre among its neighbours' groups (Lloyd). Runs alone need more than twice the iterations.
+/// Forms groups of about `size` free particles. Equal runs along the space-filling curve are made compact by four sweeps in which each
+/// particle joins the nearest centre among its neighbours' groups (Lloyd). The runs alone would need more than twice the iterations.
 /// @param neighbours neighbours(i, visit) calls visit(j) for every neighbour j of i
-/// @param role field::role: only free particles are grouped @param cell [m], of the curve's cells
-/// @param group written: 1 to the number returned; 0 for particles that are not free
+/// @param role field::role: only free particles are grouped @param cell edge of the curve's cells [m]
+/// @param group output: 1 to the returned number of groups; 0 for particles that are not free
 template <class Neighbours>
 int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
                  Span<std::int32_t> group) {
@@ -55,12 +55,12 @@ int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const st
     return g.drop_empty();
 }
 
-/// Splits a group whose members are not connected by neighbours (two turns of a coil side by side, a thread next to its heap) into
-/// connected pieces: a rigid motion of the whole group cannot move its pieces relative to each other.
-/// @param group as aggregate_by() leaves it @returns the number of groups then
+/// Splits each group whose members are not connected by neighbours (two turns of a coil side by side, a thread next to its heap) into
+/// connected pieces, because a rigid motion of the whole group cannot move its pieces relative to each other.
+/// @param group output of aggregate_by(), updated @returns the new number of groups
 template <class Neighbours>
 int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
-    std::vector<Index> parent(group.size());  // of each particle in its piece's tree
+    std::vector<Index> parent(group.size());  // of each particle, in the tree of its piece
     std::iota(parent.begin(), parent.end(), 0);
     const auto root = [&](Index i) {
         while (parent[i] != i) {
@@ -77,7 +77,7 @@ int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
             parent[std::max(a, b)] = std::min(a, b);
         });
     }
-    // A root comes before the others of its piece.
+    // The root of a piece is its first particle, so its number is known when the others are reached.
     int pieces = 0;
     for (std::size_t i = 0; i < group.size(); ++i) {
         if (group[i] <= 0) continue;
@@ -87,23 +87,23 @@ int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
     return pieces;
 }
 
-/// aggregate_by() by the rows of pairs.
+/// aggregate_by() with the rows of `pairs` as neighbours.
 int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
                     Span<std::int32_t> group);
 
-/// Centre of each group as a mean over its members' images near the first of them; groups without members stay at the origin.
-/// @param group from 1; 0: in none
+/// Centre of each group: the mean over its members, each as the periodic image nearest to the first of them. Groups without members get
+/// the origin. @param group from 1; 0: in no group
 std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t> group, int groups, const Domain& domain);
 
-/// The six rigid motions of each group at the present positions: u_i = v + omega x arm_i, arm_i from the group's centre in spacings.
+/// The six rigid motions of each group at the current positions: u_i = v + omega x arm_i, with arm_i from the group's centre, in spacings.
 class RigidAggregates {
 public:
-    /// @param group as form_aggregates() leaves it; particles that are not free any more drop out
+    /// @param group output of form_aggregates(); particles that are not free are left out
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
     int groups() const { return static_cast<int>(centre_.size()); }
     Index size() const { return static_cast<Index>(groups_.of.size()); }  ///< particles
-    /// From 0; -1: in none.
+    /// Group of particle i, from 0; -1: in no group.
     int of(Index i) const { return groups_.of[i]; }
     const Vec3& arm(Index i) const { return arm_[i]; }
     Span<const Index> members(int g) const {
@@ -111,9 +111,9 @@ public:
     }
     Span<const Vec3d> centres() const { return centre_; }
 
-    /// load = R^T r: six sums a group.
+    /// load = R^T r, six sums per group.
     void restrict_to_groups(Span<const Vec3> r, Span<Real> load) const;
-    /// R motion of particle i.
+    /// (R motion)_i: velocity of particle i in the rigid motion of its group.
     Vec3 motion_of(Span<const Real> motion, Index i) const {
         if (of(i) < 0) return Vec3::Zero();
         const Real* m = motion.data() + 6 * static_cast<std::size_t>(of(i));

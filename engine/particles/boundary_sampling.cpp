@@ -26,7 +26,7 @@ std::vector<SurfaceSample> layer_of(const Solid& solid, std::size_t k, const Sam
     }
 }
 
-/// Whether the solid does not turn, or only about this one of its axes.
+/// Whether the solid does not rotate, or only about this one of its own axes.
 bool keeps_axis(const Solid& solid, int axis) {
     for (int b = 0; b < 3; ++b) {
         const Expression& spin = solid.spin.component[static_cast<std::size_t>(b)];
@@ -37,8 +37,8 @@ bool keeps_axis(const Solid& solid, int axis) {
 
 using Corners = std::array<Vec3d, 8>;
 
-/// Bounds of the domain and `context` [m] about it, in the axes of the plane. Along periodic axes the domain moves with the plane: what
-/// leaves it there comes in again.
+/// Corners of the domain, extended by `context` [m], in the axes of the plane. Along periodic axes the domain moves with the plane,
+/// because what leaves on one side enters on the other.
 Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double context, double t) {
     Corners corners;
     const Vec3d moved = plane.position(t) - plane.position(0);
@@ -53,15 +53,15 @@ Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double con
     return corners;
 }
 
-/// Weight of a flat wall's image. A convex surface leaves more of the kernels of adjacent fluid to the fluid, and its layer accounts for
-/// less than half of that: by quadrature for spheres and circles of 3.5 to 12 spacings, 0.26 to 0.32 of the curvature is missing (cubic
-/// kernel, R = 2 d), on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
+/// BoundaryParticles::behind of a curved surface. A convex surface leaves more of the kernels of nearby fluid to the fluid, and its
+/// particles account for less than half of that. Quadrature for spheres and circles of 3.5 to 12 spacings (cubic kernel, R = 2 d): 0.26 to
+/// 0.32 of the curvature is missing, on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
 Real behind_surface(double curvature) {
     const double bent = 0.3 * curvature;
     return static_cast<Real>(bent > 0 ? 1 / (1 + bent) : 1 - bent);
 }
 
-/// Whether the point x of solid k [m, in its own axes] is on or in another fixed solid: edges at seams do not count.
+/// Whether the point x of solid k [m, in its own axes] is on or in another fixed solid. Edges there are seams, not edges.
 bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
     const Vec3 at = solids.all[k].pose.rotation * x + solids.all[k].pose.translation;
     for (std::size_t other = 0; other < solids.all.size(); ++other)
@@ -69,13 +69,14 @@ bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
     return false;
 }
 
-/// A quarter of a spacing above the surface.
+/// The point a quarter of a spacing above the surface, at particle s.
 Vec3 above(const BoundaryParticles& particles, Index s, Real spacing) {
     return particles.position[s] + Real(0.75) * spacing * particles.normal[s];
 }
 
-/// Whether a quarter of a spacing above the particle s places a spacing about it are as far from the solids, or in a solid at right
-/// angles. Solids that move may leave others, and count alone.
+/// Whether the surface is flat around particle s. Tests points a quarter of a spacing above the surface, up to a spacing to each side:
+/// each must be at that distance from the solids, or nearer to one that is parallel or at right angles. Solids that move are tested alone,
+/// because they may leave others.
 bool flat_at(const BoundaryParticles& particles, Index s, const Solids& solids, Real spacing, int dimensions) {
     const Solid& own = solids.all[particles.solid[s]];
     const Real height = spacing / 4;
@@ -96,7 +97,7 @@ bool flat_at(const BoundaryParticles& particles, Index s, const Solids& solids, 
     return true;
 }
 
-/// Whether x lies in the solid of s or in one at rest.
+/// Whether x lies in the solid of particle s or in a solid at rest.
 bool in_solid(const BoundaryParticles& particles, Index s, const Vec3& x, const Solids& solids, Real spacing) {
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
@@ -119,7 +120,7 @@ PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain&
     Solids alone;
     alone.all = {plane};
     Corners corners, before;
-    for (int k = 0; k <= samples; ++k) {  // unevenly, so as not to fall in with an oscillation
+    for (int k = 0; k <= samples; ++k) {  // uneven times, so that they do not coincide with an oscillation
         const double t = end * std::min(1.0, (k + std::fmod(0.618034 * k, 1.0)) / samples);
         const bool known = t <= followed || !plane.spin.depends_on_time();
         if (!known) alone.all[0].spin = {};
@@ -152,7 +153,7 @@ BoundaryParticles sample_solids(const Solids& solids, Real spacing, const Domain
     for (std::size_t k = 0; k < solids.all.size(); ++k) {
         const Solid& solid = solids.all[k];
         const bool turned = !solid.pose.rotation.isIdentity(0), bounded = solid.shape->bounded(), still = !solid.moves();
-        // The box about a turned domain has an end along a periodic axis, where the solid continues.
+        // The box that contains a rotated domain ends along a periodic axis, although the solid continues there.
         SamplingRegion region{spacing, in_own_axes(domain, solid.pose), world.margin,
                               still && !(turned && bounded && domain.any_periodic())};
         std::optional<PlanePatch> patch;
@@ -187,7 +188,7 @@ BoundaryParticles sample_solids(const Solids& solids, Real spacing, const Domain
 }
 
 void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const StepContext& step) {
-    // A wall on a floor covers the floor below it, and hides the floor's end.
+    // A wall that stands on a floor covers the floor below it and hides the floor's end.
     const auto hidden = [&](Index s, const Vec3& to) {
         const Vec3 from = above(particles, s, step.spacing);
         for (const Real part : {Real(0), Real(0.25), Real(0.5), Real(0.75)})
@@ -199,7 +200,7 @@ void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const S
         if (!own.moves() && particles.flat[s] >= 0 && hidden(s, Vec3::Zero())) particles.flat[s] = -1;
         if (particles.flat[s] > 0 && (own.body || !flat_at(particles, s, solids, step.spacing, step.dimensions()))) particles.flat[s] = 0;
     });
-    // The other particles, with their periodic images: an axis may be too short for pairs that far apart.
+    // The particles that are not flat, with explicit periodic images: a periodic axis may be too short for a search that wide.
     Domain open = step.domain;
     open.periodic = {};
     const Vec3 period = step.domain.period();
@@ -230,7 +231,7 @@ void set_solid_volumes(BoundaryParticles& particles, const Solids& solids, const
     std::vector<char> moves, edges(solids.all.size());
     for (const Solid& solid : solids.all) moves.push_back(solid.moves());
     for (Index s = 0; s < particles.size(); ++s) edges[particles.solid[s]] |= particles.behind[s] == 0;
-    // Whether other lies on a face of s, or on one that continues it. Lattices count their edges on both faces.
+    // Whether `other` lies on the same face as s, or on one that continues it. Lattice points on an edge belong to both faces.
     const auto counts = [&](Index s, Index other) {
         const Index a = particles.solid[s], b = particles.solid[other];
         const bool edge = particles.behind[s] == 0 || particles.behind[other] == 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Drains: places from which fluid is taken away, at once or after it has been there for a while.
+/// Drains: regions in which fluid is removed, immediately or after a delay.
 #include <memory>
 #include <vector>
 
@@ -18,12 +18,12 @@ struct time_in_drain {
 
 struct Drain {
     std::shared_ptr<const Shape> shape;
-    Real after = 0;  ///< s: fluid that has been inside for this long is removed
+    Real after = 0;  ///< fluid that has been inside for this long is removed [s]
 };
 
 /// Removes particles that have stayed in a drain for its delay, after a step of length dt [s]; keeps the order of the others. The store
 /// must have field::time_in_drain.
-/// @return how many particles went
+/// @return the number of removed particles
 Index drain(ParticleStore& fluid, const std::vector<Drain>& drains, Real dt);
 
 }  // namespace whorl

@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// Signed distance to the wall of the pipe behind the opening; q in the opening's frame: width, thickness, along the flow.
+/// Signed distance to the wall of the pipe behind the opening. @param q position in the opening's frame: width, thickness, along the flow
 Real pipe_distance(const EmitterShape& shape, const Vec3& q) {
     if (shape.plane) return std::abs(q.x()) - shape.width / 2;
     if (!shape.slot) return std::sqrt(q.x() * q.x() + q.y() * q.y()) - shape.radius;
@@ -72,24 +72,25 @@ struct Emitter::State {
     double start, stop;
     Real spacing, depth;
     std::int16_t role;
-    Solid body, guarded;  ///< without the first spacing behind the opening: fluid that has left may come back that far
+    Solid body, guarded;  ///< guarded: body without its first spacing behind the opening, because fluid that has left may come back that
+                          ///< far
     Solid end;
     Domain domain;
-    double faster = 1;         ///< area of the opening over its part outside solids
-    bool full = false;         ///< from the first on
-    std::vector<Vec3> places;  ///< of the particles that fill it first, not yet in the store
-    double ahead = 0;          ///< m, of the pipe that they fill: the column begins behind them
+    double faster = 1;         ///< area of the opening over the area of its part outside solids
+    bool full = false;         ///< the pipe is filled from the start
+    std::vector<Vec3> places;  ///< positions of its first particles, which are not yet in the store
+    double ahead = 0;          ///< length of pipe that they fill [m]; the column begins behind them
 
-    Real apart() const { return static_cast<Real>(least_clearance) * spacing; }  ///< nearest that free fluid comes to the pipe
-    /// Whether a place in the opening's frame is in the part of the pipe that moves.
+    Real apart() const { return static_cast<Real>(least_clearance) * spacing; }  ///< smallest distance of free fluid from the pipe
+    /// Whether the position q in the opening's frame is in the moving part of the pipe.
     bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < Real(0.3) * spacing && q.z() > -depth - spacing / 20; }
 
     Vec3 width_axis, thickness_axis;
-    double length = 0;            ///< m, of a block of the column; its particles repeat with this period
-    std::vector<Vec3> block;      ///< in the opening's frame: across in x and y, z in [0, length) is pushed out in this order
-    std::vector<Vec3> first;      ///< its first copy, which fits behind the initial filling of the pipe
-    std::vector<long> next_copy;  ///< of each particle of the block: how many of its copies have entered
-    double pushed = 0;            ///< m, integral of the mean speed
+    double length = 0;            ///< length of a block of the column, the period with which its particles repeat [m]
+    std::vector<Vec3> block;      ///< in the opening's frame: x and y across, z in [0, length), in the order of emission
+    std::vector<Vec3> first;      ///< first copy of the block, adapted to the initial filling of the pipe
+    std::vector<long> next_copy;  ///< for each particle of the block: the number of its copies that have entered
+    double pushed = 0;            ///< integral of the mean speed [m]
 
     /// Speed over mean speed at a point of the opening.
     double profile(Real across_width, Real across_thickness) const {
@@ -112,7 +113,7 @@ struct Emitter::State {
 
     double mean_speed(double t) const { return t < start || t > stop ? 0 : faster * std::max(0.0, speed_of_time(t)); }
 
-    /// Integral of the mean speed over [t, t + dt], by Simpson's rule on the part between start and stop.
+    /// Integral of the mean speed over [t, t + dt] by Simpson's rule, restricted to [start, stop].
     double push_during(double t, double dt) const {
         const double from = std::max(t, start), to = std::min(t + dt, stop);
         if (from >= to) return 0;
@@ -123,7 +124,7 @@ struct Emitter::State {
     double half_width() const { return shape.plane || shape.slot ? shape.width / 2 : shape.radius; }
     double half_thickness() const { return shape.plane ? 0 : shape.slot ? shape.thickness / 2 : shape.radius; }
 
-    /// `count` points anywhere in the pipe, relaxed. @param period m along the pipe; 0: all in one cross-section
+    /// Fills the block with `count` relaxed random points in the pipe. @param period along the pipe [m]; 0: all in one cross-section
     void fill_pipe(long count, double period, std::uint64_t seed) {
         RandomNumbers random(seed);
         while (static_cast<long>(block.size()) < count) {
@@ -142,16 +143,16 @@ struct Emitter::State {
             block, [this](const Vec3& q) { return pipe_distance(shape, q); }, spacing, along, 300);
     }
 
-    /// A plug moves as one: a periodic column of blue noise, as long as makes its volume a whole number of particles, so that the mass flow
-    /// is exact.
+    /// Plug flow moves as a whole: a periodic column of blue noise. Its length makes its volume a whole number of particles, so that the
+    /// mass flow is exact.
     void make_column(std::uint64_t seed) {
         const long count = column_count();
         length = static_cast<double>(count) * volume() / opening_area(shape);
         fill_pipe(count, length, seed);
     }
 
-    /// Layers that slide past each other would push blue noise into pairs. Streamlines stay apart whatever their speeds: blue noise in the
-    /// cross-section, single files along the flow, each with its own phase.
+    /// Parabolic flow shears: layers of blue noise that slide past each other would bring particles together. So each particle of blue
+    /// noise in the cross-section repeats along its own streamline, with a random phase; streamlines stay apart at any speed.
     void make_streamlines(std::uint64_t seed) {
         const long count = column_count();
         length = volume() * static_cast<double>(count) / opening_area(shape);
@@ -160,7 +161,7 @@ struct Emitter::State {
         for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
     }
 
-    /// Lets the first particles of the column find places behind `before`, in the opening's frame with z against the flow.
+    /// Relaxes the first particles of the column into positions behind `before`. Frame of the opening, with z against the flow.
     void join(std::vector<Vec3> before) {
         const auto begin = static_cast<Real>(ahead);
         std::vector<Vec3> near;
@@ -175,7 +176,7 @@ struct Emitter::State {
             if (moves(block[k])) first[k] = near[n++] - Vec3(0, 0, begin);
     }
 
-    /// Whether free fluid is so near that it will feel the particles in the pipe.
+    /// Whether free fluid is near enough to feel the particles in the pipe.
     bool meets_fluid(const ParticleStore& fluid) const {
         const auto x = fluid.column<field::position>();
         const auto role_of = fluid.column<field::role>();
@@ -183,8 +184,8 @@ struct Emitter::State {
         return parallel_sum(fluid.size(), [&](Index i) { return role_of[i] >= 0 && body.distance(x[i]) < near ? 1 : 0; }) > 0;
     }
 
-    /// Particles that enter while the column advances by `push`. A particle at height z of copy c enters when the column has been
-    /// pushed past it by more than the buffer's depth: along the flow at  s = factor * pushed - (c length + z), measured from the opening.
+    /// Particles that enter while the column advances by `push`. A particle at height z of copy c enters when the column has been pushed
+    /// past it by more than the buffer's depth. Its position along the flow, from the opening, is s = factor * pushed - (c length + z).
     std::vector<Vec3> entering(double pushed_before, double push, std::vector<long>& next) const {
         std::vector<Vec3> all;
         for (std::size_t k = 0; k < block.size(); ++k) {
@@ -258,7 +259,7 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (role[i] != s.role) continue;
         const Vec3 q = s.local(x[i]);
-        // Entering particles start behind the column's end, and reach it in this step.
+        // Particles that enter now start behind the end of the column, and reach it during this step.
         const bool moves = s.in_column(q) || (i >= static_cast<std::size_t>(before) && i < first_placed);
         u[i] = static_cast<Real>(moves ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
     }
@@ -340,7 +341,7 @@ bool Emitter::load(std::istream& in) {
     in.read(reinterpret_cast<char*>(&state_->pushed), sizeof(double));
     in.read(reinterpret_cast<char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
     if (!in) throw EnvironmentError("the saved state of an emitter ends too early", "", "resume from an older checkpoint");
-    // In the last step every particle's copies entered down to the buffer's depth: the next step has few to add.
+    // At a saved time, copies of every particle have entered down to the buffer's depth, so the next step has few to add.
     const State& s = *state_;
     if (!std::isfinite(s.pushed) || s.pushed < 0) return false;
     for (std::size_t k = 0; k < s.block.size(); ++k) {

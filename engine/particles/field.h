@@ -1,9 +1,9 @@
 #pragma once
-/// Fields (columns of the particle store) and the way in which a stage names those it touches.
+/// Fields (columns of the particle store), and the argument types by which a stage names the fields that it uses.
 ///
 /// A field is a type with `type`, `name`, `unit` and `meaning`. A stage is a struct whose operator() takes Read<field>, Write<field> and
-/// Update<field> arguments; from these signatures alone the program knows which columns to allocate, and which ones live on from
-/// step to step (those that a stage reads or updates before any stage has written them): only these are sorted, emitted, checkpointed.
+/// Update<field> arguments. These signatures determine which columns are allocated and which are lasting: those that a stage reads or
+/// updates before any stage has written them. Only lasting columns are sorted, emitted and saved.
 #include <string_view>
 
 #include "engine/core/types.h"
@@ -36,12 +36,12 @@ struct spin {
     static constexpr std::string_view name = "spin", unit = "1/s", meaning = "angular velocity of the micro-rotation";
 };
 /// 0: free. k > 0: stuck to solid k - 1 and moving with it. -k < 0: still inside the nozzle of emitter k - 1. The velocity of a particle
-/// that is not free is prescribed (by its solid or emitter): models read it and leave it as it is.
+/// that is not free is prescribed by its solid or emitter; models read it but do not change it.
 struct role {
     using type = std::int16_t;
     static constexpr std::string_view name = "role", unit = "", meaning = "free, stuck to a solid, or inside a nozzle";
 };
-/// Unique number from 0 over all particles of the run, including removed ones. Only if an export requests it.
+/// Unique number from 0 over all particles of the run, including removed ones. It exists only if an export or a probe requests it.
 struct id {
     using type = std::int32_t;
     static constexpr std::string_view name = "id", unit = "", meaning = "the particle's number, the same all its life";

@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Numbers in the widest vector register; loops over a multiple of it need no remainder.
+/// Reals in the widest vector register. Loops over a multiple of it have no remainder.
 inline constexpr Index most_lanes = 16;
 
 /// out[l] = values[index[l]] for l < count, a multiple of `most_lanes`.
@@ -20,7 +20,7 @@ inline void gather(const Real* values, const Index* index, Index count, Real* ou
 template <std::size_t most>
 void gather(const Vec3* vectors, const Index* index, Index count, Real (&out)[3][most]) {
 #if defined(__AVX512F__) && defined(__AVX512VL__) && !defined(WHORL_DOUBLE)
-    // Sixteen vectors at a time: particle 4 k + a goes to quarter k of register a; then each quarter is a 4 x 4 matrix to be transposed.
+    // Sixteen vectors at a time. Particle 4 k + a goes to quarter k of register a; each quarter is then a 4 x 4 matrix to transpose.
     const auto* v = reinterpret_cast<const float*>(vectors);
     for (Index l = 0; l < count; l += most_lanes) {
         __m512 row[4];

@@ -1,5 +1,5 @@
 #pragma once
-/// Neighbours, solids and parameters of a step, passed together to the stages that need all three.
+/// Neighbours, solids and parameters of a step, for the stages that need all of them.
 #include "engine/geometry/solids.h"
 #include "engine/particles/pairs.h"
 #include "engine/particles/step_context.h"
@@ -7,10 +7,10 @@
 namespace whorl {
 
 struct InteractionContext {
-    const FluidPairs& pairs;        ///< neighbours among the fluid
-    const SolidPairs& solid_pairs;  ///< neighbours in the solids' layer
-    Solids& solids;                 ///< free bodies among them take up forces and impulses
-    BoundaryParticles& boundary;    ///< the one layer of particles of all solids; follows the bodies
+    const FluidPairs& pairs;        ///< fluid neighbours of each fluid particle
+    const SolidPairs& solid_pairs;  ///< boundary particles near each fluid particle
+    Solids& solids;                 ///< free bodies among them receive forces and impulses
+    BoundaryParticles& boundary;    ///< boundary particles of all solids, which follow the bodies
     const StepContext& step;
 };
 

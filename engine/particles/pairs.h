@@ -1,5 +1,5 @@
 #pragma once
-/// Pairs of neighbours: compact rows, one a particle.
+/// Pairs of neighbours, stored as one compact row per particle.
 #include <vector>
 
 #include "engine/geometry/domain.h"
@@ -8,16 +8,16 @@
 
 namespace whorl {
 
-/// Rows of neighbours: row i names the particles j with |x_i - x_j| < support. Never i itself.
-/// Within a row the order is fixed by the positions' order in the store: the same for any number of threads.
+/// Rows of neighbours. Row i lists the particles j with |x_i - x_j| < support, without i itself. Within a row the order follows the
+/// positions' order in the store, so it does not depend on the number of threads.
 class Pairs {
 public:
-    std::vector<std::size_t> first;  ///< n + 1 offsets into other
+    std::vector<std::size_t> first;  ///< offsets into `other`, n + 1
     Column<Index> other;
-    Span<const Vec3> x_own, x_other;      ///< positions as they were found; must outlive the pairs' use
+    Span<const Vec3> x_own, x_other;      ///< positions of the search; must outlive the use of the pairs
     Vec3 period = Vec3::Zero();           ///< Domain::period()
     Real support = 0;                     ///< m
-    Column<Vec3> found_own, found_other;  ///< where they were found, if the search went farther than it had to (NeighbourSearch::narrow)
+    Column<Vec3> found_own, found_other;  ///< copies of these positions, if the search was wider than needed (NeighbourSearch::narrow)
 
     Index size() const { return first.empty() ? 0 : static_cast<Index>(first.size()) - 1; }
     Index count(Index i) const { return static_cast<Index>(first[i + 1] - first[i]); }
@@ -38,21 +38,21 @@ public:
         }
     }
 
-    /// Up to 64 neighbours at a time with their distances side by side: a loop over them vectorises where a call a neighbour does not.
+    /// Up to 64 neighbours at a time with their distances in arrays. A loop over them vectorises; one call per neighbour does not.
     struct Group {
         static constexpr Index most = 64;
         Index count;
         alignas(64) Index other[most];
         alignas(64) Real r[3][most];  ///< components of x_i - x_j, m
         alignas(64) Real distance[most];
-        /// A multiple of `most_lanes`, so that a loop up to it has no remainder. Entries from `count` on are at the end of the support,
-        /// where every kernel and its slope are 0, and name a neighbour that exists.
+        /// `count` rounded up to a multiple of `most_lanes`, so that loops have no remainder. Entries from `count` on refer to an existing
+        /// neighbour, but with a distance of the support, at which every kernel and its slope are 0.
         Index padded() const { return (count + most_lanes - 1) & -most_lanes; }
         /// out[a][l] = v[other[l]][a] for l < padded().
         void gather(const Vec3* v, Real (&out)[3][most]) const { whorl::gather(v, other, padded(), out); }
         void gather(const Real* v, Real (&out)[most]) const { whorl::gather(v, other, padded(), out); }
     };
-    /// Calls f(group) until all neighbours of i have been in one.
+    /// Calls f(group) for groups that together contain all neighbours of i.
     template <class F>
     void groups_of(Index i, F&& f) const {
         const Vec3 xi = x_own[i];
@@ -83,7 +83,7 @@ public:
     }
 };
 
-/// Neighbours among the fluid, and the solid neighbours of the fluid: two types, so that a stage's signature distinguishes them.
+/// Neighbours among the fluid, and boundary particles near the fluid. They are two types, so that a stage's signature distinguishes them.
 struct FluidPairs : Pairs {};
 struct SolidPairs : Pairs {};
 

@@ -11,7 +11,7 @@
 namespace whorl {
 namespace {
 
-/// The box that is sampled: the shape's bounds, cut at the domain's along the axes that are not periodic, with those that it spans.
+/// The box to sample: the shape's bounds, limited to the domain along axes that are not periodic, and the axes that the shape spans.
 struct Extent {
     Vec3d min, max;
     bool spans_period[3];
@@ -42,7 +42,7 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
         if (!(length > 0)) return x;
         const bool within = layers == Layers::within && !e.spans_period[a];
         count[a] = std::max(1L, within ? static_cast<long>(length / spacing + 0.1) : std::lround(length / spacing));
-        // A layer more than fits is no use: its centre would be outside. A periodic axis is filled without a seam.
+        // A layer more than fits would be useless: its centre would be outside. A periodic axis is filled without a seam.
         step[a] = e.spans_period[a] ? length / static_cast<double>(count[a]) : spacing;
         first[a] = e.min[a] + 0.5 * (length - step[a] * static_cast<double>(count[a] - 1));
         if (beyond > 0 && !e.spans_period[a]) first[a] -= step[a], count[a] += 2;
@@ -62,7 +62,7 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
     return x;
 }
 
-/// Volume of the shape within the extent (in 2D: area), by the middles of cells a quarter of a spacing wide.
+/// Volume of the shape within the extent (in 2D: area), summed over cells a quarter of a spacing wide whose middle is inside.
 double volume_within(const Shape& shape, const Extent& e, double spacing) {
     long count[3] = {1, 1, 1};
     Vec3d step = Vec3d::Zero();
@@ -104,7 +104,7 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
            const Distance& obstacle) {
     const auto n = static_cast<Index>(x.size());
     const Real range = Real(1.6) * spacing, shell = Real(0.25) * spacing;
-    Domain images = domain;  // mirror images may be outside the box: only the periods count
+    Domain images = domain;  // only its periods are used, because mirror images may be outside the box
     NeighbourSearch search;
     Pairs pairs;
     std::vector<Vec3> all, moved(x.size());
@@ -144,14 +144,14 @@ void relax(std::vector<Vec3>& x, const Distance& distance, Real spacing, const D
 
 namespace {
 
-/// Sample points of the shape, also outside the domain.
+/// Sample points of the shape; some may be outside the domain.
 std::vector<Vec3> unwrapped(const Shape& shape, Sampling sampling, Real spacing, const Domain& domain, std::uint64_t seed, Layers layers,
                             Real beyond) {
     const Extent e = extent_of(shape, domain);
     if (sampling == Sampling::lattice) return lattice(shape, e, spacing, 0, seed, layers, beyond);
     if (sampling == Sampling::jittered) return lattice(shape, e, spacing, 0.2, seed, layers);
 
-    // Blue noise starts from a strongly jittered lattice with as many points as the volume asks for.
+    // Blue noise starts from a strongly jittered lattice with as many points as the volume requires.
     std::vector<Vec3> x = lattice(shape, e, spacing, 0.4, seed);
     const auto wanted =
         static_cast<std::size_t>(std::lround(volume_within(shape, e, spacing) / power_of(static_cast<double>(spacing), e.dimensions)));

@@ -15,12 +15,12 @@
 namespace whorl {
 namespace {
 
-/// Edge of a cell over the support, along x (runs of cells are contiguous) and across. Measured: tools/bench/bench_particles.cpp.
+/// Edge of a cell over the support, along x (cells in a run are contiguous) and across. Measured with tools/bench/bench_particles.cpp.
 constexpr double edge_along = 0.5, edge_across = 1;
 
 bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
 
-/// Data of the distance test.
+/// Parameters of the distance test.
 struct Test {
     Real x[3];
     Real period[3], inverse_period[3];
@@ -28,7 +28,7 @@ struct Test {
     Index self;
 };
 
-/// For rows of pairs; without x and self.
+/// The test for filtering rows of pairs; x and self are not set.
 Test test_for(Real support, const Domain& domain) {
     Test test{};
     test.support2 = support * support;
@@ -40,8 +40,8 @@ Test test_for(Real support, const Domain& domain) {
     return test;
 }
 
-/// Appends those of the candidates [begin, end) that are nearer than the support to out; returns the new end. Writes up to `most_lanes`
-/// past it.
+/// Appends the candidates in [begin, end) that are nearer than the support to `out` and returns its new end. It may write up to
+/// `most_lanes` entries past that end.
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
 template <bool periodic>
 Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
@@ -64,7 +64,7 @@ Index* append_near(const Test& test, const Real* const p[3], const Index* index,
         out += std::popcount(static_cast<unsigned>(near));
     };
     for (Index k = begin; k < end;
-         k += 2 * most_lanes) {  // two at a time: a run's length is then rarely a surprise to the branch predictor
+         k += 2 * most_lanes) {  // two groups per iteration: the branch predictor is then rarely wrong about the length of a run
         group(k);
         group(k + most_lanes);
     }
@@ -75,7 +75,7 @@ template <bool periodic>
 Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
     for (Index k = begin; k < end; k += most_lanes) {
         Real r2[most_lanes];
-        for (Index l = 0; l < most_lanes; ++l) {  // always whole groups: every pair goes through the same instructions
+        for (Index l = 0; l < most_lanes; ++l) {  // always whole groups, so that every pair is computed by the same instructions
             Real d[3];
             for (int a = 0; a < 3; ++a) {
                 d[a] = test.x[a] - p[a][k + l];
@@ -102,7 +102,7 @@ int NeighbourSearch::Axis::bin(double cell) const {
     return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(bins - 1)));
 }
 
-/// Radius of the search: a little beyond the support, so that rounding in the cells cannot lose a pair that the test would accept.
+/// Radius of the search, slightly beyond the support, so that rounding in the cells cannot lose a pair that the test would accept.
 struct NeighbourSearch::Reach {
     double radius;
     Test test;
@@ -118,9 +118,10 @@ struct NeighbourSearch::Rows {
     }
 };
 
-/// Rows of blocks of particles are made side by side and then joined; a batch of blocks at a time, so that the copies stay small and in the
-/// cache. make() may read its rows and later batches in `pairs` if no new row is longer than the old one. @param make for the
-/// particles [begin, end): appends their rows, and sets pairs.first[i + 1] to where row i ends among the block's
+/// Makes the rows of blocks of particles in parallel, then joins them. It works on a batch of blocks at a time, so that the copies stay
+/// small and in the cache. If no new row is longer than the old one, make() may still read its own rows and those of later batches in
+/// `pairs`.
+/// @param make called for the particles [begin, end): appends their rows, and sets pairs.first[i + 1] to the end of row i within the block
 template <class F>
 void NeighbourSearch::join_blocks(Index n, Pairs& pairs, std::vector<Column<Index>>& memory, const F& make) {
     constexpr Index batch = 32 * block;
@@ -189,8 +190,8 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
             axis.wraps = false;
         }
     }
-    // Not many more bins than particles: the longest axes share bins. Halving keeps a periodic axis whole if its cells are a multiple of
-    // its bins.
+    // Limit the number of bins to a few per particle: the longest axes share bins. Halving a periodic axis keeps it whole if its number of
+    // cells is a multiple of its number of bins.
     const double most = 8.0 * static_cast<double>(x.size()) + 1024;
     double bins[3] = {cells[0], cells[1], cells[2]};
     while (bins[0] * bins[1] * bins[2] > most) {
@@ -223,7 +224,7 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
         bin_of_[i] = (bin[2] * axis_[1].bins + bin[1]) * axis_[0].bins + bin[0];
     });
 
-    // Counting sort, stable: within a bin the order of the store.
+    // Counting sort. It is stable: within a bin, particles are in the order of the store.
     const std::size_t bins =
         static_cast<std::size_t>(axis_[0].bins) * static_cast<std::size_t>(axis_[1].bins) * static_cast<std::size_t>(axis_[2].bins);
     start_.assign(bins + 2, 0);
@@ -264,7 +265,7 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
         const Axis& axis = axis_[a];
         return axis.wraps ? axis.bin(low[a] + k) : low_bin[a] + k;
     };
-    // Along x the bins are contiguous: one run, or two where it wraps.
+    // Along x the bins are contiguous: one run, or two if the range wraps.
     const int columns = axis_[0].bins;
     const int first = low_bin[0];
     const int past = std::min(first + count[0], columns), wrapped = first + count[0] - past;
@@ -348,7 +349,7 @@ double farthest_move(Span<const Vec3> from, Span<const Vec3> to, const Domain& d
     }));
 }
 
-/// Copies the near ones of row `other` to `out`. @returns their number
+/// Copies the neighbours in row `other` that are within the support to `out`. @returns their number
 template <bool periodic>
 Index keep_near(const Test& test, Span<const Vec3> x, const Index* other, Index count, Index* out) {
     constexpr Index most = 64;
@@ -382,13 +383,13 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
     const double spare = 0.99 * static_cast<double>(pairs.support - support);  // minus rounding errors
     const double own = farthest_move(found_own, x_own, domain);
     if (!(own + (among_themselves ? own : farthest_move(found_other, x_other, domain)) <= spare)) return false;
-    Column<Vec3>().swap(pairs.found_own), Column<Vec3>().swap(pairs.found_other);  // not needed again before the next find_wide()
+    Column<Vec3>().swap(pairs.found_own), Column<Vec3>().swap(pairs.found_other);  // not needed until the next find_wide()
     pairs.x_own = x_own, pairs.x_other = x_other;
     pairs.support = support;
 
     const Test test = test_for(support, domain);
     const auto n = static_cast<Index>(x_own.size());
-    std::vector<std::size_t> begins;  // begin of each block's rows in `other`: join_blocks() overwrites `first`
+    std::vector<std::size_t> begins;  // start of each block's rows in `other`, because join_blocks() overwrites `first`
     for (Index begin = 0; begin < n; begin += block) begins.push_back(pairs.first[begin]);
     begins.push_back(pairs.first[n]);
     const auto run = [&]<bool periodic>() {

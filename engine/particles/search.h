@@ -7,41 +7,41 @@
 
 namespace whorl {
 
-/// Finds all pairs closer than the support radius. Keeps its memory from step to step: one object a use.
-///
-/// Positions are binned in cells somewhat smaller than the support. An axis too long for one bin a cell takes the cell's coordinate modulo
-/// the number of bins, so that a stray particle kilometres away costs nothing (two far cells may share a bin: the distance test separates
-/// them). A particle whose position is not finite gets no neighbours. Two particles at the same place are neighbours at distance 0. The
-/// test on |x_i - x_j|^2, in Real, is formed in the same way from both sides: j is in row i if and only if i is in row j.
+/// Finds all pairs closer than the support radius. Keeps its memory from step to step, so use one object for each purpose.
+/// Positions are binned in cells somewhat smaller than the support. If an axis is too long for one bin per cell, the bin is the cell's
+/// coordinate modulo the number of bins, so that a stray particle kilometres away costs nothing. Distant cells may then share a bin; the
+/// distance test separates them. A particle with a non-finite position gets no neighbours. Two particles at the same position are
+/// neighbours at distance 0. The test computes |x_i - x_j|^2, in Real, in the same way from both sides: j is in row i if and only if i is
+/// in row j.
 class NeighbourSearch {
 public:
-    /// Pairs among x, each in both rows. `pairs` refers to x afterwards.
+    /// Pairs among x, each in both rows. `pairs` keeps a reference to x.
     /// @param support R [m]; a periodic axis of the domain must be at least 2 R long
     void find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs);
-    /// For each x_own its neighbours among x_other.
+    /// For each x_own, its neighbours among x_other.
     void find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
-    /// find() among x, some rows at a time: who needs each row once need not have all of them in memory together. First start(), then
-    /// rows() for any begin and end, which makes the rows of x[begin] to x[end - 1] those of `part` from 0 on.
+    /// find() among x in parts, for callers that need each row only once and not all at the same time. Call start() first, then rows() for
+    /// any begin and end: rows 0, 1, ... of `part` are then those of x[begin] to x[end - 1].
     void start(Span<const Vec3> x, Real support, const Domain& domain);
     void rows(Span<const Vec3> x, Index begin, Index end, Real support, const Domain& domain, Pairs& part);
 
-    /// find() that goes farther than the models need, so that narrow() can make the rows of a next step of it.
+    /// find() with a larger radius than the models need, so that narrow() can make the rows of a later step from it.
     void find_wide(Span<const Vec3> x_own, Span<const Vec3> x_other, Real reach, const Domain& domain, Pairs& pairs);
-    /// Removes the pairs beyond the support if `pairs` are those of find_wide() for positions so near these that no pair within the
-    /// support can be missing. The rows are those of find(), in another order. @returns false, and changes nothing, otherwise
+    /// Removes the pairs beyond the support, if `pairs` are from find_wide() for positions near enough that no pair within the support can
+    /// be missing. The rows are those of find(), in another order. @returns false and changes nothing otherwise
     static bool narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
     std::size_t capacity_bytes() const;
 
 private:
     static constexpr double most_cells = 1e15;
-    static constexpr Index block = 256;  ///< particles whose rows a thread makes at a time
+    static constexpr Index block = 256;  ///< number of particles whose rows a thread makes at a time
     struct Axis {
         double origin = 0, inverse_edge = 0, edge = 0;
         int bins = 1;
-        bool wraps = false;  ///< cells share bins modulo `bins`: the axis is periodic, or too long
-        /// Limited to what a double counts exactly; beyond it the neighbours' positions are too coarse for neighbours anyway.
+        bool wraps = false;  ///< cells share bins modulo `bins`, because the axis is periodic or too long
+        /// Limited to integers that a double represents exactly. Beyond that, positions are too coarse for neighbours anyway.
         double cell(double x) const { return std::clamp(std::floor((x - origin) * inverse_edge), -most_cells, most_cells); }
         int bin(double cell) const;
     };
@@ -50,7 +50,7 @@ private:
 
     void choose_axes(Span<const Vec3> x, Real support, const Domain& domain);
     void fill_bins(Span<const Vec3> x, const Domain& domain);
-    /// @param first the number of own[0] among those that were binned; -1: own are others
+    /// @param first index of own[0] among the binned particles; -1: `own` are other particles
     void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
     template <bool periodic>
     void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
@@ -60,12 +60,12 @@ private:
     void append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const;
 
     Axis axis_[3];
-    int axes_ = 3;                     ///< in use: in 2D there is one cell along z
-    Column<Index> bin_of_;             ///< of each particle, -1 where its position is not finite
-    Column<Index> start_;              ///< of each bin in the packed columns
-    Column<Real> packed_[3];           ///< positions in the order of the bins
-    Column<Index> packed_index_;       ///< their places in the store
-    std::vector<Column<Index>> rows_;  ///< of each block of a batch
+    int axes_ = 3;                     ///< axes in use: 2D has one cell along z
+    Column<Index> bin_of_;             ///< bin of each particle, -1 if its position is not finite
+    Column<Index> start_;              ///< start of each bin in the packed columns
+    Column<Real> packed_[3];           ///< positions, sorted by bin
+    Column<Index> packed_index_;       ///< their index in the store
+    std::vector<Column<Index>> rows_;  ///< rows of each block of a batch
 };
 
 }  // namespace whorl

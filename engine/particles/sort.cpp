@@ -7,10 +7,10 @@
 namespace whorl {
 namespace {
 
-constexpr int axis_bits = 20;  // of a key: 3 x 20, and one bit more for positions that are not finite
+constexpr int axis_bits = 20;  // per key: 3 x 20 bits, and one more for positions that are not finite
 constexpr std::uint64_t not_finite = std::uint64_t(1) << (3 * axis_bits);
 
-/// Place of the cell c on the Hilbert curve through 2^bits cells an axis.
+/// Position of cell c along the Hilbert curve through 2^bits cells per axis.
 std::uint64_t hilbert_key(std::array<std::uint32_t, 3> c, int bits) {
     if (bits == 0) return 0;
     const std::uint32_t top = std::uint32_t(1) << (bits - 1);
@@ -40,8 +40,8 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> c, int bits) {
 
 }  // namespace
 
-/// Cells count from the middle of the range of keys at the origin and wrap: a stray particle far away cannot coarsen the cells of the
-/// others.
+/// Cell coordinates count from the middle of the key range, at the origin, and wrap. So a stray particle far away does not make the cells
+/// of the others coarser.
 std::vector<Index> curve_order(Span<const Vec3> x, Real cell) {
     constexpr double range = double(1 << axis_bits);
     const Index n = static_cast<Index>(x.size());

@@ -1,14 +1,14 @@
 #pragma once
-/// The order of particles along a space-filling curve: neighbours in space become neighbours in memory.
+/// Order of particles along a space-filling curve, which stores neighbours in space near each other in memory.
 #include <vector>
 
 #include "engine/core/types.h"
 
 namespace whorl {
 
-/// The order for ParticleStore::gather(), by the Hilbert curve through the particles' cells (Skilling 2004, "Programming the Hilbert
-/// curve"): order[k] is the particle that comes k-th. Particles of one cell keep their order; positions that are not finite come last.
-/// @param cell edge of a cell [m]: the support radius is a good choice
+/// The order for ParticleStore::gather() along the Hilbert curve through the particles' cells (Skilling 2004, "Programming the Hilbert
+/// curve"): order[k] is the k-th particle. Particles of one cell keep their order; particles with non-finite positions are last.
+/// @param cell edge of a cell [m]; the support radius is a good choice
 std::vector<Index> curve_order(Span<const Vec3> x, Real cell);
 
 }  // namespace whorl

@@ -12,33 +12,33 @@
 
 namespace whorl {
 
-/// Constants of the fluid and of this step; the same for every particle.
+/// Constants of the fluid and of this step, equal for all particles.
 struct StepContext {
     double time = 0;              ///< s, at the start of the step
     Real dt = 0;                  ///< s
-    bool at_frame_time = true;    ///< the step starts at a frame time: refresh every lagged set-up, a resumed run starts here
-    bool to_frame_time = true;    ///< it ends at one: fields that no step needs, but frames and probes, are wanted
+    bool at_frame_time = true;    ///< the step starts at a frame time: every lagged set-up is refreshed, because a resumed run starts here
+    bool to_frame_time = true;    ///< the step ends at a frame time: fields that only frames and probes need are computed
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     Domain domain;
 
     Real spacing = 0;       ///< m, d
     Real support = 0;       ///< m, kernel radius R
     Real rest_density = 0;  ///< kg/m^3
-    Real mass = 0;          ///< kg a particle: rest_density volume
-    Real volume = 0;        ///< m^3 a particle at rest: spacing^3; in 2D spacing^2, all of a metre of depth
+    Real mass = 0;          ///< of a particle [kg]: rest_density volume
+    Real volume = 0;        ///< of a particle at rest [m^3]: spacing^3; in 2D spacing^2, per metre of depth
     KernelForm kernel;
-    int dimensions() const { return kernel.dimensions; }  ///< 2: all particles are in the plane z = 0 and move in it
+    int dimensions() const { return kernel.dimensions; }  ///< 2: all particles stay in the plane z = 0
 };
 
-/// Place, time and field of a divergence: a result, not an exception.
+/// Location, time and field of a divergence. It is a result, not an exception.
 struct Divergence {
     std::string stage, field;
     double time = 0;              ///< s
-    Vec3d place = Vec3d::Zero();  ///< m, of the first particle found
+    Vec3d place = Vec3d::Zero();  ///< position of the first particle that diverged [m]
     std::string what;             ///< "velocity is not finite", ...
 };
 
-/// Work on the particles, into their kinetic and spin energy, by its cause [J]; dissipation counts negative.
+/// Work on the particles by cause, as change of their kinetic and spin energy [J]. Dissipation is negative.
 struct EnergyWork {
     double gravity = 0, torque = 0, pressure = 0, viscosity = 0, exchange = 0, smoothing = 0, boundary = 0, surface_tension = 0;
     EnergyWork& operator+=(const EnergyWork& o) {
@@ -49,25 +49,25 @@ struct EnergyWork {
     double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary + surface_tension; }
 };
 
-/// Energies of a run up to now [J] (docs/physics.md 8). Kinetic and spin energy change by total(); the work of solids is not in the terms
-/// by which they act.
+/// Energies of a run so far [J] (docs/physics.md 8). Kinetic and spin energy change by total(). The work of solids is counted in `solids`,
+/// not in the terms through which they act.
 struct EnergyBudget : EnergyWork {
-    double solids = 0;    ///< work of solids that move, from their ledgers
+    double solids = 0;    ///< work of moving solids, from their ledgers
     double forces = 0;    ///< work of fluid.force and streams
-    double lifted = 0;    ///< potential energy from a gravity that changes and from periodic axes
-    double moves = 0;     ///< kinetic and potential energy from moves that are not a velocity: crowding, shifting, push-out
-    double emitted = 0;   ///< energy of the fluid that has come in
-    double drained = 0;   ///< less the energy of the fluid that drains took or that left the domain
+    double lifted = 0;    ///< change of potential energy by a gravity that changes and by periodic axes
+    double moves = 0;     ///< change of kinetic and potential energy by displacements without a velocity: crowding, shifting, push-out
+    double emitted = 0;   ///< energy of the fluid that has entered
+    double drained = 0;   ///< minus the energy of the fluid that drains removed or that left the domain
     double at_start = 0;  ///< kinetic, potential and spin energy when the budget began
     double total() const { return EnergyWork::total() + solids + forces; }
-    /// Change of `energy` (kinetic, potential and spin) since the start that no physical cause accounts for: numerical.
+    /// Change of `energy` (kinetic, potential and spin) since the start that no physical cause explains, that is, the numerical error.
     double error(double energy) const {
         return energy - at_start -
                (torque + viscosity + exchange + smoothing + surface_tension + solids + forces + lifted + moves + emitted + drained);
     }
 };
 
-/// The linear solves of a step, and `crowding`: particles that stayed too dense (models/pressure/crowding.h).
+/// The linear solves of a step, and `crowding`: particles that remained too dense (models/pressure/crowding.h).
 enum class SolveKind { pressure, viscosity, coupled, crowding };
 inline const char* name_of(SolveKind kind) {
     switch (kind) {
@@ -84,13 +84,13 @@ struct StepReport {
         SolveReport report;
     };
     std::vector<Solve> solves;
-    std::optional<EnergyWork> work;  ///< of a micropolar model, which adds up its terms itself
-    Index lost_particles = 0;        ///< left the domain in this step
-    std::string full;                ///< a closed room took no more, said once; empty: none
+    std::optional<EnergyWork> work;  ///< of a micropolar model, which sums its terms itself
+    Index lost_particles = 0;        ///< number of particles that left the domain in this step
+    std::string full;                ///< message in the step in which a closed room becomes full; otherwise empty
     std::optional<Divergence> diverged;
 };
 
-/// m/s, the largest of all particles; 0 if there are none.
+/// Largest speed of all particles [m/s]; 0 if there are none.
 inline double largest_speed(Span<const Vec3> u) {
     return std::sqrt(parallel_max(static_cast<Index>(u.size()), 0, [&](Index i) { return static_cast<double>(u[i].squaredNorm()); }));
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The columns of the particles: allocated by the stages' declarations, sorted, grown and shrunk together.
+/// Columns of the particles. The stages declare them; all are sorted, grown and shrunk together.
 #include <map>
 #include <memory>
 #include <string>
@@ -12,12 +12,12 @@
 
 namespace whorl {
 
-/// Description of a field at run time. One object per field: compare by address or by name.
+/// Run-time description of a field. There is one object per field: compare by address or by name.
 struct FieldInfo {
     std::string_view name, unit, meaning;
-    std::size_t bytes;  ///< a particle
+    std::size_t bytes;  ///< per particle
     int components;     ///< 1 scalar, 3 vector, 9 matrix
-    bool integer;       ///< whole numbers rather than Real
+    bool integer;       ///< whole numbers; otherwise Real
     std::unique_ptr<struct ColumnBase> (*make)();
 };
 
@@ -68,8 +68,8 @@ class ParticleStore {
 public:
     Index size() const { return size_; }
 
-    /// Allocates the column; a field that any caller declares as lasting stays so.
-    /// @param lasting it lives on from step to step: sorted, emitted and checkpointed. The others are scratch.
+    /// Allocates the column. A field that any caller declares as lasting stays lasting.
+    /// @param lasting the column persists from step to step: it is sorted, emitted and saved. Other columns are scratch.
     void declare(const FieldInfo& info, bool lasting);
     bool has(const FieldInfo& info) const { return columns_.count(&info) > 0; }
     template <class F>
@@ -77,7 +77,7 @@ public:
         return has(field_info<F>());
     }
 
-    /// The column; it must have been declared. Valid until the next resize(), gather() or keep().
+    /// The column, which must have been declared. Valid until the next resize() or gather().
     template <class F>
     Span<typename F::type> column() {
         return typed<typename F::type>(field_info<F>());
@@ -89,7 +89,7 @@ public:
 
     /// Grows (new entries zero) or shrinks at the end.
     void resize(Index n);
-    /// new[k] = old[order[k]] in every column. order may be shorter: the rest is removed.
+    /// new[k] = old[order[k]] in every column. If `order` is shorter than the store, the other particles are removed.
     void gather(Span<const Index> order);
 
     struct Entry {
@@ -97,7 +97,7 @@ public:
         bool lasting;
         std::unique_ptr<ColumnBase> column;
     };
-    /// All columns in the order of their names.
+    /// All columns, sorted by name.
     std::vector<const Entry*> entries() const;
     Entry* find(std::string_view name);
     const Entry* find(std::string_view name) const { return const_cast<ParticleStore*>(this)->find(name); }
