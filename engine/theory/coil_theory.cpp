@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// The parameters without dimensions: lengths over the fall H, speeds over U0, N over 3 eta A0 U0/H, M over 3 eta I0 U0/H^2.
+/// Dimensionless parameters. Scales: lengths H (the fall), speeds U0, N 3 eta A0 U0/H, M 3 eta I0 U0/H^2.
 struct ThreadNumbers {
     double gravity = 0;      ///< G = g H^2/(3 nu U0)
     double inertia = 0;      ///< Re = U0 H/(3 nu)
@@ -26,9 +26,9 @@ ThreadNumbers numbers_of(const CoilParameters& p) {
             p.surface_tension * p.fall / (viscous * p.nozzle_radius), p.nozzle_radius / p.fall};
 }
 
-/// The equations of the thread. The family of problems that is followed has (exp(depth) - 1)/(exp(full_depth) - 1) times the numbers of
-/// `full`, the slenderness aside: depth 0 is infinite viscosity. Beside the 16 functions ln Omega, ln L and the depth are sought, with
-/// along(ln Omega, depth) = 0 as the last condition.
+/// The equations of the thread, as a family of problems: the numbers of `full`, except slenderness, are multiplied by (exp(depth) - 1) /
+/// (exp(full_depth) - 1), so depth 0 is infinite viscosity. In addition to the 16 functions, ln Omega, ln L and the depth are unknowns,
+/// with turn_weight ln Omega + depth_weight depth = distance as the last condition.
 struct ThreadProblem {
     static constexpr int functions = 19, start_conditions = 10;
     enum At { x_at = 0, t_at = 3, u_at = 6, w_at = 7, n_at = 10, m_at = 13, omega_at = 16, length_at = 17, depth_at = 18 };  ///< u = ln U
@@ -92,7 +92,7 @@ using Solver = Collocation<ThreadProblem>;
 double turning(const Thread& thread) { return thread.y.front()[ThreadProblem::omega_at]; }
 double depth(const Thread& thread) { return thread.y.front()[ThreadProblem::depth_at]; }
 
-/// A single loop: the foot lies ahead, the thread is not grossly long and nowhere goes straight up.
+/// Whether the thread is a single loop: the foot is ahead, the thread is not much too long and nowhere runs straight up.
 bool is_coil(const Thread& thread) {
     const auto& foot = thread.y.back();
     const double length = foot[ThreadProblem::length_at];
@@ -100,10 +100,10 @@ bool is_coil(const Thread& thread) {
            std::all_of(thread.y.begin(), thread.y.end(), [](const auto& y) { return y[ThreadProblem::t_at + 2] < 0.9; });
 }
 
-/// A first guess without gravity and inertia: a quintic through nozzle and foot with the right slope and curvature at both, of constant
-/// speed.
+/// First guess without gravity and inertia: a quintic curve of constant speed from nozzle to foot, with the right slope and curvature at
+/// both ends.
 Thread first_guess(double slenderness, double omega, double radius) {
-    constexpr int intervals = 80, fine = 25;  // of the mesh; points of the curve to each
+    constexpr int intervals = 80, fine = 25;  // intervals of the mesh, and points of the curve in each
     constexpr double rate = 1.15;             // |dx/dq| at the ends, about the length
     const Vec3d down(0, 0, -rate), foot(radius, 0, -1), along(0, -rate, 0), inward(-rate * rate / radius, 0, 0);
     const auto place = [&](double q) -> Vec3d {
@@ -152,24 +152,24 @@ Thread first_guess(double slenderness, double omega, double radius) {
     return thread;
 }
 
-/// Follows the branch of coils, with a budget of linear solves.
+/// Follows the branch of coils with a limited number of linear solves.
 class Follower {
 public:
     Follower(const ThreadNumbers& numbers, const std::atomic<bool>* give_up) : give_up_(give_up) {
         problem_.full = numbers;
-        // Bending holds against gravity G where that is of the order of e^2: a thin thread is followed from as little as that.
+        // Bending resists a gravity G of up to the order of e^2, so for a thin thread the branch starts at numbers as small as that.
         const double little = std::min(1.0, std::pow(numbers.slenderness / 0.05, 2));
         problem_.full_depth = std::log1p(std::max({numbers.gravity, numbers.inertia, numbers.capillarity}) / little);
     }
 
-    /// The coil that is asked for, from a neighbour of it.
+    /// The requested coil, continued from a coil with similar parameters.
     std::optional<Thread> from_neighbour(const Thread& neighbour) { return settled(at_depth(neighbour, problem_.full_depth)); }
-    /// The same, from infinite viscosity.
+    /// The requested coil, continued from infinite viscosity.
     std::optional<Thread> from_infinite_viscosity();
     int effort() const { return effort_; }
 
 private:
-    static constexpr int coarse = 60;  ///< intervals on the way
+    static constexpr int coarse = 60;  ///< intervals while following the branch
 
     bool solve(Thread& thread, int most_steps) {
         if (effort_ >= CoilSolver::most_effort || (give_up_ && *give_up_)) return false;
@@ -199,8 +199,7 @@ std::optional<Thread> Follower::at_depth(const Thread& neighbour, double depth) 
     return thread;
 }
 
-/// The purely viscous coil: guessed for a thread of medium thickness compared with the fall, then continued to the requested
-/// slenderness.
+/// The purely viscous coil: guessed for a thread of medium slenderness, then continued to the requested one.
 std::optional<Thread> Follower::without_gravity() {
     hold_depth(0);
     const double wanted = problem_.full.slenderness, guessed = std::clamp(wanted, 0.02, 0.08);
@@ -220,8 +219,8 @@ std::optional<Thread> Follower::without_gravity() {
     return thread;
 }
 
-/// The next coil along the branch, `stride` away in (ln Omega, depth) (pseudo-arclength: Keller 1977), so that folds are no hindrance. The
-/// stride adapts.
+/// The next coil along the branch, at the distance `stride` in (ln Omega, depth) (pseudo-arclength continuation: Keller 1977), which also
+/// passes folds. The stride adapts.
 std::optional<Thread> Follower::next(const Thread& before, const Thread& now, double& stride) {
     constexpr double longest = 0.5, shortest = 2e-4;
     const double d_turning = turning(now) - turning(before), d_depth = depth(now) - depth(before), apart = std::hypot(d_turning, d_depth);
@@ -233,7 +232,7 @@ std::optional<Thread> Follower::next(const Thread& before, const Thread& now, do
         Thread thread = here;
         for (std::size_t i = 0; i < thread.y.size(); ++i) thread.y[i] += stride / apart * (here.y[i] - from.y[i]);
         if (!solve(thread, 8)) continue;
-        // A long stride that turns sharply may have come to another branch.
+        // After a long stride, a sharp turn may mean that another branch was reached.
         const double went = std::hypot(turning(thread) - turning(now), depth(thread) - depth(now));
         if (stride / went < (stride > 0.03 ? 0.85 : 0.3) || depth(thread) < -1e-6) continue;
         stride = std::min(longest, 1.5 * stride);
@@ -257,14 +256,14 @@ std::optional<Thread> Follower::from_infinite_viscosity() {
         if (!further) return std::nullopt;
         before = std::move(now), now = std::move(further);
     }
-    // The goal lies between the last two.
+    // The goal lies between the last two coils.
     const double part = depth(*now) > depth(*before) ? (goal - depth(*before)) / (depth(*now) - depth(*before)) : 1;
     Thread between = Solver::on_mesh(problem_, *before, now->s);
     for (std::size_t i = 0; i < between.y.size(); ++i) between.y[i] += part * (now->y[i] - between.y[i]);
     return settled(at_depth(between, goal));
 }
 
-/// The thread on finer meshes, until they change the result no more.
+/// The thread on finer meshes, until the result changes no more.
 std::optional<Thread> Follower::settled(std::optional<Thread> thread) {
     for (int intervals = 2 * coarse; thread && intervals <= 8 * coarse; intervals *= 2) {
         Thread finer = on_even_mesh(*thread, intervals);
@@ -302,7 +301,7 @@ double relative_change(const CoilParameters& a, const CoilParameters& b) {
 }
 
 struct CoilSolver::State {
-    CoilParameters parameters;  ///< of `last`
+    CoilParameters parameters;  ///< those of `last`
     std::optional<Thread> last;
     int effort = 0;
 };

@@ -14,8 +14,9 @@
 ///     N' = rho A (g e_z + U (U t)' + 2 U W x t + W x (W x x))                 weight and inertia
 ///     M' = -t x N                                                             (rotary inertia of sections is left out)
 ///
-/// Nozzle, s = 0: x = 0, t = -e_z, U = U0, w = 0. Plate, s = L: the axis one thread's radius above it; laid thread is at rest, U t + W x x
-/// = 0 with t horizontal, without rolling and turning, w = 0; y = 0 fixes the phase. These are 18 conditions for 16 functions, Omega and L.
+/// Nozzle, s = 0: x = 0, t = -e_z, U = U0, w = 0. Plate, s = L: the axis is one thread radius above it. Laid thread is at rest: U t + W x
+/// x = 0 with horizontal t, and it neither rolls nor turns: w = 0. y = 0 fixes the phase. These are 18 conditions for 16 functions, Omega
+/// and L.
 #include <atomic>
 #include <iosfwd>
 #include <memory>
@@ -25,24 +26,25 @@ namespace whorl {
 
 struct CoilParameters {
     double nozzle_radius = 0;    ///< m
-    double speed = 0;            ///< m/s, mean over the nozzle
+    double speed = 0;            ///< mean over the nozzle [m/s]
     double viscosity = 0;        ///< m^2/s, kinematic
     double gravity = 0;          ///< m/s^2, downwards
     double fall = 0;             ///< m, from the nozzle to the ground
     double surface_tension = 0;  ///< over the density [m^3/s^2]
 };
 
-/// The largest of |p/q - 1| over the parameters, the larger over the smaller; infinite where one is zero in one of them alone.
+/// Largest relative difference |p/q - 1| over the parameters, with the larger value as p; infinite if a parameter is zero on one side
+/// only.
 double relative_change(const CoilParameters& a, const CoilParameters& b);
 
 struct CoilTheory {
     double frequency = 0;      ///< Hz
     double radius = 0;         ///< m, of the circle on which the thread's axis comes to rest
-    double thread_radius = 0;  ///< m, there
-    double length = 0;         ///< m, of the thread in the air
+    double thread_radius = 0;  ///< there [m]
+    double length = 0;         ///< of the falling thread [m]
 };
 
-/// Finds steady coils, from the last one where the parameters moved little.
+/// Finds steady coils. It continues from the last one if the parameters have changed little.
 class CoilSolver {
 public:
     CoilSolver();
@@ -50,14 +52,14 @@ public:
     CoilSolver(CoilSolver&&) noexcept;
     CoilSolver& operator=(CoilSolver&&) noexcept;
 
-    /// If all parameters are within a tenth of those of the last answer, the coil continued from it. Else (or if that cannot be
-    /// found) the branch of coils is followed from infinite viscosity, where there is one coil, down to the viscosity that is asked for,
-    /// through its folds: where several coils are possible (inertio-gravitational coiling: Ribe, Huppert, Hallworth, Habibi & Bonn 2006),
-    /// the first that is met there.
-    /// @return nothing if none was found within `most_effort` linear solves, where it would be no wider than its own thread (then it is
-    /// none), or when `give_up` became true
+    /// If all parameters are within a tenth of those of the last answer, the coil is continued from it. Otherwise (or if that fails) the
+    /// solver follows the branch of coils from infinite viscosity, where there is exactly one coil, through its folds to the requested
+    /// viscosity. If several coils are possible there (inertio-gravitational coiling: Ribe, Huppert, Hallworth, Habibi & Bonn 2006), the
+    /// first that is met counts.
+    /// @return empty if no coil was found within `most_effort` linear solves, if it would be no wider than its own thread (then it is not
+    /// a coil), or if `give_up` became true
     std::optional<CoilTheory> at(const CoilParameters& parameters, const std::atomic<bool>* give_up = nullptr);
-    /// Linear solves that the last answer took.
+    /// Number of linear solves for the last answer.
     int effort() const;
     static constexpr int most_effort = 800;
 
