@@ -49,7 +49,7 @@ Scene as_printed(const Scene& scene) {
 void check_printed(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
     if (!scene.models.printed()) return;
     const KeyProblems report(scene, problems);
-    // Keys at their defaults pass: a resolved scene gives every one.
+    // Keys with their default values pass, because a resolved scene contains every key.
     for (const PrintedValue& one : printed_values()) {
         const KeyTable::Part* part = scene_keys().find_part(one.part);
         const Key& key = *part->table->find_key(one.key);

@@ -20,7 +20,7 @@ double number_in(const fs::path& file) {
     return in >> number ? number : unlimited;
 }
 
-/// The number behind a name in a file of lines "name number"; 0 if it does not exist.
+/// The number after a name in a file of lines "name number"; 0 if the name does not occur.
 double number_called(const std::string& name, const fs::path& file) {
     std::ifstream in(file);
     double number = 0;
@@ -29,14 +29,14 @@ double number_called(const std::string& name, const fs::path& file) {
     return 0;
 }
 
-/// The names that the two versions of control groups have for the same.
+/// Names of the same files and entries in the two versions of control groups.
 struct GroupFiles {
     const char *most, *used, *given_back;
 };
 constexpr GroupFiles version_1{"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"},
     version_2{"memory.max", "memory.current", "inactive_file"};
 
-/// Memory that a group and its parents leave. Inactive cached files count as used there, but can be freed.
+/// Memory that a group and its parents leave free. They count inactive cached files as used, but these can be freed.
 double free_in_groups(const fs::path& mount, fs::path group, const GroupFiles& files) {
     double least = unlimited;
     for (group = group.relative_path();; group = group.parent_path()) {
@@ -48,7 +48,7 @@ double free_in_groups(const fs::path& mount, fs::path group, const GroupFiles& f
     }
 }
 
-/// The address space that this process may have; infinite without a limit.
+/// Largest address space that this process may have; infinite without a limit.
 double address_space(const fs::path& limits) {
     const std::string name = "Max address space";
     std::ifstream in(limits);
@@ -62,8 +62,8 @@ double address_space(const fs::path& limits) {
 double available_memory(const fs::path& root) {
     double least = unlimited;
     if (const double kilobytes = number_called("MemAvailable:", root / "proc/meminfo"); kilobytes > 0) least = 1024 * kilobytes;
-    // Lines as "4:memory:/slurm/job_7" (version 1) and "0::/user.slice" (version 2). In a container the group's name may be one outside of
-    // it, and its files are in the root of the mount.
+    // Lines are like "4:memory:/slurm/job_7" (version 1) and "0::/user.slice" (version 2). In a container the group's name may be that
+    // outside it; its files are then in the root of the mount.
     std::ifstream groups(root / "proc/self/cgroup");
     for (std::string line; std::getline(groups, line);) {
         const std::size_t first = line.find(':'), second = line.find(':', first + 1);

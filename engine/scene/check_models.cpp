@@ -10,13 +10,13 @@
 namespace whorl {
 namespace {
 
-/// Beyond it conjugate gradients with the matrix's diagonal alone stall (docs: `whorl stability viscous_steps`).
+/// Above it, conjugate gradients preconditioned with the matrix's diagonal stall (docs: `whorl stability viscous_steps`).
 constexpr double most_assembled_viscous_number = 2e5;
 
 /// models.pressure = "ppe"
 std::string setting(const char* key, const char* value) { return fmt::format("{} = \"{}\"", key, value); }
 
-/// The first models that solve for pressure and viscosity one after the other.
+/// The first models that solve for pressure and viscosity separately.
 std::string solved_apart() {
     const auto pressure = std::find_if(pressure_models().begin(), pressure_models().end(),
                                        [](const auto& row) { return row.solves && !row.solves_viscosity; });
@@ -187,7 +187,7 @@ void check_plane(const Scene& scene, const Plan& plan, const KeyProblems& report
             report("output.export", "no surface exists to export as \"" + what + "\"" + here, "", "allowed: points, vtk, scene or raw");
 }
 
-/// Whether fluid is behind the pipe of a nozzle: the projection lets it flow into the pipe.
+/// Whether fluid is behind the pipe of a nozzle: with the projection it would flow into the pipe.
 bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& plan) {
     const Vec3 behind = (e.position - (plan.support + 2 * plan.spacing) * e.direction.normalized()).cast<Real>();
     return !in_solids(shapes, behind, 0) &&

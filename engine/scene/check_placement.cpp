@@ -18,8 +18,8 @@ namespace {
 
 std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
 
-/// Bytes per particle: the neighbour rows (4 bytes per neighbour, and as much again for their data), and the model's other data.
-/// `whorl plan` measures it for the scene.
+/// Bytes per particle: the neighbour rows (4 bytes per neighbour, and as many for their data) and the model's other data. `whorl plan`
+/// prints the value for a scene.
 double bytes_a_particle(const Plan& plan) {
     return plan.traits.pressure.bytes_a_particle +
            8 * (plan.dimensions() == 2 ? 3.14 : 4.19) * power_of(plan.support / plan.spacing, plan.dimensions());
@@ -49,7 +49,7 @@ public:
 private:
     std::string domain_text() const { return "the domain goes from " + point(low_) + " to " + point(high_); }
 
-    /// Axes that repeat have no outside.
+    /// Whether the box is outside the domain. Along periodic axes nothing is outside.
     bool outside(const Vec3d& min, const Vec3d& max) const {
         for (int a = 0; a < 3; ++a)
             if (!scene_.domain.periodic[a] && (max[a] < low_[a] || min[a] > high_[a])) return true;
@@ -80,7 +80,7 @@ private:
         for (std::size_t i = 0; i < scene_.streams.size(); ++i) finite(entry_name("stream", i) + ".velocity", scene_.streams[i].velocity);
     }
 
-    /// Over the whole run. Values that depend on the place are checked by the particles that have them.
+    /// Checks values over the whole run. Values that depend on position are checked when particles have them.
     void finite(const std::string& key, const VectorExpression& vector) {
         for (const Expression& e : vector.component)
             for (const double t : sample_times(0, scene_.time.end))
@@ -107,7 +107,7 @@ private:
         viscosity("fluid.viscosity", scene_.fluid.viscosity, max_age_of(scene_, 0), 0.5 * (e.min + e.max), name);
     }
 
-    /// At all ages up to `oldest` [s]. @param x of some of its fluid: other places are checked by the particles there
+    /// Checks all ages up to `oldest` [s]. @param x a point in its fluid; other points are checked when particles are there
     void viscosity(const std::string& key, const Expression& mu, double oldest, const Vec3d& x, const std::string& name) {
         if (!depends_on_age(mu) || !is_viscosity(mu(0, x))) return;
         for (const double age : sample_times(0, oldest))
@@ -116,7 +116,7 @@ private:
                               allowed_instead_of(value));
     }
 
-    /// Refuses a block that fills too little of its box, the whole of which is searched for its particles.
+    /// Refuses a block that fills too little of its bounding box, because the whole box is searched for its particles.
     void thin_in_its_box(const std::string& name, const Extent& e) {
         const int dimensions = plan_.dimensions();
         const double places = ((e.max.cwiseMin(high_) - e.min.cwiseMax(low_)) / plan_.spacing).head(dimensions).prod(),
@@ -145,8 +145,8 @@ private:
                    "make it thicker, two spacings or more, or fluid.spacing smaller");
     }
 
-    /// Single precision knows a place to a part of its distance from the origin; with a hundredth of a spacing weakly compressible water is
-    /// noise, with a tenth any.
+    /// Single precision resolves a position to a fraction of its distance from the origin. Noise dominates weakly compressible water if
+    /// that is a hundredth of a spacing, and any fluid if it is a tenth.
     void too_far(const std::string& name, const Vec3d& min, const Vec3d& max) {
         constexpr double enough = 0.01;
         const double far = std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()),
@@ -210,7 +210,7 @@ private:
         if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
     }
 
-    /// A half-space once a period leaves no room at all.
+    /// Refuses a plane that repeats with a period: a half-space in every period leaves no room.
     void across_a_period(const std::string& name, const Vec3d& normal) {
         for (int a = 0; a < plan_.dimensions(); ++a)
             if (scene_.domain.periodic[a] && std::abs(normal[a]) > 1e-6)
@@ -227,7 +227,7 @@ private:
         const auto far_away = [&](const char* key) {
             report(name + "." + key, name + " measures outside of the domain", "", domain_text());
         };
-        const double half = std::max({p.radius, p.width / 2, p.thickness / 2});  // of an opening, whichever way it faces
+        const double half = std::max({p.radius, p.width / 2, p.thickness / 2});  // of an opening, for any direction
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
         if (p.kind == ProbeKind::flux && outside(p.at.array() - half, p.at.array() + half)) far_away("at");
         if ((p.kind == ProbeKind::line || p.kind == ProbeKind::level) && outside(p.from.cwiseMin(p.to), p.from.cwiseMax(p.to)))
@@ -254,8 +254,8 @@ private:
                fmt::format("fluid.spacing = {:.2g} would fit", plan_.spacing * std::pow(1.2 * need / most, 1.0 / plan_.dimensions())));
     }
 
-    /// Memory for the particles of nozzles and solids' surfaces, all at the same time when the run starts, and for the candidate points on
-    /// one mesh.
+    /// Memory for the particles of nozzles and solids' surfaces, which all exist when the run starts, and for the candidate points on the
+    /// largest mesh.
     void memory_of_samples() {
         const double have = free_;
         double kept = 0, at_once = 0;  // bytes
@@ -291,7 +291,7 @@ private:
     double free_ = available_memory();
 };
 
-/// Calls f(x) at the middles of points^3 cells of a box.
+/// Calls f(x) at the centres of points^3 cells of a box.
 template <class F>
 void over_cells(const Vec3d& min, const Vec3d& max, int points, F&& f) {
     for (int i = 0; i < points; ++i)

@@ -8,7 +8,7 @@
 namespace whorl {
 namespace {
 
-/// The scene with the plan's choices instead of "auto".
+/// The scene with the plan's choices in place of "auto".
 Scene with_choices(const Scene& scene, const Plan& plan) {
     Scene chosen = scene;
     chosen.models = plan.chosen_models(scene.models);
@@ -16,13 +16,13 @@ Scene with_choices(const Scene& scene, const Plan& plan) {
     return chosen;
 }
 
-/// The key that disables it: its selector, or the selector of that.
+/// The key that disables this one: its selector, or the selector's selector.
 const Key& deciding_key(const Key& key, const Described& chosen) {
     const Selector selector = selector_of(key, chosen, chosen);
     return counts(*selector.key, selector.in, chosen) ? key : deciding_key(*selector.key, chosen);
 }
 
-/// Keys at their defaults pass: a resolved scene gives every one.
+/// Keys with their default values pass, because a resolved scene contains every key.
 void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     const Scene choices = with_choices(scene, plan);
     const Described asked{&scene_keys(), &scene}, chosen{&scene_keys(), &choices};

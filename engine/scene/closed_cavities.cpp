@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-/// Cells over the whole domain; each is looked at once.
+/// A grid of cells over the domain. Each cell is examined once.
 class RoomSearch {
 public:
     RoomSearch(const Scene& scene, const SceneShapes& shapes, double support)
@@ -50,7 +50,7 @@ private:
     static constexpr Real unknown = std::numeric_limits<Real>::max();
 
     std::size_t number(const Vec3d& c) const { return static_cast<std::size_t>((c[2] * count_[1] + c[1]) * count_[0] + c[0]); }
-    /// @param part of the cell's sides
+    /// @param part position in the cell, in units of its sides
     Vec3 place(const Vec3d& c, const Vec3d& part = Vec3d::Constant(0.5)) const {
         Vec3d x = scene_.domain.min + (c + part).cwiseProduct(cell_);
         if (D_ == 2) x.z() = 0;
@@ -67,7 +67,7 @@ private:
         return known;
     }
 
-    /// Whether nothing lies between x and y. Distances are Lipschitz: a solid between the two would be nearer to one of them.
+    /// Whether no solid is between x and y. Distances are Lipschitz: a solid in between would be nearer to one of them.
     bool clear(const Vec3& x, Real at_x, const Vec3& y, Real at_y, int halvings) const {
         if (at_x <= 0 || at_y <= 0) return false;
         if (at_x + at_y > (x - y).norm()) return true;
@@ -77,7 +77,7 @@ private:
         return clear(x, at_x, middle, there, halvings - 1) && clear(middle, there, y, at_y, halvings - 1);
     }
 
-    /// Measures the last room, unless it is open: then its volume stays 0.
+    /// Fills the last room from `start` and measures it. The volume of an open room stays 0.
     void fill(const Vec3d& start) {
         const int room = static_cast<int>(found_.size()) - 1;
         std::vector<Vec3d> queue{start}, rim;
@@ -92,7 +92,7 @@ private:
                 to[a] += side % 2 == 0 ? -1 : 1;
                 if (obstacles_.domain.periodic[a]) to[a] -= count_[a] * std::floor(to[a] / count_[a]);
                 else if (to[a] < 0 || to[a] >= count_[a]) {
-                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return;  // fluid that leaves here is removed
+                    if (distance(c) > static_cast<Real>(cell_[a] / 2)) return;  // fluid leaves the domain here
                     continue;
                 }
                 if (room_of_[number(to)] == room) continue;
@@ -123,7 +123,7 @@ private:
 
     const Scene& scene_;
     const SceneShapes& shapes_;
-    Solids obstacles_;  ///< with the pipes of emitters
+    Solids obstacles_;  ///< including the pipes of emitters
     int D_;
     Vec3d count_ = Vec3d::Ones(), cell_ = Vec3d::Zero();
     std::vector<int> room_of_;    ///< by cell, -1: not reached

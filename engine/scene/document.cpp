@@ -17,10 +17,10 @@ FileLocation place_of(const toml::source_region& at, const std::string& file) {
     return {file, static_cast<int>(at.begin.line), static_cast<int>(at.begin.column)};
 }
 
-constexpr std::size_t most_nested = 500;  ///< dots in a line: parts of a key
+constexpr std::size_t most_nested = 500;  ///< most dots in a line, which separate the parts of keys
 
-/// toml++ and the readers of its tables recurse for every part of a dotted key: ten thousands of parts overflow the stack.
-/// @throws InputError if a line has more dots than any line of a scene
+/// Refuses deeply nested keys: toml++ and the readers of its tables recurse for every part of a dotted key, so ten thousand parts would
+/// overflow the stack. @throws InputError if a line has more dots than any line of a scene
 void check_nesting(const std::string& text, const std::string& file) {
     std::istringstream lines(text);
     int number = 0;
@@ -62,7 +62,7 @@ Value converted(const toml::node& node, const std::string& file) {
     return v;
 }
 
-/// toml++ says "Error while parsing array: expected ...".
+/// The message of toml++ without "Error while parsing array: ...".
 std::string message_of(const toml::parse_error& e) {
     std::string text(e.description());
     const std::string start = "Error while parsing ";
@@ -75,7 +75,7 @@ bool is_index(const std::string& step) {
     return !step.empty() && step.size() < 7 && std::all_of(step.begin(), step.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
-/// "emitter[0].speed" and "emitter.0.speed" -> emitter, 0, speed; empty if it is not a key.
+/// Splits a key: "emitter[0].speed" and "emitter.0.speed" give emitter, 0, speed. Empty if it is not a key.
 std::vector<std::string> steps_of(const std::string& key) {
     std::vector<std::string> steps;
     std::string part;
@@ -103,7 +103,7 @@ std::string joined(const std::vector<std::string>& steps, std::size_t count) {
     return path;
 }
 
-/// Puts `value` at the path below `node`, making tables and the next entry of a list on the way.
+/// Sets `value` at the path below `node`. Creates missing tables, and the next entry of a list.
 void put(Value& node, const std::vector<std::string>& steps, std::size_t depth, const Value& value, std::vector<Problem>& problems) {
     if (depth == steps.size()) {
         node = value;
@@ -124,17 +124,17 @@ void put(Value& node, const std::vector<std::string>& steps, std::size_t depth, 
         if (index == list->size()) list->push_back(placed(Value(Value::Table{}), value.place));
         return put((*list)[index], steps, depth + 1, value, problems);
     }
-    // A plain value in the place of a table: the change replaces it.
+    // A plain value that is not a table: the change replaces it.
     if (!node.as<Value::Table>()) node = placed(Value(Value::Table{}), value.place);
     if (Value* child = node.find(step)) return put(*child, steps, depth + 1, value, problems);
-    // A list that the file does not have begins with its entry 0.
+    // A list that does not exist yet starts with entry 0.
     Value child = depth + 1 < steps.size() && is_index(steps[depth + 1]) ? Value(Value::List{}) : Value(Value::Table{});
     child = placed(std::move(child), value.key_place);
     put(child, steps, depth + 1, value, problems);
     node.as<Value::Table>()->emplace_back(step, std::move(child));
 }
 
-/// How to write what is often written wrong. @param what message of toml++
+/// How to write values that are often written wrong. @param what message of toml++
 std::string syntax_hint(const std::string& what) {
     const auto says = [&](const char* part) { return what.find(part) != std::string::npos; };
     if (says("utf-8")) return "save the file as UTF-8";
@@ -180,7 +180,7 @@ Value parse_value(const std::string& text, const std::string& source) {
     try {
         return placed(*converted(toml::parse("value = " + text), "").find("value"), place);
     } catch (const toml::parse_error& e) {
-        // Values that begin like TOML must be TOML; others are numbers (.5 and 1e999) or texts, as in models.pressure=ppe.
+        // A value that begins like TOML must be TOML. Others are numbers (.5 and 1e999) or unquoted texts, as in models.pressure=ppe.
         if (text.find_first_of("[{\"'") == 0)
             throw InputError(place, "the value is not TOML: " + message_of(e), syntax_hint(message_of(e)));
         char* end = nullptr;

@@ -1,5 +1,5 @@
 #pragma once
-/// Expressions in a file: a number, or a text.
+/// Expressions in a file: a number or a text.
 #include <cmath>
 #include <cstdlib>
 
@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// What a key asks of expressions, for codecs with a member expressions(v): pointers to those of v.
+/// Properties of expressions for MemberAccess. The codec must have a function expressions(v) that returns pointers to those of v.
 template <class Codec, class T>
 struct ExpressionQueries {
     static std::vector<double> constants(const T& v) {
@@ -39,7 +39,7 @@ struct KeyCodec<Expression> : ExpressionQueries<KeyCodec<Expression>, Expression
             return Expression(*v.as<std::string>());
         } catch (const ExpressionError& e) {
             FileLocation place = v.place;
-            if (place.line > 0 && e.column > 0) place.column += e.column;  // past the opening quote
+            if (place.line > 0 && e.column > 0) place.column += e.column;  // column 1 is that of the opening quote
             throw KeyFault(place, e.what());
         }
     }

@@ -16,17 +16,17 @@
 namespace whorl {
 namespace {
 
-constexpr double notes_transfer_below = 0.4;  ///< Pa s, in the source notes
+constexpr double notes_transfer_below = 0.4;  ///< limit in the source notes [Pa s]
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double length_of_spin(const Scene& scene) { return scene.micropolar.spin_length > 0 ? scene.micropolar.spin_length : scene.fluid.spacing; }
 
 bool given(const Scene& scene, const std::string& key) { return scene.places.count(key) > 0; }
 
-/// The larger eigenvalue of ((-p, q), (r, -s)), 0 if negative [1/s].
+/// The larger eigenvalue of the matrix ((-p, q), (r, -s)), 0 if it is negative [1/s].
 double growth(double p, double q, double r, double s) { return std::max(0.0, (std::hypot(p - s, 2 * std::sqrt(q * r)) - p - s) / 2); }
 
-/// Flat walls have no torque on fluid that slides along them.
+/// Whether fluid can turn without friction: at a free surface or along a curved wall with free slip. Flat walls exert a torque on it.
 bool slides(const Scene& scene, const Plan& plan) {
     return plan.free_surface || std::any_of(scene.solids.begin(), scene.solids.end(), [](const SolidKeys& s) {
                return s.slip == Slip::free && s.shape.kind != "box" && s.shape.kind != "plane";
@@ -37,7 +37,8 @@ double smoothing_viscosity(const MicropolarKeys& keys, double support, double dt
     return xsph_viscosity(keys.xsph_velocity, support, keys.xsph_time > 0 ? keys.xsph_time : dt);
 }
 
-constexpr double most_growth = 10;  ///< in speed: that fast, the flow is as fast as the sound that the plan gives it
+constexpr double most_growth = 10;  ///< largest growth factor of the speed in the run: the flow would then be as fast as its planned speed
+                                    ///< of sound
 
 }  // namespace
 
@@ -62,7 +63,7 @@ double MicropolarNumbers::wave_growth(double shortest, double longest, double sm
 double MicropolarNumbers::growth_of_turning(double radius, int dimensions, double smoothing) const {
     const double over_inertia = (dimensions + 2) / (radius * radius), answers = 2 * coupling / (density * micro_inertia);
     const double torque = (pair_viscosity + composed_coupling) / density + smoothing;
-    // Equal torques conserve angular momentum: 0 but for round-off.
+    // If the torques are equal, angular momentum is conserved, and the growth is 0 except for round-off.
     return torque >= (1 - 1e-9) * coupling / density ? 0
                                                      : growth(over_inertia * torque, over_inertia * coupling / density, answers, answers);
 }
@@ -98,7 +99,8 @@ MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityTraits& 
     const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian.value_or(automatic) : automatic;
     n.pair_viscosity = form == LaplacianForm::monaghan ? 0 : own;
     if (form == LaplacianForm::split) {
-        // The missing torque of the coupling is composed, which adds half as much viscosity; the rest is reduced by it.
+        // The composed curl supplies the torque that the coupling lacks, and adds half as much viscosity; the remaining viscosity is
+        // reduced by that.
         if (!viscosity.implicit) n.pair_viscosity = std::min(n.coupling, 2 * own - n.coupling);
         n.composed_coupling = n.coupling - n.pair_viscosity;
         if (viscosity.implicit && n.composed_coupling > 0) n.implicit_share = 1 - n.composed_coupling / (2 * mu);
@@ -153,7 +155,7 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
 
 namespace {
 
-/// The growth of fluid that turns freely, and its remedy.
+/// Describes the growth of fluid that turns freely, and a fix.
 std::pair<std::string, std::string> turning_text(const MicropolarNumbers& n, const Scene& scene) {
     return {fmt::format("where fluid can turn freely, at a free surface or along a round wall that it does not stick to, the coupling of "
                         "{:.3g} Pa s with a torque of the viscosity of {:.3g} Pa s makes it turn faster by exp({:.3g}) or more in the run",

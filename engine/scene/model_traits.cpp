@@ -8,7 +8,7 @@
 namespace whorl {
 namespace {
 
-/// The row of a model, and of its option where there is one.
+/// The row of a model and, if the model has rows for an option, of this option.
 template <class Facts, class Model, class Option>
 const Facts& row_of(const std::vector<Facts>& rows, Model model, std::optional<Option> Facts::*option, Option chosen) {
     const auto found = std::find_if(rows.begin(), rows.end(),

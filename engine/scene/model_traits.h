@@ -1,6 +1,6 @@
 #pragma once
-/// Traits of the models, one row each. Plan, checks, scene keys, assembly and the prediction of cost read these tables; code compares
-/// a model's name only where it reads the model's options and makes its stages.
+/// Traits of the models, one row each. Plan, checks, scene keys, assembly and the prediction of cost read these tables. Other code
+/// compares a model's name only to read its options and make its stages.
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,38 +12,39 @@ namespace whorl {
 struct PressureTraits {
     PressureModel model = PressureModel::none;
     const char* name = "";                      ///< in scene files
-    std::optional<PressureForm> form = {};      ///< the row is of this pressure.form alone
-    std::optional<PressureSource> source = {};  ///< and of this pressure.source
-    double cfl = 1;                             ///< share of time.cfl that its steps use
-    bool keeps_apart = false;                   ///< particles do not clump: surface tension needs that
-    bool has_sound = false;                     ///< explicit in time: its steps resolve the sound
-    bool solves = false;                        ///< a linear system a step, which has a tolerance
-    bool makes_density = false;                 ///< in its own way; for the others the stage Density does
-    bool solves_viscosity = false;              ///< in the same system: it needs a viscosity, and no other viscosity model goes with it
-    /// SceneScales::least_viscous_number from which on it works. "coupled" joins the particles by viscosity: thinner fluid would have to
-    /// part into drops, and its pools would lose height.
+    std::optional<PressureForm> form = {};      ///< the row applies only to this pressure.form
+    std::optional<PressureSource> source = {};  ///< the row applies only to this pressure.source
+    double cfl = 1;                             ///< factor on time.cfl for its steps
+    bool keeps_apart = false;                   ///< particles do not clump, which surface tension requires
+    bool has_sound = false;                     ///< explicit in time: the steps must resolve sound
+    bool solves = false;                        ///< solves a linear system in each step, which has a tolerance
+    bool makes_density = false;                 ///< computes the density itself; for the others the stage Density does
+    bool solves_viscosity = false;              ///< solves for the viscosity in the same system: needs a viscosity, and excludes all
+                                                ///< viscosity models
+    /// Smallest SceneScales::least_viscous_number for which it works. "coupled" connects the particles by viscosity; thinner fluid would
+    /// break up into drops, and its pools would lose height.
     double least_viscous_number = 0;
-    bool has_micropolar = true;  ///< goes with micropolar terms
+    bool has_micropolar = true;  ///< may be combined with micropolar terms
     bool moves_bodies = false;
-    KernelKind kernel = KernelKind::cubic;  ///< its own
-    double support = 2;                     ///< its own [spacings]
+    KernelKind kernel = KernelKind::cubic;  ///< kernel for "auto"
+    double support = 2;                     ///< kernel radius for "auto" [spacings]
     double widest_support = 0;              ///< of particles with few neighbours [spacings]
     const char* kernel_reason = "usual";
-    double loosens_lattice = 0;                    ///< spacings by which the particles of a lattice are moved at random at the start
+    double loosens_lattice = 0;                    ///< random displacement of the particles of a lattice at the start [spacings]
     BoundaryModel boundary = BoundaryModel::none;  ///< how solids act on it; the only alternative is "none"
     const char* boundary_reason = "";
     ShiftingModel shifting = ShiftingModel::none;
     const char* shifting_reason = "particles of this model keep apart by themselves";
-    double bytes_a_particle = 800;  ///< without neighbours, measured at 3,000 particles
+    double bytes_a_particle = 800;  ///< without neighbour rows, measured at 3,000 particles
 };
 
 struct ViscosityTraits {
     ViscosityModel model = ViscosityModel::none;
     const char* name = "";
-    std::optional<bool> correction = {};  ///< the row is of this viscosity.correction alone
-    bool viscous = false;                 ///< by fluid.viscosity, and at solids too
-    bool smooths = false;                 ///< velocities, by no viscosity of the fluid's
-    bool implicit = false;                ///< solves a linear system: bounds no step
+    std::optional<bool> correction = {};  ///< the row applies only to this viscosity.correction
+    bool viscous = false;                 ///< fluid.viscosity acts, also at solids
+    bool smooths = false;                 ///< smooths velocities, without a viscosity of the fluid
+    bool implicit = false;                ///< solves a linear system, so it does not limit the step
     bool needs_density = false;
     bool knows_slip_length = false;
     bool moves_bodies = true;
@@ -75,7 +76,7 @@ struct ModelTraits {
     /// Whether the fluid's viscosity acts, and whether implicitly.
     bool viscous() const { return pressure.solves_viscosity || viscosity.viscous; }
     bool viscous_implicitly() const { return pressure.solves_viscosity || viscosity.implicit; }
-    /// Whether the stage Density is in the step.
+    /// Whether a step includes the stage Density.
     bool needs_density() const { return !pressure.makes_density || viscosity.needs_density || micropolar.spins; }
 };
 
@@ -88,7 +89,7 @@ std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*w
     return names;
 }
 
-/// How a user asks for a row: "full" with viscosity.correction = false.
+/// The settings that select a row: "full" with viscosity.correction = false.
 std::string described(const PressureTraits& row);
 std::string described(const ViscosityTraits& row);
 /// Descriptions of all rows for which `wanted` is true: "full" with viscosity.correction = true, "explicit" or "none".

@@ -1,5 +1,5 @@
 #pragma once
-/// The names that choices have in scene files, plans and run.json.
+/// Names of the choices in scene files, plans and run.json.
 #include <utility>
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace whorl {
 template <class E>
 using Choices = std::vector<std::pair<E, const char*>>;
 
-/// The rows' names, those of several rows once.
+/// The rows' names. A name of several rows occurs once.
 template <class Facts>
 auto row_choices(const std::vector<Facts>& rows) {
     Choices<decltype(Facts::model)> all;

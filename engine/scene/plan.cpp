@@ -17,10 +17,10 @@
 namespace whorl {
 namespace {
 
-constexpr double next_to_nothing = 0.02;  ///< part of the domain that may be empty in a full room
+constexpr double next_to_nothing = 0.02;  ///< largest part of the domain that may be empty in a full room
 
-/// Viscous number above which solving viscosity and pressure together is faster than the pressure equation with implicit viscosity: a pour
-/// of 40, 12 and 4 times 1e-3 m^2/s (scenes/lava.toml) takes 0.7, 0.4 and 0.4 times its time at viscous numbers of 0.68, 0.20 and 0.068,
+/// Viscous number above which solving viscosity and pressure together is faster than the pressure equation with implicit viscosity. A pour
+/// of 40, 12 and 4 times 1e-3 m^2/s (scenes/lava.toml) needs 0.7, 0.4 and 0.4 times the time, at viscous numbers of 0.68, 0.20 and 0.068,
 /// with errors of 8 to 9 % instead of 4 to 9 % (docs/reports/tradeoff.md, lava_viscosity).
 constexpr double coupled_above = 0.25;
 
@@ -47,10 +47,10 @@ PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool 
     return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
 }
 
-/// Makes the choices one after the other; each finds those before it in the plan.
+/// Makes the choices in sequence. Each can read the earlier ones in the plan.
 class Planner {
 public:
-    /// @param given the scene as read @param scene the same, calibrated
+    /// @param given the scene as read @param scene the same scene after calibrated()
     Planner(const Scene& given, const Scene& scene, const SceneShapes& shapes)
         : given_(given), scene_(scene), shapes_(shapes), d_(scene.fluid.spacing),
           n_(scene_numbers(scene, shapes, scene.fluid.support.value_or(usual.support) * d_)), step_(n_.step) {}
@@ -76,7 +76,8 @@ public:
     }
 
 private:
-    /// The viscous number decides the pressure model, and the model the support: explicit viscosity is judged at that of the others.
+    /// The viscous number decides the pressure model, and that decides the support. So the explicit step is estimated with the support of
+    /// the usual models.
     static constexpr PressureTraits usual{};
 
     /// Uses the user's choice, or the automatic one with its reason.
@@ -115,11 +116,11 @@ private:
         if (plan_.traits.pressure.form) note("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
     }
 
-    /// The projection keeps vortices; splashing fluid it cannot hold.
+    /// The projection preserves vortices, but cannot handle fluid that splashes.
     PressureForm automatic_pressure_form() const {
         return plan_.free_surface || scene_.any_free_solid() || smoothed() ? PressureForm::constraint : PressureForm::projection;
     }
-    /// XSPH smooths by the step, not by the time: the projection's particles are not measured with it.
+    /// XSPH smooths per step, not per time, and the projection has not been measured with it.
     bool smoothed() const { return scene_.models.viscosity == ViscosityModel::xsph; }
     std::string form_reason() const {
         if (plan_.free_surface) return "a free surface may splash; waves that do not break keep their height with projection";
@@ -138,10 +139,10 @@ private:
 
     void choose_sound_speed() {
         if (!plan_.traits.pressure.has_sound) return;
-        // A fluid at rest still needs sound: as fast as the longest step could resolve.
+        // Fluid at rest also needs a speed of sound: the highest that the longest step resolves.
         double speed = std::max(n_.speed, scene_.time.cfl * d_ / scene_.time.max_step / 10);
-        // The speed that the pressure 2.84 sigma/d, about that between the layers of the surface, would cause: the density then changes
-        // by a hundredth.
+        // At least the speed that the internal pressure (2.84 sigma/d) of surface tension would cause, so that the density changes by a
+        // hundredth.
         if (scene_.fluid.surface_tension > 0)
             speed = std::max(speed, std::sqrt(internal_pressure(scene_.fluid.surface_tension, d_) / scene_.fluid.density));
         plan_.sound_speed = scene_.pressure.sound_speed > 0 ? scene_.pressure.sound_speed : 10 * speed;
@@ -171,12 +172,12 @@ private:
         }
     }
 
-    /// Part of its rotation that the Laplacian of each velocity component takes from a free body within a turn: at a free surface it makes
-    /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (the first zero of J_1' is 1.84).
+    /// Part of its rotation that a free body loses within a turn, because at a free surface the Laplacian of each velocity component makes
+    /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (1.84 is the first zero of J_1').
     double rotation_lost() const {
         const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > next_to_nothing;
-        if (facts_of(scene_.models.micropolar).spins) return 0;                // there the rotation goes into spin
-        if (plan_.traits.pressure.form == PressureForm::projection) return 0;  // it has another Laplacian
+        if (facts_of(scene_.models.micropolar).spins) return 0;                // there the rotation becomes spin
+        if (plan_.traits.pressure.form == PressureForm::projection) return 0;  // it uses another Laplacian
         if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
         const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
         return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
@@ -186,7 +187,8 @@ private:
         return fmt::format("{:.2g} % of its rotation from a body with a free surface within a turn", 100 * rotation_lost());
     }
 
-    /// Particles come to rest with a viscosity of alpha = 0.1: nu = alpha c R/(4 (D + 2)). The fluid's own counts.
+    /// Particles come to rest with a viscosity of alpha = 0.1, nu = alpha c R/(4 (D + 2)). The viscosity of the fluid itself is
+    /// subtracted.
     void choose_artificial_viscosity() {
         if (!plan_.traits.pressure.has_sound) return;
         constexpr double enough = 0.1;
@@ -204,7 +206,7 @@ private:
              reason);
     }
 
-    /// The choice itself is made step by step, by how many particles press (models/pressure/pressure_multigrid.h).
+    /// The final choice is made in each step, from the number of particles under pressure (models/pressure/pressure_multigrid.h).
     void choose_preconditioner() {
         if (plan_.pressure != PressureModel::ppe) return;
         const double above = plan_.traits.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
@@ -268,7 +270,7 @@ private:
         add_likely_causes(problems);
         throw InputError(in_order(std::move(problems), scene_.place("").file));
     }
-    /// A wrong unit is often the cause of other problems.
+    /// A wrong unit often causes other problems.
     void add_likely_causes(std::vector<Problem>& problems) const {
         for (const ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) {
             const FileLocation at = scene_.place(warning.key);
@@ -328,7 +330,7 @@ private:
                                         name_of(plan_.viscosity)));
     }
 
-    /// Forces along pairs take their isotropy from the neighbours' fourth moments, which few neighbours on a lattice do not have.
+    /// Forces along pairs are isotropic only if the neighbours' fourth moments are, which few neighbours on a lattice do not provide.
     void warn_of_lattice() {
         if (plan_.viscosity != ViscosityModel::explicit_laplacian || scene_.viscosity.without_spin() != LaplacianForm::monaghan) return;
         const LatticeStiffness stiff = monaghan_lattice_stiffness(plan_.kernel, plan_.support, d_);
@@ -403,7 +405,7 @@ private:
     const SceneShapes& shapes_;
     double d_;
     SceneScales n_;
-    double step_;  ///< s, that the flow allows, and the sound
+    double step_;  ///< limit from the flow and from sound [s]
     Plan plan_;
 };
 

@@ -18,15 +18,15 @@ namespace {
 namespace fs = std::filesystem;
 
 const char* const allowed_names = "allowed: letters, digits, _ - ., at most 200 of them";
-constexpr std::size_t longest_name = 200;  ///< longer ones get their endings, too: the system takes 255
-/// Letters of any language are UTF-8 beyond ASCII.
+constexpr std::size_t longest_name = 200;  ///< file names get endings in addition, and the system's limit is 255 bytes
+/// Letters of all languages are allowed: they are UTF-8 bytes beyond ASCII.
 bool in_file_name(unsigned char c) { return c >= 0x80 || std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; }
 bool file_name(const std::string& text) {
     return !text.empty() && text.size() <= longest_name && text[0] != '.' && text[0] != '-' && is_utf8(text) &&
            std::all_of(text.begin(), text.end(), in_file_name);
 }
 
-/// Unit length, but a vector that is so already keeps its bits: a resolved scene reads back as itself.
+/// Normalises v. A vector that already has unit length keeps its bits, so that a resolved scene reads back unchanged.
 void make_unit(Vec3d& v) {
     const double length = v.norm();
     if (std::abs(length - 1) > 1e-12) v /= length;
@@ -67,8 +67,8 @@ public:
     }
 
 private:
-    /// By the scene's own scale: a film of hours is not made in steps of milliseconds. A quick look with fewer pictures, one a second say,
-    /// or an earlier end has the same steps.
+    /// Derives time.max_step from the scene's time scale: a run of hours should not be made in steps of milliseconds. It does not depend
+    /// on time.end, nor on time.fps from 1 upwards, so a quick look with fewer images has the same steps.
     void longest_step() {
         const double as_it_plays = 1 / (600 * scene_.time.slow_motion * std::min(1.0, scene_.time.fps));
         if (reader_.places.count("time.max_step") == 0 && std::isfinite(as_it_plays))
@@ -106,7 +106,7 @@ private:
         if (s.kind != "mesh") return;
         find_file(name + ".file", s.file);
     }
-    /// Makes the path absolute.
+    /// Checks that the file exists, and makes its path absolute.
     void find_file(const std::string& key, fs::path& file) {
         const fs::path found = file.is_absolute() ? file : fs::absolute(fs::path(scene_.directory) / file);
         std::error_code unreachable;
@@ -162,7 +162,7 @@ private:
     Reader& reader_;
 };
 
-/// Whether the flow has two dimensions: by its key, else where the domain has no depth.
+/// Whether the flow is 2D: by domain.dimensions, or if that is not given, by a domain without depth.
 bool is_plane(const Value& root) {
     const Value* domain = root.find("domain");
     if (!domain) return false;
@@ -176,7 +176,7 @@ bool is_plane(const Value& root) {
     return depth("min") && depth("min") == depth("max");
 }
 
-/// Reads one tree; the scene is complete only where no problem was found.
+/// Reads one tree. The scene is complete only if no problem was found.
 void read_tree(const Value& root, const std::string& file, const std::vector<Section>& sections, Scene& scene,
                std::vector<Problem>& problems) {
     scene.directory = fs::path(file).parent_path().string();
@@ -190,7 +190,7 @@ void read_tree(const Value& root, const std::string& file, const std::vector<Sec
     scene.places = std::move(reader.places);
 }
 
-/// Takes [quality] out of the tree.
+/// Removes [quality] from the tree and returns its valid tables.
 Value take_quality(Value& root, std::vector<Problem>& problems) {
     Value::Table& entries = *root.as<Value::Table>();
     const auto it = std::find_if(entries.begin(), entries.end(), [](const auto& e) { return e.first == "quality"; });
@@ -213,7 +213,7 @@ Value take_quality(Value& root, std::vector<Problem>& problems) {
     return Value(std::move(valid));
 }
 
-/// Also checks qualities that were not chosen, and reports their problems.
+/// Checks a quality that was not chosen, and reports its problems.
 void check_quality(Value root, const Value& table, const std::string& file, const std::vector<Section>& sections,
                    std::vector<Problem>& problems) {
     std::vector<Problem> found;
@@ -253,10 +253,10 @@ std::string scene_name(const fs::path& file) {
         const auto byte = static_cast<unsigned char>(c);
         const bool at_start = name.empty() && (c == '-' || c == '.');
         if ((byte < 0x80 || text) && !at_start && in_file_name(byte)) name += c;
-        else if ((byte & 0xC0) != 0x80) name += '_';  // once a character
+        else if ((byte & 0xC0) != 0x80) name += '_';  // one per character
     }
     if (name.size() > longest_name) name.resize(longest_name);
-    while (!is_utf8(name)) name.pop_back();  // half of a letter
+    while (!is_utf8(name)) name.pop_back();  // remove the start of a cut character
     return name.empty() ? "scene" : name;
 }
 
@@ -273,7 +273,7 @@ bool Scene::viscosity_ages() const {
 }
 
 bool Scene::viscosity_ages_by_place() const {
-    // One source may age and another depend on the place: each particle then needs both.
+    // If one source ages and another depends on position, each particle needs both.
     for (std::size_t k = 0; k <= emitters.size(); ++k)
         if (depends_on_place(viscosity_of_source(k))) return viscosity_ages();
     return false;

@@ -14,7 +14,7 @@ std::string in_quotes(const std::vector<std::string>& names) {
     return text;
 }
 
-/// Name of the selector for users: "shape" is in the key's table, "models.pressure" anywhere.
+/// Name of the selector in messages: "shape" is in the key's own table, "models.pressure" is a full name.
 std::string selector_name(const Key& key, const std::string& path) {
     return key.selector.find('.') == std::string::npos ? joined_path(path, key.selector) : key.selector;
 }
@@ -27,7 +27,7 @@ bool is_zero(const Value& v) {
     return v.is_number() ? v.number() == 0 : v.as<bool>() && !*v.as<bool>();
 }
 
-/// Old names of keys and values in the table or key `where`. @return the name that replaces `old`, "" if it is not an old name
+/// Looks up former names of keys and values in the table or key `where`. @return the current name for `old`, "" if it is not a former name
 std::string renamed(const std::string& where, const std::string& old) {
     struct Row {
         std::string where, old, now;
@@ -58,7 +58,7 @@ FileLocation Reader::place(const std::string& key) const { return place_in(place
 void Reader::disagree(const std::vector<std::string>& keys, std::string what, std::string hint, std::string allowed) {
     for (const std::string& key : keys)
         if (failed_.count(key)) return;
-    // The place of the first key that was given: the others hold their defaults.
+    // Location of the first key that was given; the others have their defaults.
     FileLocation where = place(keys.front());
     for (const std::string& key : keys)
         if (const auto it = places.find(key); it != places.end()) {
@@ -68,7 +68,7 @@ void Reader::disagree(const std::vector<std::string>& keys, std::string what, st
     problems.push_back({where, std::move(what), std::move(hint), std::move(allowed)});
 }
 
-/// A key of another section, most likely.
+/// A hint if another section has the key.
 std::string Reader::key_elsewhere(const std::string& name) const {
     for (const KeyTable::Part& part : root_.table->parts)
         if (part.table->find_key(name)) return "[" + part.name + "] has a key of this name";
@@ -169,12 +169,12 @@ void Reader::read_table(const Described& here, void* object, const Value& v, con
 bool Reader::chosen_by_option(const std::string& selector, const std::string& full) const {
     const auto is_option = [&](const std::string& name) {
         const auto it = places.find(name);
-        return it != places.end() && it->second.line == 0;  // a key from a file has a line
+        return it != places.end() && it->second.line == 0;  // a key from a file has a line, an option has none
     };
     return !is_option(full) && (is_option(selector) || left_out_.count(selector) > 0);
 }
 
-/// Keys that belong to another shape or model than the chosen one, and required keys that are missing.
+/// Reports keys that belong to another shape or model than the chosen one, and required keys that are missing.
 void Reader::check_selected(const Described& here, const std::string& path) {
     for (const Key& key : here.table->keys) {
         const std::string full = joined_path(path, key.name);

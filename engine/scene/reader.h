@@ -1,5 +1,5 @@
 #pragma once
-/// Fills structs from a tree of values by their key tables, collecting every mistake.
+/// Fills structs from a tree of values by their key tables, and collects all mistakes.
 #include <map>
 #include <set>
 #include <string>
@@ -12,7 +12,7 @@ namespace whorl {
 
 class Reader {
 public:
-    /// @param plane the flow has two dimensions
+    /// @param plane whether the flow is 2D
     Reader(const KeyTable& table, void* object, std::vector<Section> sections, bool plane = false);
 
     void read(const Value& root);
@@ -20,7 +20,7 @@ public:
     std::vector<Problem> problems;
     std::map<std::string, FileLocation> places;  ///< of every key and table that was given
 
-    /// Reports a mistake in how keys fit each other, unless one of them was wrong or missing in itself.
+    /// Reports keys that contradict each other, unless one of them is itself invalid or missing.
     void disagree(const std::vector<std::string>& keys, std::string what, std::string hint = "", std::string allowed = "");
     FileLocation place(const std::string& key) const;
 
@@ -31,7 +31,7 @@ private:
     void read_part(const KeyTable::Part& part, void* object, const Value& v, const std::string& path);
     std::string key_elsewhere(const std::string& name) const;
     void unknown(const Value& v, const std::string& name, const KeyTable& table, const std::string& path);
-    /// Whether an option (--set) chose a value that disables the key `full` of the file: then the key is ignored, so that an option can
+    /// Whether an option (--set) chose a value that disables the key `full` of the file. The key is then ignored, so that an option can
     /// choose another style without an edit of the file.
     bool chosen_by_option(const std::string& selector, const std::string& full) const;
     void check_selected(const Described& here, const std::string& path);

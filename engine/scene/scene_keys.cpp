@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-/// The keys of a shape, of a struct with a member `shape`.
+/// Adds the keys of a shape to the table of a struct with a member `shape`.
 template <class S>
 void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, bool with_position) {
     const auto shape = [](auto member) { return inside(&S::shape, member); };
@@ -331,7 +331,7 @@ KeyTable solid_keys() {
         .at_least(0)
         .at_most(1)
         .live();
-    // The names of render/look/material.cpp, which the engine does not see; a test holds the two lists together.
+    // The names of render/look/material.cpp, which the engine cannot include; a test compares the two lists.
     t.key("material", &SolidKeys::material, "", "how it looks")
         .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
         .not_deciding()

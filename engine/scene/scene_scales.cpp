@@ -23,7 +23,7 @@ double area_of(const TriangleMesh& mesh) {
     return area;
 }
 
-/// Calls f at 5 x 5 x 5 points from corner to corner.
+/// Calls f at 5 x 5 x 5 points of a box, including its corners.
 template <class F>
 void over_box(const Vec3d& min, const Vec3d& max, F&& f) {
     for (int i = 0; i < 5; ++i)
@@ -51,7 +51,7 @@ double max_speed_of(const EmitterKeys& e, double end) {
 
 double max_speed_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) {
     double most = 0;
-    over_box(min, max, [&](const Vec3d& x) {  // where it is not a number there may be no particle
+    over_box(min, max, [&](const Vec3d& x) {  // outside the particles the velocity may be not a number
         if (const double speed = block.velocity(0, x).norm(); std::isfinite(speed)) most = std::max(most, speed);
     });
     return most;
@@ -59,7 +59,7 @@ double max_speed_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max) 
 
 namespace {
 
-/// Largest distance of a solid's corners from its axis of rotation [m].
+/// Largest distance of a corner of the solid's bounds from its axis of rotation [m].
 double reach_of(const SolidKeys& solid, const Extent& extent, double end) {
     const Vec3d half = 0.5 * (extent.max - extent.min);
     if (!half.allFinite()) return half.norm();
@@ -67,7 +67,9 @@ double reach_of(const SolidKeys& solid, const Extent& extent, double end) {
     for (const double t : sample_times(0, end)) {
         const Vec3d turning = solid.rotation(t);
         if (axis.isZero(0)) axis = turning.stableNormalized();
-        if (turning.cross(axis).norm() > 1e-6 * turning.norm()) return half.norm();  // the axis moves: any corner may be far from it
+        if (turning.cross(axis).norm() > 1e-6 * turning.norm())
+            return half.norm();  // the axis changes, so any corner may be that far
+                                 // from it
     }
     double most = 0;
     for (const Vec3d& corner :
@@ -105,7 +107,7 @@ double nozzle_points(const EmitterKeys& e, double spacing, int dimensions) {
 
 namespace {
 
-/// Upper bound of a plane's area inside the box [m^D-1], from its shadow on one side of the box.
+/// Upper bound of a plane's area inside the box [m^D-1], from its projection on one side of the box.
 double plane_inside(const Vec3d& normal, const Vec3d& size, int dimensions) {
     double least = std::numeric_limits<double>::infinity();
     for (int a = 0; a < dimensions; ++a) {
@@ -134,7 +136,7 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
     if (keys.kind == "sphere") return keys.cut ? round / d : 2 * round * r / (d * d);
     if (keys.kind == "cylinder") return keys.cut ? round / d : round * ((keys.to - keys.from).norm() + r) / (d * d);
     Vec3d low = keys.min, high = keys.max;
-    if (!made.moves()) {  // also for a fixed box
+    if (!made.moves()) {  // this also holds for a fixed box
         low = low.cwiseMax(seen.min.cast<double>() - margin), high = high.cwiseMin(seen.max.cast<double>() + margin);
     }
     const Vec3d size = (high - low).cwiseMax(0.0);
@@ -164,7 +166,7 @@ double emitted_volume(const EmitterKeys& e, double end, int dimensions) {
 
 namespace {
 
-/// Collects the numbers of the scene's parts, one after the other.
+/// Collects the scales of the scene's parts.
 class Survey {
 public:
     Survey(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes), d_(scene.fluid.spacing) {
@@ -201,14 +203,14 @@ private:
         falls_from(low, high);
         Vec3d size = e.max - e.min;
         if (scene_.domain.dimensions == 2) size.z() = std::numeric_limits<double>::infinity();
-        for (int a = 0; a < 3; ++a)  // a film along a periodic axis is endless, not thin
+        for (int a = 0; a < 3; ++a)  // fluid that spans a periodic axis is endless there, not thin
             if (scene_.domain.periodic[a] && size[a] > 0.999 * (scene_.domain.max[a] - scene_.domain.min[a]))
                 size[a] = std::numeric_limits<double>::infinity();
         if (std::isfinite(size.minCoeff())) thickness(size.minCoeff(), entry_name("block", i));
     }
 
-    /// Samples the viscosity in the block and outside solids, also on their faces: the outermost particles are half a spacing away. If no
-    /// point qualifies, at all of them.
+    /// Samples the viscosity in the block outside solids. Points on the block's faces count, because the outermost particles are half a
+    /// spacing inside. If all points are in solids, samples all of them.
     void viscosity_in(std::size_t i, const Vec3d& low, const Vec3d& high) {
         const Expression& mu = scene_.fluid.viscosity;
         if (!depends_on_place(mu)) return viscosity(0, low);
@@ -294,7 +296,7 @@ private:
         if (depends_on_age(mu))
             for (const double age : sample_times(0, max_age_of(scene_, source))) n_.viscosity = std::max(n_.viscosity, mu(age, x));
     }
-    /// Something between two corners can fall along gravity to the floor: the domain's lowest corner.
+    /// Accounts for a free fall of fluid between two corners along gravity, to the domain's lowest corner.
     void falls_from(const Vec3d& low, const Vec3d& high) {
         double top = 0;
         for (int a = 0; a < 3; ++a) {
@@ -308,7 +310,7 @@ private:
     const Scene& scene_;
     const SceneShapes& shapes_;
     double d_;
-    Vec3d up_ = Vec3d::Zero();  ///< against the largest gravity
+    Vec3d up_ = Vec3d::Zero();  ///< opposite to the largest gravity
     SceneScales n_;
 };
 

@@ -1,50 +1,50 @@
 #pragma once
-/// The dimensionless numbers of a scene, and the lengths and speeds behind them, which decide the models.
+/// Dimensionless numbers of a scene, which decide the models, and the lengths and speeds behind them.
 #include "engine/scene/scene_shapes.h"
 
 namespace whorl {
 
-/// A round vessel that turns about its own upright axis. Fluid that turns with it has the surface z = w^2 r^2/(2 g).
+/// A round vessel that rotates about its own vertical axis. Fluid that rotates with it has the surface z = w^2 r^2/(2 g).
 struct SpunVessel {
     std::size_t solid = 0;
-    double rate = 0;   ///< w, the largest over the run [1/s]
-    double climb = 0;  ///< w^2 R^2/(2 g): of the edge above the middle [m]
-    double edge = 0;   ///< height that the edge reaches with the fluid of the blocks [m]
-    double rim = 0;    ///< height of the lid or of the domain's top [m]
+    double rate = 0;   ///< w, largest over the run [1/s]
+    double climb = 0;  ///< w^2 R^2/(2 g), height of the edge above the middle [m]
+    double edge = 0;   ///< height of the edge with the fluid of the blocks [m]
+    double rim = 0;    ///< height of the lid or of the top of the domain [m]
 };
 
 struct SceneScales {
     double spacing = 0;          ///< m
-    double gravity = 0;          ///< m/s^2, the largest over the run
-    double fall = 0;             ///< m, from the highest fluid down to the floor of the domain along gravity; 0 if that axis is periodic
-    double speed = 0;            ///< m/s, the largest speed of emitters, blocks and solids and of a free fall
-    double viscosity = 0;        ///< Pa s, the largest over blocks and emitters
+    double gravity = 0;          ///< largest over the run [m/s^2]
+    double fall = 0;             ///< height of the highest fluid above the domain's floor along gravity [m]; 0 if that axis is periodic
+    double speed = 0;            ///< largest speed of emitters, blocks, solids and a free fall [m/s]
+    double viscosity = 0;        ///< largest over blocks and emitters [Pa s]
     double nu = 0;               ///< m^2/s
-    double step = 0;             ///< s, the time step that flow alone allows: cfl d/speed, at most max_step
+    double step = 0;             ///< time step that the flow allows: cfl d/speed, at most max_step [s]
     double viscous_number = 0;   ///< nu step/d^2
-    double explicit_step = 0;    ///< s, longest stable step of explicit viscosity (viscous_step()); infinite without viscosity
-    double least_viscosity = 0;  ///< Pa s, the least over blocks and emitters at the start
-    std::string least_viscosity_key;  ///< that gives it: "emitter[0].viscosity"
-    /// nu step/d^2 of the least viscosity in a step in which the fastest moves by 0.4 spacings, however long the steps of the run are:
-    /// how the particles' viscosity compares with their inertia. Infinite where nothing moves.
+    double explicit_step = 0;    ///< longest stable step of explicit viscosity (viscous_step()) [s]; infinite without viscosity
+    double least_viscosity = 0;  ///< smallest over blocks and emitters at the start [Pa s]
+    std::string least_viscosity_key;  ///< key that gives it: "emitter[0].viscosity"
+    /// nu step/d^2 with the least viscosity and a step in which the fastest fluid moves by 0.4 spacings, whatever the steps of the run
+    /// are: the ratio of viscosity to inertia of the particles. Infinite if nothing moves.
     double least_viscous_number = 0;
     double particles = 0;      ///< at the end of the run
     double across = 0;         ///< particles across the narrowest feature
-    std::string narrowest;     ///< which that is: "emitter[0]"
-    bool free_surface = true;  ///< not every axis is periodic
-    SpunVessel spun{};         ///< the one whose edge climbs most; climb 0: none
+    std::string narrowest;     ///< the feature: "emitter[0]"
+    bool free_surface = true;  ///< at least one axis is not periodic
+    SpunVessel spun{};         ///< the vessel whose edge climbs most; climb 0: none
 };
 
 /// @param support kernel radius [m]
 SceneScales scene_numbers(const Scene& scene, const SceneShapes& shapes, double support);
 
-/// Points of time over the run at which expressions are looked at.
+/// Times in the run at which expressions are sampled.
 std::vector<double> sample_times(double from, double to);
-/// The age that fluid of a block (source 0) or of emitter source - 1 has at the end of the run, at most [s].
+/// Largest age of fluid of a block (source 0) or of emitter source - 1 during the run [s].
 double max_age_of(const Scene& scene, std::size_t source);
 
-/// The fastest that fluid comes out of an emitter, on average over its opening; that a block starts with, between two corners; that a
-/// solid's surface moves by its expressions [m/s].
+/// Largest speed [m/s]: of fluid from an emitter, as the mean over its opening; of a block's fluid at the start, between two corners; of a
+/// solid's surface by its expressions.
 double max_speed_of(const EmitterKeys& emitter, double end);
 double max_speed_of(const BlockKeys& block, const Vec3d& min, const Vec3d& max);
 double max_speed_of(const SolidKeys& solid, const Extent& extent, double end);
@@ -53,13 +53,13 @@ double max_speed_of(const SolidKeys& solid, const Extent& extent, double end);
 double longest_side(const Extent& extent, int dimensions);
 double longest_side(const DomainKeys& domain);
 
-/// Area of an emitter's opening [m^2] and the volume through it until the end of the run [m^3].
+/// Area of an emitter's opening [m^2], and the volume that passes it until the end of the run [m^3].
 double opening_area(const EmitterKeys& emitter, int dimensions);
 double emitted_volume(const EmitterKeys& emitter, double end, int dimensions);
-/// Particles in the column that a nozzle repeats, and in the layer of a solid before it is cut at the domain; about.
+/// Approximate numbers of particles: in the column that a nozzle repeats, and on a solid's surface before it is clipped at the domain.
 double nozzle_points(const EmitterKeys& emitter, double spacing, int dimensions);
 double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t solid, double support);
-/// Across the opening at its narrowest and its widest [m].
+/// Smallest and largest width of the opening [m].
 double narrowest_of(const EmitterKeys& emitter, int dimensions);
 double widest_of(const EmitterKeys& emitter, int dimensions);
 

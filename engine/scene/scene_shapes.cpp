@@ -26,7 +26,7 @@ Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
     return {min.cast<double>(), max.cast<double>(), volume};
 }
 
-/// The box about a turned box.
+/// The bounding box of a rotated box.
 Extent turned(const Extent& e, const Mat3d& turn) {
     const Vec3d middle = (e.min + e.max) / 2, half = (e.max - e.min) / 2;
     if (!half.allFinite() || turn.isIdentity()) return e;
@@ -34,8 +34,8 @@ Extent turned(const Extent& e, const Mat3d& turn) {
     return {middle - reach, middle + reach, e.volume};
 }
 
-/// The shape, or the error of its mesh file, at the key that names it.
-/// @param domain whose periodic axes repeat it; of a solid that depends on its pose
+/// The shape. If its mesh file is faulty, adds the error at the key that names the file, and returns null.
+/// @param domain its periodic axes repeat the shape; null for a solid, whose images depend on its pose
 std::shared_ptr<const Shape> made(const Scene& scene, const std::string& name, const ShapeKeys& keys, std::vector<Problem>& problems,
                                   const Domain* domain = nullptr) {
     try {

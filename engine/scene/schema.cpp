@@ -46,7 +46,7 @@ Json schema_of(const Key& key) {
     return s;
 }
 
-/// @param partial no key is required, as in a [quality] table
+/// @param partial whether all keys are optional, as in a [quality] table
 Json schema_of(const KeyTable& table, bool partial) {
     Json s = {{"type", "object"}, {"description", table.meaning}, {"additionalProperties", false}, {"properties", Json::object()}};
     Json required = Json::array();

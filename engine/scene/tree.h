@@ -1,5 +1,5 @@
 #pragma once
-/// Walking a struct by its key table.
+/// Traversal of a struct by its key table.
 #include <algorithm>
 #include <map>
 
@@ -17,7 +17,7 @@ struct Described {
 inline std::string entry_name(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
 inline std::string joined_path(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
 
-/// Location of a key in its file, or else of the nearest given table around it. @param places locations of given keys, by full names
+/// Location of a key in its file, or of the nearest enclosing table that was given. @param places locations of given keys, by full names
 inline FileLocation place_in(const std::map<std::string, FileLocation>& places, const std::string& key) {
     for (std::string path = key; !path.empty();) {
         if (const auto it = places.find(path); it != places.end()) return it->second;
@@ -28,7 +28,7 @@ inline FileLocation place_in(const std::map<std::string, FileLocation>& places, 
     return it == places.end() ? FileLocation{} : it->second;
 }
 
-/// The key that selects another one, and the struct that contains it: in the same table (`shape`), or from the root (`models.pressure`).
+/// The key that selects another one, and the struct that contains it: in the same table (`shape`) or from the root (`models.pressure`).
 struct Selector {
     const Key* key;
     Described in;
@@ -41,23 +41,23 @@ inline Selector selector_of(const Key& key, const Described& here, const Describ
     return {in.table->find_key(key.selector.substr(dot + 1)), in};
 }
 
-/// The selector's present value.
+/// The selector's current value.
 inline std::string selector_value(const Key& key, const Described& here, const Described& root) {
     const Selector selector = selector_of(key, here, root);
     return *selector.key->get(selector.in.object).as<std::string>();
 }
 
-/// Whether the key counts: the chosen shapes or models are those that it and its selector belong to.
+/// Whether the key is used: the chosen shape or model is one of those to which the key belongs, and its selector is used.
 inline bool counts(const Key& key, const Described& here, const Described& root) {
     if (key.selector.empty()) return true;
     const Selector selector = selector_of(key, here, root);
     if (!counts(*selector.key, selector.in, root)) return false;
     const std::string value = selector_value(key, here, root);
-    const bool model = key.selector.find('.') != std::string::npos;  // an "auto" model may turn out to be any
+    const bool model = key.selector.find('.') != std::string::npos;  // a model set to "auto" may become any of them
     return (model && value == "auto") || std::find(key.selected_by.begin(), key.selected_by.end(), value) != key.selected_by.end();
 }
 
-/// Calls f(part, path, described part) for every struct inside, entry by entry of the lists.
+/// Calls f(part, path, described part) for every nested struct, and for every entry of lists of structs.
 template <class F>
 void each_part(const Described& here, const std::string& path, F&& f) {
     for (const KeyTable::Part& part : here.table->parts) {
@@ -71,7 +71,7 @@ void each_part(const Described& here, const std::string& path, F&& f) {
     }
 }
 
-/// Whether a panel's texts "key=value" give the key one of these values.
+/// Whether a panel's texts "key=value" set the key to one of these values.
 inline bool sets_one_of(const std::vector<std::string>& set, const std::string& key, const std::vector<std::string>& values) {
     return std::any_of(set.begin(), set.end(), [&](std::string text) {
         std::erase_if(text, [](char c) { return c == ' ' || c == '"'; });

@@ -20,7 +20,7 @@ std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes&
             bool through = false;
             for (int corner = 0; corner < 8 && !through; ++corner) {
                 const Vec3d at(corner & 1 ? e.min.x() : e.max.x(), corner & 2 ? e.min.y() : e.max.y(), corner & 4 ? e.min.z() : e.max.z());
-                double shallowest = 0, deepest = 0;  // below the container's surface [m]; negative outside
+                double shallowest = 0, deepest = 0;  // depth below the container's surface [m]; negative outside
                 for (const double t : times) {
                     const Vec3d x = at + solid.position(t) - scene.solids[k].position(t);
                     const double depth = -static_cast<double>(shapes.solids.all[k].shape->distance(x.cast<Real>()));

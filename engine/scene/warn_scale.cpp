@@ -16,14 +16,14 @@ constexpr double lightest_body = 10;                        // kg/m^3; foams hav
 constexpr double strongest_tension = 4;                     // N/m; molten metals have up to 2.7
 constexpr double strongest_gravity = 300;                   // m/s^2; the sun's is 274
 
-/// The key that makes a shape as large as it is.
+/// The key that determines the size of a shape.
 const char* size_key(const ShapeKeys& shape) {
     if (shape.kind == "mesh") return "scale";
     if (shape.kind == "box") return "max";
     return shape.kind == "cylinder" && (shape.to - shape.from).norm() > 2 * shape.radius ? "to" : "radius";
 }
 
-/// Flows without dimensions are written with a density of 1, and with no gravity or one of 1; the earth's has units.
+/// Whether the scene has units. Dimensionless flows have density 1, and no gravity or gravity 1.
 bool has_units(const Scene& scene) {
     const std::vector<double> times = sample_times(0, scene.time.end);
     return scene.fluid.density != 1 ||
@@ -57,7 +57,7 @@ std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShape
         if (const double u = max_speed_of(scene.emitters[i], scene.time.end); u > fastest_fluid && std::isfinite(u))
             add(name + ".speed", fmt::format(": the fluid moves at {:.4g} m/s; speeds are in m/s", u));
     }
-    // A floor may be much wider than the flow on it, a plane is endless.
+    // A floor may be much wider than the flow on it. A plane is unbounded.
     const auto size = [&](const std::string& name, const ShapeKeys& shape, const Extent& e) {
         const bool mesh = shape.kind == "mesh";
         const double across = longest_side(e, dimensions);

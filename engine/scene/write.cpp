@@ -21,7 +21,7 @@ public:
             const std::string note = key.meaning + (key.unit.empty() ? "" : " [" + key.unit + "]");
             lines += fmt::format("{:<32} # {}\n", line, note);
         }
-        // A list's entry needs its header even where it has no keys.
+        // An entry of a list needs its header even if it has no keys.
         if (!header.empty() && (!lines.empty() || header[1] == '[')) text += "\n" + header + "\n";
         text += lines;
         each_part(here, path, [&](const KeyTable::Part& part, const std::string& name, const Described& inner) {
