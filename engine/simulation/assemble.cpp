@@ -34,20 +34,20 @@
 namespace whorl {
 namespace {
 
-/// Relative density error that is left of a single particle. @param tolerance of all in the mean: looser than the default it saves
-/// iterations, but splashes stay as they are.
+/// Relative density error that may remain at a single particle. @param tolerance on the mean error of all particles: values looser than
+/// the default save iterations, but do not loosen this limit, so splashes keep their shape.
 double largest_error(double tolerance) { return 10 * std::min(tolerance, PressureOptions{}.limits.tolerance); }
 
-/// cfl of the limit from pressure at most: with longer steps a column at rest shakes itself apart (physics.md 3).
+/// Largest cfl for the limit from pressure: with longer steps a column at rest becomes unstable (physics.md 3).
 constexpr double calm_cfl = 0.8;
 
-/// Fluid and solid neighbours of the models with one support radius.
+/// Finds fluid and solid neighbours, for models with one support radius.
 Stage neighbours() {
     Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}};
     stage.run = [](World& w) {
         const auto x = std::as_const(w.fluid).column<field::position>();
         const Real support = w.step.support;
-        // A step may start with the neighbours that the last one found at its end. A resumed run has none.
+        // A step may start with the neighbours that the last step found at its end. A resumed run has none.
         const bool fresh = w.step.at_frame_time;
         if (fresh || !NeighbourSearch::narrow(x, x, support, w.step.domain, w.fluid_pairs))
             w.search.find(x, support, w.step.domain, w.fluid_pairs);
@@ -58,7 +58,7 @@ Stage neighbours() {
     return stage;
 }
 
-/// The solids where they are at the end of the step.
+/// Moves the solids to the end of the step.
 Stage move_solids() {
     return {"solids", "move", {}, [](World& w) {
                 w.solids.set_time(w.step.time + w.step.dt, w.step.dt);
@@ -73,7 +73,7 @@ std::vector<Stream> make_streams(const Scene& scene) {
     return streams;
 }
 
-/// The preconditioner that the scene asks for, of those that a pressure solve has.
+/// The preconditioner that the scene requests, out of those that a pressure solver offers.
 template <class SetUp>
 SetUp preconditioner(Preconditioner wanted, SetUp automatic, SetUp none, SetUp diagonal, SetUp multigrid) {
     switch (wanted) {
@@ -108,13 +108,13 @@ private:
         if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
         return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
     }
-    /// @param cause of the energy that the stage gives or takes, or of a share of it
+    /// @param cause of the energy that the stage (or a share of it) adds or removes
     template <class S>
     void stage(const char* name, const char* group, S s, double EnergyBudget::*cause = nullptr, double share = 1) {
         made_.stages.push_back(make_stage(name, group, std::move(s)));
         made_.stages.back().cause = cause, made_.stages.back().share = share;
     }
-    /// A force that adds to the acceleration. A micropolar model adds these up itself, with the work of solids.
+    /// Adds a force as acceleration. A micropolar model counts the work of these forces and of solids itself.
     template <class S>
     void push(const char* name, const char* group, S s, double EnergyBudget::*cause) {
         stage(name, group, std::move(s), cause, facts_.micropolar.spins ? 0 : 1);
@@ -124,9 +124,9 @@ private:
     }
     double cfl() const { return scene_.time.cfl * facts_.pressure.cfl; }
     static std::string number(double value) { return Expression(value).text(); }
-    static constexpr double never = std::numeric_limits<double>::infinity();  ///< the step of a limit that does not bind
+    static constexpr double never = std::numeric_limits<double>::infinity();  ///< step of a limit that does not apply
 
-    /// No particle moves by more than cfl spacings, whether by its speed or by falling from rest; the same holds for solids.
+    /// No particle moves by more than cfl spacings, by its speed or by falling from rest; the same holds for solids.
     void flow_limits() {
         const double cfl = this->cfl(), d = plan_.spacing;
         limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
@@ -172,8 +172,8 @@ private:
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
-        // One solve for gravity, pressure and viscosity; what the potential energy gives in the move, less what contact
-        // takes back, belongs to it.
+        // One solve for gravity, pressure and viscosity. Its cause also gets the potential energy released by the move, minus what contact
+        // removes.
         stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
         made_.stages.push_back(move_solids());
@@ -199,7 +199,7 @@ private:
     bool bounded() const { return plan_.free_surface || !scene_.solids.empty(); }
     bool weightless() const { return plan_.free_surface && scene_.domain.gravity.is_zero(); }
 
-    /// Forces and pressure where the flow takes the particles.
+    /// Projection: computes forces and pressure at the positions to which the flow carries the particles.
     void projection() {
         const ProjectionOptions options = projection_options();
         auto system = std::make_shared<ProjectionSystem>(options);
@@ -265,8 +265,8 @@ private:
         }
         const bool expects =
             facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
-        // Half of what these two do together belongs to the viscosity: its work is then F.(u + v)/2, with the velocity before the first and
-        // that after the solve, in which no pressure of neighbours that cancels out over the steps is left.
+        // Half of what these two do together counts as work of viscosity, F.(u + v)/2, with the velocities u before the first and v after
+        // the solve. The pressure of neighbours, which cancels out over the steps, does not contribute to these.
         if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
         if (facts_.viscosity.implicit) implicit_viscosity();
         if (expects) stage("forget pressure", "pressure", ForgetForce{}, &EnergyBudget::viscosity, 0.5);
@@ -283,7 +283,7 @@ private:
         stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(alpha), scene_.models.printed()}, &EnergyBudget::smoothing);
     }
 
-    /// What the plan adds to the keys.
+    /// Fills in the options that the plan decides.
     template <class Options>
     Options with_choices(Options options) const {
         options.solid_factor = solid_factor_, options.gate = gate_, options.printed = scene_.models.printed();
@@ -461,8 +461,8 @@ private:
         return options;
     }
 
-    /// Micropolar terms with the explicit viscosity in the same pass over the pairs.
-    /// @param projection if there is one; it has its own corrected forms unless the scene sets others
+    /// Micropolar terms and the explicit viscosity in one pass over the pairs.
+    /// @param projection null without a projection. Its own corrected forms are used unless the scene sets others
     void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
         const MicropolarNumbers& n = plan_.spin;
         const MicropolarOptions options = micropolar_options();
@@ -473,7 +473,7 @@ private:
         else push("micropolar", "micropolar", Micropolar{options}, &EnergyBudget::viscosity);
 
         const double R = plan_.support, rho = n.density;
-        // The spin slaved to the flow takes coupling/2 off the viscosity: whichever is larger bounds the step.
+        // A spin that follows the flow reduces the viscosity by coupling/2. The larger of the two viscosities limits the step.
         const double nu =
             std::max(n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity) + n.composed_coupling / 2,
                      n.coupling / 2) /
@@ -484,7 +484,7 @@ private:
         const double exchange = n.coupling > 0 ? exchange_step(n.coupling / rho, n.micro_inertia, k) : never;
         limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",
               [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
-        // The rates of decay add up: 1.1 over the limits at most (R = 3 d), 2 over the step.
+        // The rates of decay add up: their sum is at most 1.1 over the limits (R = 3 d), and the step is stable up to 2.
         if (n.composed_coupling > 0) {
             const double together =
                 1.5 / (1 / viscous_step(R, nu) + diffusion / viscous_step(R, 1) + (n.implicit_exchange ? 0 : 1 / exchange));
@@ -500,7 +500,7 @@ private:
     const Plan& plan_;
     const ModelTraits& facts_;
     bool constraint_, bodies_;
-    Real solid_factor_;  ///< on the solids' volumes, see models/boundary/wall.h
+    Real solid_factor_;  ///< factor on the solids' volumes, see models/boundary/wall.h
     SolidGate gate_;
     Assembly made_;
 };

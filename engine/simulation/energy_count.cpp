@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// A free body moves on with the velocity that it has when all impulses of the step have acted, so that is what does work.
+/// Work of the solids. A free body moves with the velocity after all impulses of the step, so its kinetic energy is the work done on it.
 double work_of(const Solids& solids) {
     return std::accumulate(solids.all.begin(), solids.all.end(), 0.0, [](double sum, const Solid& solid) {
         if (!solid.body) return sum + solid.work;
@@ -18,8 +18,8 @@ double work_of(const Solids& solids) {
     });
 }
 
-/// m sum of f(v_i + dt a_i) over the particles outside nozzles, a only of free ones. Plain arrays: such a loop is five times as fast.
-/// @param a null: none
+/// m sum of f(v_i + dt a_i) over the particles outside nozzles, with a only for free ones. Uses plain arrays, which is five times as fast.
+/// @param a null: no acceleration
 template <class F>
 double sum_outside(const World& w, Span<const Vec3> v, const Real* a, const F& f) {
     const auto* const at = reinterpret_cast<const Real*>(v.data());

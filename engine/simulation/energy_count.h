@@ -1,5 +1,5 @@
 #pragma once
-/// The energy budget of a run: change of the fluid's energy by each stage, by cause.
+/// The energy budget of a run: the change of the fluid's energy by each stage, attributed to its cause.
 #include "engine/simulation/stage.h"
 
 namespace whorl {
@@ -12,11 +12,11 @@ struct Energies {
 /// @param gravity m/s^2 @param micro_inertia theta, m^2
 Energies energies_of(const World& world, const Vec3d& gravity, double micro_inertia);
 
-/// Sees the stages of a step in order. A stage's change of kinetic energy, less the work of solids in it, goes to its cause, and so does
-/// its change of potential energy, but that of a push-out, which is a move. Forces that add to the acceleration have the kinetic energy
-/// that they will have given when the kick is done. The pulls of surface tension press particles onto each other, and the solve undoes that
-/// in the same step. So from the pulls until the move each cause has m v.(u + u')/2 of its change v of the velocity, with the velocities u
-/// before the pulls and u' of the move; the sum is the change of kinetic energy.
+/// Observes the stages of a step in order. The cause of a stage gets the stage's change of kinetic energy, minus the work of solids in it,
+/// and its change of potential energy (except for a push-out, whose change counts as a move). A force that adds to the acceleration gets
+/// the kinetic energy that it will have given after the kick. Surface tension pulls particles together, and the solve undoes that in the
+/// same step. So from the pulls until the move, a change v of the velocity counts as m v.(u + u')/2, with the velocities u before the
+/// pulls and u' of the move; the sum is the change of kinetic energy.
 class EnergyCount {
 public:
     void begin(const World& world);
@@ -31,10 +31,10 @@ private:
     void add_kick(double EnergyBudget::*cause, Span<const Vec3> u);
     void count_kicks(const World& world, EnergyBudget& budget);
 
-    std::vector<Kick> kicks_;          ///< since the pulls of surface tension; empty before them and after the move
+    std::vector<Kick> kicks_;          ///< kicks since the pulls of surface tension; empty before the pulls and after the move
     std::vector<Vec3> pulled_, last_;  ///< velocities before the pulls, and after the last kick
     double kinetic_ = 0, potential_ = 0;
-    double work_ = 0;  ///< of solids up to now in this step
+    double work_ = 0;  ///< work of solids so far in this step
     bool accelerated_ = false;
 };
 

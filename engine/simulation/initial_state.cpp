@@ -142,9 +142,9 @@ std::optional<Divergence> wrong_viscosity(const World& world) {
 
 namespace {
 
-/// Moves each point by up to `most` along every axis [m], those that would leave the shape or come too near to a solid excepted.
+/// Moves each point at random by up to `most` along every axis [m], unless it would leave the shape or come too near to a solid.
 void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
-    // Particles of a lattice that touches a wall are at 0.5 d.
+    // A particle of a lattice that touches a wall is 0.5 d away from it.
     const auto nearest = static_cast<Real>(std::min(least_clearance, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
                                            static_cast<double>(world.step.spacing));
     RandomNumbers random(seed);
@@ -156,18 +156,18 @@ void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Sh
     }
 }
 
-/// By how much the points of a block are moved at random, in spacings.
-/// A lattice at rest under gravity is an equilibrium that does not last, but its symmetry holds until rounding has grown enough: with
-/// weakly compressible pressure it then melts in a jolt of 3 % of the speed of a free fall, up to a second after the start (in double later
-/// than in float). Moved by a hundredth of the spacing from the start, it settles at once and gently. With the projection a lattice that
-/// the flow stretches keeps its rows until they buckle, in a jolt of up to 5 % of the flow's velocity.
+/// Random displacement of a block's points [spacings]. A lattice at rest under gravity is an unstable equilibrium, and its symmetry
+/// persists until rounding errors have grown enough. With weakly compressible pressure it then collapses with a jolt of 3 % of the
+/// free-fall speed, up to a second after the start (later in double precision). Displaced by a hundredth of a spacing, it settles gently
+/// from the start. With the projection, a lattice that the flow stretches keeps its rows until they buckle, with a jolt of up to 5 % of
+/// the flow's velocity.
 double looseness(const BlockKeys& keys, const PressureTraits& pressure) {
     if (keys.sampling == Sampling::jittered) return 0.2;
     return keys.sampling == Sampling::lattice ? pressure.loosens_lattice : 0;
 }
 
-/// Moves a lattice that leaves up to half a spacing at both its ends down to the lower one, where gravity goes along an axis: it would fall
-/// there.
+/// If gravity is along an axis and a lattice leaves up to half a spacing free at both ends, moves it down to the lower end, because it
+/// would fall there.
 void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
     const Real spacing = step.spacing;
     Vec3 low, high;
@@ -188,29 +188,30 @@ Real distance_from_solids(const World& world, const Vec3& x) {
     return world.solids.nearest(x, distance) >= 0 ? distance : std::numeric_limits<Real>::max();
 }
 
-/// Takes away the particles that solids leave no room. @return how many
+/// Removes the points that are too near to solids. @return their number
 std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
     return std::erase_if(
         points, [&](const Vec3& x) { return distance_from_solids(world, x) < static_cast<Real>(least_clearance) * world.step.spacing; });
 }
 
-/// Distance from the nearest solid, if fluid sticks to it and its surface cuts through the layers of a lattice, as round and slanted ones
-/// do.
+/// Distance from the nearest solid if the fluid sticks to it and its surface is oblique to the layers of a lattice, as round and slanted
+/// surfaces are; otherwise the largest Real.
 Real distance_from_slanted(const World& world, const Vec3& x) {
     Real distance = std::numeric_limits<Real>::max();
     const int k = world.solids.nearest(x, distance);
     if (k < 0 || distance > 5 * world.step.spacing || distance < -world.step.spacing) return std::numeric_limits<Real>::max();
     const Solid& solid = world.solids.all[static_cast<std::size_t>(k)];
     if (!solid.sticks()) return std::numeric_limits<Real>::max();
-    // Behind the surface: near an edge of a box the normal turns, its faces keep theirs.
+    // The normal is taken behind the surface: near an edge of a box it varies outside, but behind a face it is that of the face.
     const Vec3 behind = x - (distance + Real(0.1) * world.step.spacing) * solid.normal(x);
     return solid.normal(behind).cwiseAbs().maxCoeff() > Real(0.999) ? std::numeric_limits<Real>::max() : distance;
 }
 
-/// Gives the block as many particles near slanted and round solids as there is volume: a lattice without the points that are too near to
-/// such a surface lacks least_clearance spacings of fluid there. A point of a lattice counts by the share of its cell outside, .5 +
-/// distance/spacing, of blue noise if it is outside; those farthest from the solids stay, and all near by relax.
-/// @param all points of the block; on a lattice also those within half a spacing of it
+/// Gives the block as many particles near slanted and round solids as its volume requires. Without this, a lattice lacks least_clearance
+/// spacings of fluid there, because points too near to the surface are removed. The required number is a sum over the points: a lattice
+/// point counts as the share of its cell outside, 0.5 + distance/spacing, a point of blue noise as 1 if it is outside. The points farthest
+/// from the solids stay, and all nearby points relax.
+/// @param all points of the block; for a lattice also those within half a spacing of it
 void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all, bool on_lattice, const Shape& shape, const World& world) {
     const Real d = world.step.spacing;
     std::vector<std::pair<Real, Vec3>> near;
@@ -219,7 +220,7 @@ void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all
         if (const Real s = distance_from_slanted(world, x); std::abs(s) < d / 2 && (s < 0 || shape.distance(x) < 0))
             near.emplace_back(s, x), wanted += on_lattice ? 0.5 + static_cast<double>(s / d) : s > 0;
     if (near.empty()) return;
-    // Round-off must not decide between points that are equally far.
+    // Rounded, because round-off must not decide between points at equal distances.
     const auto far = [&](const auto& point) { return std::lround(1000 * point.first / d); };
     std::stable_sort(near.begin(), near.end(), [&](const auto& a, const auto& b) { return far(a) > far(b); });
     near.resize(static_cast<std::size_t>(std::lround(wanted)));
@@ -237,7 +238,7 @@ void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all
     points.insert(points.end(), moved.begin(), moved.end());
 }
 
-/// Positions of a block's particles at the start.
+/// Initial positions of a block's particles.
 std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b) {
     const BlockKeys& keys = scene.blocks[b];
     const auto shape = make_shape(keys.shape, world.step.domain);
@@ -257,7 +258,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     if (remove_in_solids(points, world) > 0) {
         const bool on_lattice = keys.sampling != Sampling::blue_noise;
         if (on_lattice) {
-            // If a layer fits by more than a half, the layers at both ends would be too near to a container's walls and be removed.
+            // If more than half of another layer would fit, the layers at both ends would be too near to a container's walls and be
+            // removed.
             std::vector<Vec3> within = sample(Layers::within, 0);
             remove_in_solids(within, world);
             if (within.size() >= points.size()) points.swap(within), layers = Layers::within;
@@ -270,7 +272,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     return points;
 }
 
-/// Particles of the blocks that lie in the pipe behind an opening become its own: the fluid around the pipe does not feel that it is there.
+/// Assigns the particles of blocks that are in the pipe behind an opening to the emitter, so that the fluid around the pipe does not feel
+/// it.
 void fill_pipe(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
                std::vector<std::vector<Vec3>>& points) {
     const Real d = world.step.spacing;
@@ -295,7 +298,7 @@ void fill_pipe(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>
     emitter.be_full(std::move(taken));
 }
 
-/// Appends particles at these places, with the block's velocity and spin.
+/// Appends particles at these positions, with the block's velocity and spin.
 void add_particles(const Scene& scene, ParticleStore& fluid, const std::vector<Vec3>& points, std::size_t block,
                    std::vector<Problem>& problems) {
     const BlockKeys& keys = scene.blocks[block];
@@ -316,7 +319,7 @@ void add_particles(const Scene& scene, ParticleStore& fluid, const std::vector<V
     if (fluid.has<field::spin>()) set(fluid.column<field::spin>(), keys.spin, ".spin");
 }
 
-/// By how much the kernel sums of the fluid that no solid is near exceed those of a lattice, in the mean.
+/// Mean relative excess of the kernel sums over those of a lattice, for fluid that is not near solids.
 double crowding(const World& world) {
     const StepContext& step = world.step;
     const auto x = world.fluid.column<field::position>();
@@ -340,7 +343,7 @@ double crowding(const World& world) {
     return counted > 0 ? sums / counted / lattice - 1 : 0;
 }
 
-/// The projection does not correct densities: errors of the start persist.
+/// Refuses overfilled domains, because the projection does not correct densities: initial errors persist.
 void check_room(const Scene& scene, const Plan& plan, const World& world) {
     if (plan.traits.pressure.source != PressureSource::velocity || plan.free_surface) return;
     if (const double excess = crowding(world); excess > 0.03)
@@ -393,8 +396,8 @@ std::vector<Drain> make_drains(const Scene& scene) {
 
 namespace {
 
-/// Distance by which solids reach into an opening from its rim [m]: about a nozzle in a pipe that is narrower, or made of flat faces. 0:
-/// solids that leave less than half of it are in its way.
+/// Width of the rim of an opening that solids cover [m], for a nozzle in a pipe that is narrower or made of flat faces. 0 also if less
+/// than half of the opening would remain: the solids are then obstacles.
 Real taken_by_solids(const EmitterShape& opening, const Solids& solids, Real spacing) {
     Vec3 width, thickness;
     opening_axes(opening, width, thickness);

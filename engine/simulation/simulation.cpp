@@ -23,10 +23,10 @@
 namespace whorl {
 namespace {
 
-/// Steps between two sorts along the space-filling curve, counted from the last frame time.
+/// Number of steps between two sorts along the space-filling curve, counted from the last frame time.
 constexpr long sort_every = 16;
 
-/// Values of a saved state that no run has would crash this one, or never let it end.
+/// Refuses impossible values in a saved state, which could crash the run or prevent it from ending.
 void must_be_sound(bool is_sound) {
     if (!is_sound) throw EnvironmentError("the saved state is not valid for this scene", "", "resume from an older checkpoint");
 }
@@ -37,7 +37,7 @@ T take(std::istream& in) {
     if (!whorl::take(in, value)) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     return value;
 }
-/// A number of something.
+/// A count: at least 0.
 template <>
 long take(std::istream& in) {
     long value = 0;
@@ -56,7 +56,7 @@ std::streamoff bytes_left(std::istream& in) {
     return end - at;
 }
 
-/// Calls f for each number of the totals, in the order in which a saved state holds them.
+/// Calls f for each number of the totals, in the order of a saved state.
 template <class Totals, class F>
 void each_number(Totals& t, F&& f) {
     f(t.steps), f(t.particle_steps), f(t.pressure_iterations), f(t.viscosity_iterations);
@@ -64,10 +64,10 @@ void each_number(Totals& t, F&& f) {
     f(t.work), f(t.any_work);
 }
 
-/// Cuts a wanted step so that `remaining` is reached exactly and the last two steps before it are made equal.
-/// @param wanted s, the smallest limit of the models @param remaining s, until the next frame time
+/// Shortens the requested step such that `remaining` is reached exactly and the last two steps are equal.
+/// @param wanted smallest limit of the models [s] @param remaining time until the next frame [s]
 double fitted_step(double wanted, double remaining) {
-    // A tiny remainder (round-off) is not worth a separate step.
+    // A tiny remainder (round-off) does not get its own step.
     if (wanted >= remaining * (1 - 1e-9)) return remaining;
     if (wanted > remaining / 2) return remaining / 2;
     return wanted;
@@ -90,9 +90,9 @@ struct Simulation::State {
     std::vector<Drain> drains;
     double time = 0;
     long steps_since_frame = 0;
-    std::int32_t next_id = 0;                   ///< of the next particle that comes in
-    std::optional<Divergence> changed_wrongly;  ///< a change gave a particle a viscosity that is none
-    std::vector<double> room_left;              ///< particles, by the plan's closed rooms
+    std::int32_t next_id = 0;                   ///< id of the next particle that enters
+    std::optional<Divergence> changed_wrongly;  ///< a change gave a particle an invalid viscosity
+    std::vector<double> room_left;              ///< by closed room of the plan, in particles
     RunTotals totals;
     std::optional<EnergyCount> energy;
     StageTimes times;
@@ -103,7 +103,7 @@ struct Simulation::State {
         world.fluid.declare(field_info<field::velocity>(), true);
         world.fluid.declare(field_info<field::role>(), true);
         if (!scene.drains.empty()) world.fluid.declare(field_info<field::time_in_drain>(), true);
-        // A live change of fluid.viscosity leaves the fluid of emitters with a viscosity of their own alone.
+        // A live change of fluid.viscosity does not affect the fluid of emitters with their own viscosity.
         const bool own_viscosity =
             std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
         if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
@@ -131,7 +131,7 @@ struct Simulation::State {
     }
 
     double energy_now() const { return energies_of(world, world.step.gravity.cast<double>(), plan.spin.micro_inertia).energy(); }
-    /// Attributes the change of the fluid's energy by f to this cause.
+    /// Runs f and attributes its change of the fluid's energy to `cause`.
     template <class F>
     void changing(double EnergyBudget::*cause, F&& f) {
         const double before = energy ? energy_now() : 0;
@@ -144,7 +144,7 @@ struct Simulation::State {
         for (std::size_t k = 0; k < now.solids.size(); ++k) {
             Solid& solid = world.solids.all[k];
             solid.contact = {now.solids[k].friction, now.solids[k].bounce};
-            if (solid.body) {  // put elsewhere by hand
+            if (solid.body) {  // the user moved it
                 solid.body->centre += now.solids[k].position(0) - scene.solids[k].position(0);
             } else if (text_of(scene.solids[k].position) != text_of(now.solids[k].position) ||
                        text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
@@ -181,21 +181,21 @@ struct Simulation::State {
         return dt;
     }
 
-    /// Particles that still fit into each closed room, when the run begins.
+    /// Measures how many particles still fit into each closed room when the run begins.
     void measure_rooms() {
-        constexpr double densest = 0.97;  // fluid that has flowed in does not lie as densely as a lattice
+        constexpr double densest = 0.97;  // fluid that has flowed in is less dense than a lattice
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
         for (const ClosedRoom& room : plan.rooms) {
             const double there = parallel_sum(world.fluid.size(),
                                               [&](Index i) { return role[i] >= 0 && room.box.contains(x[i].cast<double>()) ? 1.0 : 0.0; });
-            // Other fluid may be in the box about the room.
+            // The room's bounding box may contain other fluid.
             room_left.push_back((densest * room.volume - std::min(there * plan.particle_volume(), 1.2 * room.fluid)) /
                                 plan.particle_volume());
         }
     }
 
-    /// Emitters push nothing into a room that is full: the fluid would be crushed.
+    /// Closes the emitters of a full room, because they would compress its fluid.
     void close_full_rooms() {
         for (std::size_t k = 0; k < std::min(room_left.size(), plan.rooms.size()); ++k) {
             const ClosedRoom& room = plan.rooms[k];
@@ -211,8 +211,8 @@ struct Simulation::State {
         }
     }
 
-    /// Place and amount of fluid beyond the available room; empty: none. A tenth of the fluid is then 5 % too dense, whatever the
-    /// cause: blocks, an emitter, a lid.
+    /// Location and amount of fluid that exceeds the available room; "" if there is none. It is reported if a tenth of the fluid is 5 %
+    /// too dense, whatever the cause: blocks, an emitter, a lid.
     std::string overfull() const {
         constexpr double much = 1.05, few = 0.1;
         const bool splashes = plan.traits.pressure.source == PressureSource::velocity && plan.free_surface;
@@ -235,7 +235,7 @@ struct Simulation::State {
             room.text(), 100 * more / count, more * plan.particle_volume(), plan.dimensions(), more);
     }
 
-    /// @param filling before the first step: only what pipes in the fluid hold
+    /// @param filling the call before the first step, which only fills the pipes that are in fluid
     void emit(bool filling = false) {
         close_full_rooms();
         int source = 0;
@@ -257,7 +257,7 @@ struct Simulation::State {
 
     void sort() { world.fluid.gather(curve_order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
 
-    /// Periodic axes wrap; particles that left elsewhere are removed and counted.
+    /// Wraps periodic axes. Particles that left elsewhere are removed and counted.
     void keep_inside() {
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
@@ -323,14 +323,14 @@ struct Simulation::State {
         std::fill(world.boundary_particles.pressed.begin(), world.boundary_particles.pressed.end(), Vec3d::Zero());
         world.step.time = time;
         world.step.at_frame_time = steps_since_frame == 0;
-        // Velocities are those over the last step: a resumed run does not know how long that was.
+        // The solids' velocities are averaged over the last step, whose length a resumed run does not know.
         if (world.step.at_frame_time && world.solids.any_moving()) {
             world.solids.set_time(time, scene.time.look_ahead());
             world.boundary_particles.follow(world.solids);
         }
     }
 
-    /// Fluid that leaves nozzle, drains and domain.
+    /// Releases fluid from nozzles, and removes fluid in drains and outside the domain.
     void let_out(double dt) {
         const auto release = [&] {
             for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
@@ -397,7 +397,7 @@ const StepReport& Simulation::step(double until) { return state_->step(until); }
 void Simulation::count_energy() {
     State& s = *state_;
     s.energy.emplace();
-    // If a solver's residual is shared among the solids, those at rest need their part of it.
+    // If the solids share the residual of a solver, those at rest must have their part of it.
     const bool shares = s.plan.traits.viscous_implicitly() || s.plan.traits.pressure.source == PressureSource::velocity;
     for (Solid& solid : s.world.solids.all) solid.probed |= shares ? s.world.solids.any_moving() : solid.moves();
     if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = s.energy_now();
@@ -462,7 +462,7 @@ void Simulation::load(std::istream& in) {
         if (solid.body) must_be_sound(solid.body->load(in));
     if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
     s.steps_since_frame = 0;
-    s.changed_wrongly = wrong_viscosity(s.world);  // a state saved after a change may not have made a step with it
+    s.changed_wrongly = wrong_viscosity(s.world);  // the state may have been saved after a change but before a step that used it
     s.world.step.gravity = scene().domain.gravity(s.time).cast<Real>();
     s.world.step.time = s.time;
     s.world.solids.set_time(s.time, scene().time.look_ahead());

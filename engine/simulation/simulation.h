@@ -1,5 +1,5 @@
 #pragma once
-/// A run in memory: the particles, the stages that the plan asked for, and the step loop.
+/// A run in memory: the particles, the stages of the plan, and the step loop.
 #include <iosfwd>
 
 #include "engine/core/clock.h"
@@ -12,21 +12,21 @@ namespace whorl {
 /// max |u| of the fluid [m/s].
 double largest_speed(const World& world);
 
-/// Sums over the run up to now.
+/// Sums over the run so far.
 struct RunTotals {
     long steps = 0;
     double particle_steps = 0;
     double pressure_iterations = 0, viscosity_iterations = 0;
     long unconverged_solves = 0;
-    int pressure_levels = 0;                         ///< most levels of the pressure's preconditioner, 1: one
+    int pressure_levels = 0;                         ///< largest number of levels of the pressure's preconditioner; 1: no hierarchy
     double pressure_residual = 0;                    ///< of the last solve, in its own norm
     double pressure_set_up = 0, pressure_solve = 0;  ///< wall seconds, since the program started
     long lost_particles = 0;
     double emitted_particles = 0, drained_particles = 0;
     double last_step = 0;  ///< s, the last time step
-    EnergyBudget work;     ///< J, since Simulation::count_energy(): any_work
+    EnergyBudget work;     ///< since Simulation::count_energy() [J]; valid if any_work
     bool any_work = false;
-    std::map<std::string, long> binding;  ///< how often each limit chose the step
+    std::map<std::string, long> binding;  ///< how often each limit determined the step
 };
 
 class Simulation {
@@ -45,27 +45,27 @@ public:
     const World& world() const;
     const std::vector<Emitter>& emitters() const;
 
-    /// One step, not past the next frame time `until` [s]; one step reaches it exactly (the last two before it are made equal).
-    /// A step that starts at a frame time refreshes every lagged set-up, so that a run resumed there is the same run.
+    /// Makes one step, not past the next frame time `until` [s]. One step reaches it exactly (the last two before it are equal in length).
+    /// A step that starts at a frame time refreshes every lagged set-up, so that a run resumed there is bit-identical.
     /// If report.diverged is set, the run cannot continue.
     const StepReport& step(double until);
 
-    /// From now on totals().work is kept; solids that move keep ledgers for it. Some passes over the particles per step. Changes no bit of
-    /// the run.
+    /// Counts totals().work from now on; solids that move keep ledgers for it. Costs some passes over the particles per step. The run
+    /// stays bit-identical.
     void count_energy();
 
-    /// Replaces the scene from now on: the same fluid, solids and models with other values of the keys that may change
-    /// (Key::may_change). Solids continue from their poses at `when` [s], which is not later than time(); the viscosity is that of
-    /// `scene` where each particle now is. The next step refreshes every lagged set-up, as at a frame time.
+    /// Replaces the scene from now on. Fluid, solids and models stay; only keys that may change (Key::may_change) have other values.
+    /// Solids continue from their poses at `when` [s], which is not later than time(). The viscosity is that of `scene` at each particle's
+    /// current position. The next step refreshes every lagged set-up, as at a frame time.
     /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
     void change(const Scene& scene, const Plan& plan, double when);
     void change(const Scene& scene, const Plan& plan) { change(scene, plan, time()); }
-    /// For a run that was resumed with load(): that change was made, for `when` [s], before the state was saved.
+    /// For a run resumed with load(): repeats a change that was made, for the time `when` [s], before the state was saved.
     void changed_before(const Scene& scene, const Plan& plan, double when);
 
-    /// All state that lives from step to step. Only at a frame time; bit-exact; the same build reads it back.
+    /// Writes all state that persists between steps. Call only at a frame time. The same build reads it back bit-identically.
     void save(std::ostream& out) const;
-    /// @throws EnvironmentError if the data are cut short
+    /// @throws EnvironmentError if the data end too early
     void load(std::istream& in);
 
 private:

@@ -18,7 +18,7 @@ void declare_fields(const std::vector<Stage>& stages, ParticleStore& store) {
 
 namespace {
 
-/// The lowest index with a non-finite value, -1 where there is none.
+/// The lowest index with a non-finite value, -1 if there is none.
 Index first_not_finite(const Real* values, int components, Index n) {
     const auto wrong = [](Real v) { return !std::isfinite(v); };
     if (parallel_sum(n * components, [=](Index k) { return wrong(values[k]) ? 1.0 : 0.0; }) == 0) return -1;
@@ -31,7 +31,7 @@ std::optional<Divergence> find_divergence(const Stage& stage, const World& world
     for (const FieldAccess& a : stage.accesses) {
         if (a.access == Access::read || a.field->integer) continue;
         const ParticleStore::Entry* entry = world.fluid.find(a.field->name);
-        if (!entry->lasting) continue;  // scratch that matters ends up in a lasting field
+        if (!entry->lasting) continue;  // scratch values that matter end up in a lasting field
         const Real* values = static_cast<const Real*>(std::as_const(*entry->column).data());
         const Index i = first_not_finite(values, a.field->components, world.fluid.size());
         if (i < 0) continue;

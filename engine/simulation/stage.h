@@ -1,6 +1,6 @@
 #pragma once
-/// Stages: structs whose operator() names the fields that they read and write. make_stage() turns one into something that the step loop can
-/// run and the plan can print.
+/// Stages: structs whose operator() names the fields that they read and write. make_stage() converts one into a form that the step loop
+/// can run and the plan can print.
 #include <algorithm>
 #include <functional>
 #include <string>
@@ -21,11 +21,11 @@ struct FieldAccess {
 
 struct Stage {
     std::string name;   ///< "density", "full viscosity"
-    std::string group;  ///< entry of run.json for its time: neighbours | density | viscosity | pressure | move | ...
+    std::string group;  ///< entry of run.json that gets its time: neighbours | density | viscosity | pressure | move | ...
     std::vector<FieldAccess> accesses;
     std::function<void(World&)> run = {};
-    double EnergyBudget::*cause = nullptr;  ///< of the energy that the stage gives or takes; null: it has no column
-    double share = 1;                       ///< of that kinetic energy, which the cause has
+    double EnergyBudget::*cause = nullptr;  ///< of the energy that the stage adds or removes; null: not counted
+    double share = 1;                       ///< part of that kinetic energy that counts for the cause
     bool writes(const FieldInfo& field) const {
         return std::any_of(accesses.begin(), accesses.end(),
                            [&](const FieldAccess& a) { return a.field == &field && a.access != Access::read; });
@@ -35,7 +35,7 @@ struct Stage {
 namespace detail {
 
 template <class T>
-struct Argument;  // an operator() names something that World does not hold
+struct Argument;  // undefined: an operator() has an argument that World does not contain
 
 template <class F>
 struct Argument<Read<F>> {
@@ -98,12 +98,12 @@ Stage make_stage(std::string name, std::string group, S stage) {
     return made;
 }
 
-/// The fields that a step needs, and which of them live on: those that a stage reads or updates before any stage wrote them.
+/// Declares the fields that a step needs. Those that a stage reads or updates before any stage has written them are lasting.
 void declare_fields(const std::vector<Stage>& stages, ParticleStore& store);
 
-/// The first particle (lowest index) with a non-finite value in a field that the stage wrote; nothing if all is well.
+/// The first particle (lowest index) with a non-finite value in a field that the stage wrote; empty if there is none.
 std::optional<Divergence> find_divergence(const Stage& stage, const World& world);
-/// The first free body whose state is not finite; nothing if all is well.
+/// The first free body with a non-finite state; empty if there is none.
 std::optional<Divergence> find_divergent_body(const Stage& stage, const World& world);
 
 }  // namespace whorl

@@ -76,10 +76,10 @@ void add_vortices(const Scene& scene, World& world) {
         if (!keys.ink.any()) continue;
         const VectorExpression concentration = keys.ink.vector();
         const auto ink = world.fluid.column<field::ink>();
-        const double reach = 2.2 * keys.core;  // beyond it there is less than 1e-10 of the ink
+        const double reach = 2.2 * keys.core;  // beyond it, less than 1e-10 of the ink is left
         std::vector<VortexLoop::Nearest> lines(ink.size());
         parallel_for(static_cast<Index>(ink.size()), [&](Index i) { lines[i] = loop.nearest(x[i].cast<double>(), reach); });
-        for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel: an expression has one parser
+        for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel, because an expression has one parser
             const VortexLoop::Nearest& line = lines[i];
             if (line.distance > reach) continue;
             const double inside = std::exp(-std::pow(line.distance / keys.core, 4));

@@ -11,7 +11,7 @@ struct World {
     BoundaryParticles boundary_particles;
     FluidPairs fluid_pairs;
     SolidPairs solid_pairs;
-    NeighbourSearch search;  ///< fills them; its memory is reused by the next search
+    NeighbourSearch search;  ///< fills the pairs; reuses its memory in the next search
     StepContext step;
     StepReport report;
 
