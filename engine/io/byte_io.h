@@ -1,5 +1,5 @@
 #pragma once
-/// Values laid one behind the other in a file that shows whether it is whole.
+/// Binary serialisation, and checksums that detect incomplete files.
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -12,10 +12,10 @@
 
 namespace whorl {
 
-/// Lays values one behind the other.
+/// Appends values to a string of bytes.
 struct ByteWriter {
     std::string bytes;
-    /// A number, or a struct of numbers.
+    /// Appends a number, or a struct of numbers.
     template <class T>
     void operator()(const T& value) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -25,7 +25,7 @@ struct ByteWriter {
         (*this)(static_cast<std::uint64_t>(text.size()));
         bytes += text;
     }
-    /// Values without pointers.
+    /// Appends an array of values without pointers.
     template <class T>
     void operator()(const std::vector<T>& values) {
         (*this)(static_cast<std::uint64_t>(values.size()));
@@ -38,7 +38,7 @@ struct ByteWriter {
     }
 };
 
-/// Takes them off again, in the same order. @throws EnvironmentError if there are too few bytes
+/// Reads values back in the same order. @throws EnvironmentError if the bytes end too early
 struct ByteReader {
     std::string_view bytes;
     std::string_view next(std::size_t n) {
@@ -74,9 +74,9 @@ struct ByteReader {
     }
 };
 
-/// FNV-1a over words of eight bytes: finds cut, altered and swapped parts; no protection against intent.
+/// FNV-1a over words of eight bytes. Detects truncated, altered and swapped parts, but not intentional changes.
 std::uint64_t checksum(std::string_view bytes);
-/// The bytes behind their kind, size and checksum. @param kind eight letters, the last a version
+/// Prepends kind, size and checksum to the bytes. @param kind eight characters, the last one a version
 std::string add_checksum(std::string_view kind, std::string bytes);
 /// The bytes given to add_checksum(). @throws EnvironmentError with the kind of damage
 std::string_view verify_checksum(std::string_view kind, std::string_view file);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view magic = "WHORLCP3";
 
-/// Every member, in the order of the file.
+/// Visits every member in the order of the file.
 template <class Archive, class C>
 void each_member(Archive& a, C& c) {
     a(c.build), a(c.scene), a(c.inputs), a(c.frame), a(c.frames), a(c.wall), a(c.cpu), a(c.stages), a(c.resumed);
@@ -26,7 +26,7 @@ void each_member(Archive& a, C& c) {
 
 std::string name_of(int frame) { return fmt::format("{:06}.whorl", frame); }
 
-/// Frame number of a file name that the program gives; -1 for other names, such as those of users' copies.
+/// Frame number in a file name of the program; -1 for other names, such as those of users' copies.
 int frame_of(const std::string& name) {
     int frame = -1;
     std::from_chars(name.data(), name.data() + name.size(), frame);
@@ -65,13 +65,13 @@ std::string build_id() {
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
     ByteWriter file;
-    file.bytes.reserve(checkpoint.simulation.size() + (1 << 16));  // most of it, in one piece
+    file.bytes.reserve(checkpoint.simulation.size() + (1 << 16));  // one allocation for most of the file
     each_member(file, checkpoint);
-    std::error_code gone;  // a run folder that was taken away is not made again: the write below says so
+    std::error_code gone;  // a deleted run folder is not made again: the write below reports it
     std::filesystem::create_directory(folder / "checkpoints", gone);
     write_text(folder / "checkpoints" / name_of(checkpoint.frame), add_checksum(magic, std::move(file.bytes)), true);
     const auto files = checkpoint_files(folder);
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints")) {  // half written when a run was killed
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints")) {  // left by a run that was killed while writing
         const std::string name = entry.path().filename();
         if (name.front() == '.' && name.ends_with(".part") && frame_of(name.substr(1, name.size() - 6)) >= 0)
             std::filesystem::remove(entry.path());
@@ -86,7 +86,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     std::string bytes;
     try {
         bytes = read_whole(file);
-    } catch (const InputError&) {  // it may be sound: a matter of rights, or of the disk
+    } catch (const InputError&) {  // the file may be intact: the cause may be its permissions or the disk
         throw EnvironmentError(file.string() + " cannot be read", "", "it is passed over");
     }
     Checkpoint checkpoint;

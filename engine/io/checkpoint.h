@@ -1,5 +1,5 @@
 #pragma once
-/// Checkpoints: the state of a run at a frame time, whole or not at all, in checkpoints/000012.whorl.
+/// Checkpoints: the state of a run at a frame time in checkpoints/000012.whorl, written atomically.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -12,33 +12,34 @@
 namespace whorl {
 
 struct Checkpoint {
-    std::string build;  ///< build_id() of the program that wrote it
-    std::string scene;  ///< scene.resolved.toml, whose deciding settings must be the same for the run to be resumed
-    std::map<std::string, std::uint64_t> inputs;       ///< checksum of each file that the scene names (absolute path), as the run read it
-    int frame = 0;                                     ///< the state is at this frame's time; its row and its image exist
-    int frames = 0;                                    ///< the frame that the run is to end with
+    std::string build;                                 ///< build_id() of the program that wrote it
+    std::string scene;                                 ///< scene.resolved.toml; a run can resume only with the same deciding settings
+    std::map<std::string, std::uint64_t> inputs;       ///< checksum, when the run read it, of each file that the scene names, by absolute
+                                                       ///< path
+    int frame = 0;                                     ///< the state is at the time of this frame, whose row and image exist
+    int frames = 0;                                    ///< number of the run's last frame
     double wall = 0, cpu = 0;                          ///< s, summed over all parts of the run
     StageTimes stages;                                 ///< by stage
-    int resumed = 0;                                   ///< how often
-    std::map<std::string, std::uint64_t> table_bytes;  ///< length of each table (path in the run folder) when the state was taken
-    std::map<std::string, std::string> probes;         ///< Probe::save() by name
+    int resumed = 0;                                   ///< number of resumptions
+    std::map<std::string, std::uint64_t> table_bytes;  ///< length of each table (path in the run folder) at the time of the state
+    std::map<std::string, std::string> probes;         ///< Probe::save(), by name
     std::string simulation;                            ///< Simulation::save()
 };
 
-/// Version, precision, compiler and instruction set: only the same build is sure to resume with the same bits.
+/// Version, precision, compiler and instruction set. Only the same build resumes bit-identically for certain.
 std::string build_id();
 
-/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the last two; files with other names are kept. @throws
-/// EnvironmentError (disk full)
+/// Writes checkpoints/<frame>.whorl in the run folder, durably, and removes all but the last two. Files with other names are kept.
+/// @throws EnvironmentError (disk full)
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// @throws EnvironmentError if the file is cut short, altered or no checkpoint
+/// @throws EnvironmentError if the file is truncated, altered or not a checkpoint
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
-/// Whether there is one, sound or damaged. None is read.
+/// Whether the folder has a checkpoint, valid or damaged. The files are not read.
 bool has_checkpoint(const std::filesystem::path& folder);
 
-/// The newest checkpoint that is sound. @param damaged one line for each newer one that is not
+/// The newest valid checkpoint. @param damaged gets one line for each newer one that is damaged
 std::optional<Checkpoint> newest_checkpoint(const std::filesystem::path& folder, std::vector<std::string>& damaged);
 
 }  // namespace whorl

@@ -1,5 +1,5 @@
 #pragma once
-/// Columns of the particle store by the names that files give them, whatever their type.
+/// Columns of the particle store by their names in files, independent of their type.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace whorl {
 
-/// A column as numbers: value(i, c) is component c of particle i.
+/// A column as numbers. value(i, c) is component c of particle i.
 struct NumberColumn {
     std::string name;
     int components = 1;
     bool integer = false;
-    std::size_t bytes = 0;  ///< a particle
+    std::size_t bytes = 0;  ///< per particle
     const void* data = nullptr;
 
     double value(Index i, int c = 0) const {
@@ -32,13 +32,13 @@ inline NumberColumn number_column(const ParticleStore::Entry& entry) {
     return {std::string(entry.info->name), entry.info->components, entry.info->integer, entry.info->bytes, entry.column->data()};
 }
 
-/// Names of quantities in files (the scene file's, the probes', the exports').
+/// Names of quantities in files (scene file, probes, exports).
 inline const std::vector<std::string>& quantity_names() {
     static const std::vector<std::string> names{"position", "velocity", "density", "pressure", "spin", "vorticity", "viscosity", "ink"};
     return names;
 }
 
-/// The columns among `names` that this store has.
+/// The columns among `names` that the store has.
 inline std::vector<NumberColumn> columns_named(const ParticleStore& store, const std::vector<std::string>& names) {
     std::vector<NumberColumn> found;
     for (const std::string& name : names)
@@ -46,7 +46,7 @@ inline std::vector<NumberColumn> columns_named(const ParticleStore& store, const
     return found;
 }
 
-/// Fields that an export writes: those kept from step to step, and every quantity with a name in files. No matrices.
+/// Fields that an export writes: lasting fields, and quantities with a name in files. Matrices are left out.
 inline std::vector<std::string> live_fields(const ParticleStore& store) {
     std::vector<std::string> names = quantity_names();
     for (const ParticleStore::Entry* entry : store.entries()) {

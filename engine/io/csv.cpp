@@ -18,7 +18,7 @@
 namespace whorl {
 namespace {
 
-/// The cells of a line without blanks around them; two quotes inside quotes are one.
+/// The cells of a line without surrounding blanks. Inside quotes, two quotes mean one.
 std::vector<std::string> cells_of(const std::string& line) {
     std::vector<std::string> cells(1);
     bool quoted = false;
@@ -62,7 +62,7 @@ CsvTable read_csv(const std::filesystem::path& file) {
         return false;
     };
     next_line();
-    if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // UTF-8's mark, as spreadsheets write it
+    if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // the byte-order mark of UTF-8, which spreadsheets write
     table.columns = cells_of(line);
     while (next_line()) {
         std::vector<double> row(table.columns.size(), std::numeric_limits<double>::quiet_NaN());
@@ -123,7 +123,7 @@ std::string read_whole(const std::filesystem::path& file) try {
     if (std::filesystem::is_directory(file, none)) throw InputError({file.string(), 0, 0}, "is a folder, not a file");
     if (!in) throw InputError({file.string(), 0, 0}, "cannot read the file");
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-} catch (const std::ios_base::failure&) {  // a folder, or a disk that fails
+} catch (const std::ios_base::failure&) {  // a folder, or a failing disk
     throw InputError({file.string(), 0, 0}, "cannot read the file");
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// CSV tables as runs and studies write and read them.
+/// CSV tables that runs and studies write and read.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Columns by name; a cell that is empty or no number is NaN.
+/// A table with named columns. Cells that are empty or not a number are NaN.
 struct CsvTable {
     std::vector<std::string> columns;
     std::vector<std::vector<double>> rows;
@@ -19,26 +19,26 @@ struct CsvTable {
     std::string file;  ///< for messages
 };
 
-/// Cells may be quoted, as csv_cell() writes them, and surrounded by blanks; lines that begin with # are comments.
-/// @throws InputError if there is no such file
+/// Reads a table. Cells may be quoted as csv_cell() does, and surrounded by blanks. Lines that begin with # are comments.
+/// @throws InputError if the file does not exist
 CsvTable read_csv(const std::filesystem::path& file);
 
-/// A text as a cell: in quotes where it holds commas or quotes; a line's end becomes a space.
+/// A text as a cell: in quotes if it contains commas or quotes. A newline becomes a space.
 std::string csv_cell(const std::string& text);
-/// "time,mass", without the line's end.
+/// "time,mass", without a newline.
 std::string csv_header(const std::vector<std::string>& columns);
-/// A line for each row, numbers as number() prints them, NaN as an empty cell.
+/// One line per row, with numbers as number() prints them and NaN as an empty cell.
 std::string csv_lines(const std::vector<std::vector<double>>& rows);
 
 /// The bytes of a file. @throws InputError if it cannot be read
 std::string read_whole(const std::filesystem::path& file);
 
-/// A CSV file that grows: each row is one write(), so that a killed run leaves whole rows.
+/// A CSV file that grows. Each row is one write(), so that a killed run leaves complete rows.
 class Table {
 public:
-    /// A new file with its header line.
+    /// Creates a new file with its header line.
     Table(std::filesystem::path file, std::string_view header);
-    /// An old file, truncated to its first `bytes` (its length at a checkpoint). @throws EnvironmentError if it is shorter
+    /// Continues an existing file, truncated to its first `bytes` (its length at a checkpoint). @throws EnvironmentError if it is shorter
     Table(std::filesystem::path file, std::uint64_t bytes);
     ~Table();
     Table(Table&& other) noexcept;
@@ -54,7 +54,7 @@ private:
     std::uint64_t bytes_ = 0;
 };
 
-/// A number as every table prints it: nine significant digits, which give a float back exactly.
+/// A number as all tables print it: nine significant digits, from which a float is read back exactly.
 std::string number(double value);
 
 }  // namespace whorl

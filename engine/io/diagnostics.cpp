@@ -14,7 +14,7 @@
 namespace whorl {
 namespace {
 
-/// The sums that one pass over the particles makes: u (3), x cross u (3), w (3), count, compression.
+/// Sums from one pass over the particles: u (3), x cross u (3), w (3), count, compression.
 using Sums = Eigen::Array<double, 11, 1>;
 
 }  // namespace
@@ -67,7 +67,7 @@ double filled_volume(Span<const Vec3> x, const Domain& domain, const Solids& sol
                 }
             }
         }
-        Real distance = 0;  // from solids, at least
+        Real distance = 0;  // lower bound of the distance from solids
         for (std::size_t at = 0; at < nearest.size(); ++at) {
             const Real away = std::sqrt(nearest[at]) / d;
             const int b = static_cast<int>(at) / cells[2], c = static_cast<int>(at) % cells[2];
@@ -127,7 +127,7 @@ double coupled_volume(const World& world) {
     if (!world.fluid.has<field::held>()) return 0;
     const auto x = world.fluid.column<field::position>();
     const auto role = world.fluid.column<field::role>();
-    std::vector<Vec3> out;  // of the nozzles
+    std::vector<Vec3> out;  // particles outside nozzles
     for (std::size_t k = 0; k < x.size(); ++k)
         if (role[k] >= 0) out.push_back(x[k]);
     return filled_volume(out, world.step.domain, world.solids, world.step.spacing);
@@ -135,7 +135,7 @@ double coupled_volume(const World& world) {
 
 namespace {
 
-/// A row with the names of its columns; NaN: an empty cell.
+/// Values with the names of their columns. NaN becomes an empty cell.
 struct NamedRow {
     std::vector<std::string> names;
     std::vector<double> values;

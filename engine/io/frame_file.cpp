@@ -46,8 +46,8 @@ bool all_finite(const std::vector<Vec3f>& places) {
     return std::all_of(places.begin(), places.end(), [](const Vec3f& x) { return x.allFinite(); });
 }
 
-/// @throws EnvironmentError if a field has more or fewer values than there are particles, a triangle a corner that is no vertex, a place
-/// is not finite, or a length that surfaces divide by is none
+/// @throws EnvironmentError if a field's size differs from the number of particles, a triangle refers to a missing vertex, a position is
+/// not finite, or a length by which surfaces divide is not positive
 void check(const Frame& frame) {
     const std::size_t n = frame.position.size();
     bool sound = frame.velocity.size() == n && all_finite(frame.position);

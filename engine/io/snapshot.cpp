@@ -14,7 +14,7 @@
 namespace whorl {
 namespace {
 
-/// Mesh in the solid's own axes. A fixed solid includes all periodic copies that reach into the domain.
+/// Mesh in the solid's own axes. For a fixed solid it contains all periodic images that reach into the domain.
 TriangleMesh drawn_mesh(const Solid& solid, const Domain& domain, Real spacing, Real extent) {
     const TriangleMesh one = solid.shape->mesh(spacing, extent);
     if (solid.moves() || !solid.repeats.any()) return one;
@@ -28,7 +28,7 @@ TriangleMesh drawn_mesh(const Solid& solid, const Domain& domain, Real spacing, 
     return all;
 }
 
-/// One that moves is drawn once, where its middle is in the domain.
+/// Translation of the drawn mesh. A moving solid is drawn once, at the image whose middle is in the domain.
 Vec3 drawn_translation(const Solid& solid, const Domain& domain) {
     if (!solid.moves() || !solid.repeats.any()) return solid.pose.translation;
     return solid.pose.translation + solid.repeats.shifts_into(domain).front();
@@ -49,7 +49,7 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     }
     for (const Emitter& emitter : simulation.emitters()) {
         FrameSolid nozzle;
-        // A pipe, not a ring: long compared with its bore.
+        // a pipe rather than a ring: long compared with its bore
         const EmitterShape& opening = emitter.shape();
         const Real bore = opening.slot ? opening.thickness : 2 * opening.radius;
         nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));
@@ -120,10 +120,11 @@ Frame particles_of(const World& world, const std::vector<std::string>& fields) {
 
 namespace {
 
-/// A closed loop in the plane of an opening, and where corners between its vertices are round.
+/// A closed loop in the plane of an opening.
 using Loop = std::vector<Vec3f>;
 
-/// The band between two loops of equal length, seen from the side where `from` to `to` is to the left of going along the loop.
+/// Adds the band between two loops of equal length. Its front faces a viewer for whom the direction from `from` to `to` is left of the
+/// loop's direction.
 void add_band(TriangleMesh& mesh, const Loop& from, const Loop& to, const Loop* round_normals) {
     const std::size_t n = from.size();
     for (std::size_t k = 0; k < n; ++k) {
@@ -154,7 +155,7 @@ TriangleMesh nozzle_mesh(const EmitterShape& opening, Real spacing, Real length)
     const float gap = 0.5f * static_cast<float>(spacing), wall = 0.75f * static_cast<float>(spacing);
     Vec3 across = Vec3::Zero(), along = Vec3::Zero();
     opening_axes(opening, across, along);
-    const Vec3f a = across.cast<float>(), b = along.cast<float>();  // a x b points back, against the flow
+    const Vec3f a = across.cast<float>(), b = along.cast<float>();  // a x b points backwards, against the flow
 
     Loop inner, outer, normals;
     if (opening.slot) {
@@ -195,7 +196,7 @@ Column<Mat3> velocity_gradients(Span<const Vec3> x, Span<const Vec3> u, Real sup
     NeighbourSearch().find(x, support, domain, pairs);
     Column<Mat3> gradient(x.size());
     parallel_for(pairs.size(), [&](Index i) {
-        // G minimises sum w |u_i - u_j - G r_ij|^2: G = (sum w (u_i - u_j) r^T) (sum w r r^T)^-1.
+        // G minimises sum w |u_i - u_j - G r_ij|^2, so G = (sum w (u_i - u_j) r^T) (sum w r r^T)^-1.
         Mat3 moments = Mat3::Zero(), change = Mat3::Zero();
         pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real near = 1 - distance / support, w = near * near;
@@ -205,7 +206,7 @@ Column<Mat3> velocity_gradients(Span<const Vec3> x, Span<const Vec3> u, Real sup
         const Real size = moments.trace();
         gradient[i] = Mat3::Zero();
         if (!(size > 0)) return;
-        moments.diagonal().array() += Real(1e-4) * size;  // neighbours in a line or a sheet say nothing about the other directions
+        moments.diagonal().array() += Real(1e-4) * size;  // neighbours on a line or in a plane do not determine the other directions
         gradient[i] = change * moments.inverse();
     });
     return gradient;
