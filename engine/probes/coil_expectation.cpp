@@ -7,10 +7,11 @@
 namespace whorl {
 namespace {
 
-constexpr double steady = 0.02;     ///< relative change that still counts as none
-constexpr double same = 2e-3;       ///< parameters so near share an answer
-constexpr double same_none = 0.03;  ///< no new search (which may take a second) this near to parameters without a solution
-constexpr double neighbour = 0.1;   ///< this near, the old answer is used until the new one is found
+constexpr double steady = 0.02;     ///< relative change below which a value counts as constant
+constexpr double same = 2e-3;       ///< relative difference of parameters that share an answer
+constexpr double same_none = 0.03;  ///< relative difference from parameters without a solution below which there is no new search (which
+                                    ///< may take a second)
+constexpr double neighbour = 0.1;   ///< relative difference up to which the old answer is used while the new one is computed
 
 bool takes_viscosity(const Plan& plan) { return plan.traits.viscous() && !plan.traits.micropolar.spins; }
 

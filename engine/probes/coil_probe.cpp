@@ -10,10 +10,10 @@
 namespace whorl {
 namespace {
 
-constexpr double resting = 0.1, falling = 0.4;  ///< of the thread's speed: slower is pile, faster is thread
-constexpr double below = 2.5, above = 10;       ///< radii of thread about the pile's top between which it is looked at
+constexpr double resting = 0.1, falling = 0.4;  ///< fractions of the thread's speed: slower particles are pile, faster ones are thread
+constexpr double below = 2.5, above = 10;       ///< range about the pile's top in which the thread is measured, in thread radii
 
-/// Mean velocity of the solids that fluid touches: a pile on a plate that moves rests on the plate.
+/// Mean velocity of the solids that the fluid touches, because a pile on a moving plate rests relative to the plate.
 Vec3d pile_velocity(Span<const Vec3> x, Span<const std::int16_t> role, const Solids& solids, Real spacing) {
     Vec3d sum = Vec3d::Zero();
     double count = 0;
@@ -30,13 +30,14 @@ Vec3d pile_velocity(Span<const Vec3> x, Span<const std::int16_t> role, const Sol
 /// Measurements of one step.
 struct CoilProbe::Step {
     struct FileLocation {
-        double x = 0, y = 0, z = 0, speed = 0, down = 0;  ///< m across and along the axis; m/s, seen from the pile
+        double x = 0, y = 0, z = 0, speed = 0, down = 0;  ///< position across and along the axis [m]; velocities relative to the pile
+                                                          ///< [m/s]
     };
     std::vector<FileLocation> fluid;
     double spacing = 0;
-    double opening = 0;    ///< m, height of the nozzle; where there is none, of the highest fluid
-    double fastest_z = 0;  ///< m, upper side of the fastest layer
-    double slice = 0;      ///< particles in a layer of thread
+    double opening = 0;    ///< height of the nozzle [m]; without one, of the highest fluid
+    double fastest_z = 0;  ///< upper side of the fastest layer [m]
+    double slice = 0;      ///< number of particles in a layer of the thread
     bool pile = false;
     double pile_top = 0;  ///< m
     CoilTurns::Sample sample;
@@ -92,7 +93,7 @@ CoilProbe::Step CoilProbe::observe(const World& world) const {
 }
 
 void CoilProbe::find_pile(Step& step) const {
-    constexpr double fine = 4;  // layers a spacing
+    constexpr double fine = 4;  // layers per spacing
     const double thickness = step.spacing / fine;
     std::vector<double> slow(static_cast<std::size_t>(step.fastest_z / thickness) + 1, 0.0);
     for (const Step::FileLocation& p : step.fluid)
@@ -102,8 +103,8 @@ void CoilProbe::find_pile(Step& step) const {
         met += slow[l];
         if (met < step.slice / 2) continue;
         step.pile = true;
-        step.pile_top =
-            (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;  // half a spacing from the last centre to the surface
+        step.pile_top = (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;  // the surface is half a spacing above the last
+                                                                                        // particle's centre
     }
 }
 
@@ -131,8 +132,7 @@ void CoilProbe::after_step(const World& world, double time) {
     memory_.last_time = time;
     memory_.opening = step.opening;
     memory_.fastest = std::max(memory_.fastest, sample.speed);
-    if (!step.pile || sample.speed < 0.2 * memory_.fastest)
-        return turns_.thread_lost();  // no thread, or no more than the pile's own creeping
+    if (!step.pile || sample.speed < 0.2 * memory_.fastest) return turns_.thread_lost();  // no thread, or only the pile's own creeping
     const double blend = memory_.pile_seen ? 1 - std::exp(-elapsed * sample.speed / (4 * sample.radius)) : 1;
     memory_.pile_top += blend * (step.pile_top - memory_.pile_top);
     memory_.pile_seen = true;

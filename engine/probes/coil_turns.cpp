@@ -10,7 +10,7 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Value at rest of a quantity that is linear in speed^(3/2), by least squares over the ranges that were seen; none seen: 0.
+/// Value at speed 0 of a quantity that is linear in speed^(3/2), by least squares over the ranges with a value; 0 if there are none.
 double at_rest(const std::array<std::optional<double>, CoilTurns::ranges>& values) {
     double n = 0, s = 0, ss = 0, v = 0, sv = 0;
     for (int k = 0; k < CoilTurns::ranges; ++k) {
@@ -33,13 +33,13 @@ void CirclePoints::add(double weight, double px, double py) {
 
 std::optional<double> CirclePoints::radius() const {
     if (!(w > 0)) return std::nullopt;
-    // About the mean, where the normal equations separate: [sxx sxy; sxy syy] c = (sxz, syz)/2 for the centre c, R^2 = szz + |c|^2.
+    // Relative to the mean, the normal equations separate: [sxx sxy; sxy syy] c = (sxz, syz)/2 for the centre c, R^2 = szz + |c|^2.
     const double mx = x / w, my = y / w;
     const double sxx = xx / w - mx * mx, sxy = xy / w - mx * my, syy = yy / w - my * my, spread = sxx + syy;
     // sum (X^2 + Y^2) X with X = x - mx, Y = y - my
     const double sxz = xz / w - mx * z / w - 2 * (mx * sxx + my * sxy), syz = yz / w - my * z / w - 2 * (mx * sxy + my * syy);
     const double determinant = sxx * syy - sxy * sxy;
-    if (!(determinant > 0.01 * spread * spread)) return std::nullopt;  // a line, not a circle (1/4 for a full one)
+    if (!(determinant > 0.01 * spread * spread)) return std::nullopt;  // a line, not a circle (a full circle has 1/4)
     const double cx = (syy * sxz - sxy * syz) / (2 * determinant), cy = (sxx * syz - sxy * sxz) / (2 * determinant);
     return std::sqrt(spread + cx * cx + cy * cy);
 }
@@ -48,7 +48,7 @@ void CoilTurns::add(const Sample& sample) {
     Memory& m = memory_;
     const double elapsed = std::max(0.0, sample.time - m.last_time);
     m.last_time = sample.time;
-    // 30 radii of thread are about the length of a turn, 4 4 the length at the contact.
+    // Time constants in thread radii laid: about the length of a turn for 30, the length of the contact for 4.
     const double laid = elapsed * sample.speed / sample.radius;
     const bool first = m.thread_radius == 0;
     const double blend = first ? 1 : 1 - std::exp(-laid / 30), keep = std::exp(-laid / 4);
@@ -59,7 +59,7 @@ void CoilTurns::add(const Sample& sample) {
         Height& h = m.height[k];
         h.sum = keep * h.sum + laid * centre.height / centre.count, h.weight = keep * h.weight + laid;
     }
-    if (sample.thread.count < 3) return;  // too few to locate it; the next step may have enough
+    if (sample.thread.count < 3) return;  // too few to locate the thread; the next step may have enough
 
     const double x = sample.thread.x / sample.thread.count - m.centre_x, y = sample.thread.y / sample.thread.count - m.centre_y;
     if (!first) m.centre_x += blend * x, m.centre_y += blend * y;
@@ -83,7 +83,7 @@ void CoilTurns::add(const Sample& sample) {
     measure(sample, elapsed);
 }
 
-/// The thread's centre line comes to rest one radius above the ground that it lands on.
+/// Height of the ground: the thread's centre line comes to rest one radius above it.
 double CoilTurns::ground(const std::array<Height, ranges>& heights) const {
     std::array<std::optional<double>, ranges> means;
     for (std::size_t k = 0; k < ranges; ++k)

@@ -1,5 +1,5 @@
 #pragma once
-/// Table of an experiment or a theory that a probe is compared with (its key `compare`).
+/// Table of an experiment or a theory with which a probe is compared (key `compare`).
 #include <optional>
 
 #include "engine/io/csv.h"
@@ -8,19 +8,19 @@
 namespace whorl {
 
 struct Comparison {
-    CsvTable table;         ///< rows in rising order of the column along
-    std::string name;       ///< of the file, without its extension
-    std::size_t along = 0;  ///< column: time, or the place of which every frame has several
+    CsvTable table;         ///< rows in ascending order of the column `along`
+    std::string name;       ///< file name without its extension
+    std::size_t along = 0;  ///< index of the column for the horizontal axis: time, or a position with several rows per frame
 
     bool has(const std::string& column) const { return table.has(column); }
-    /// Value of a column, interpolated straight between the rows; NaN beyond them.
+    /// Value of a column, interpolated linearly between rows; NaN outside them.
     double at(const std::string& column, double along_value) const;
 };
 
-/// The probe's table, none if the scene names none. @throws InputError, at the key, if the file cannot be compared with the probe's columns
+/// The table of a probe; empty if the scene names none. @throws InputError, at the key, if its columns do not match those of the probe
 std::optional<Comparison> comparison_of(const Scene& scene, std::size_t probe, const Probe& columns_of);
 
-/// @throws InputError with all probes of the scene that cannot measure (a gauge off its surface) or be compared
+/// @throws InputError with all probes of the scene that cannot measure (a gauge off its surface) or cannot be compared
 void check_probes(const Simulation& simulation);
 
 }  // namespace whorl

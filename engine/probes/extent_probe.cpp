@@ -21,7 +21,8 @@ private:
     Vec3d origin_, ahead_, up_;
 };
 
-/// By particle: the number of its connected part, from 1 in the order of their first particles; 0 in nozzles. @return how many parts
+/// Sets for each particle the number of its connected part, from 1 in the order of their first particles; 0 in nozzles. @return number of
+/// parts
 int find_parts(const World& world, Span<std::int32_t> part) {
     const Domain& domain = world.step.domain;
     Real reach = static_cast<Real>(link) * world.step.spacing;

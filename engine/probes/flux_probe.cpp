@@ -22,20 +22,20 @@ public:
 
 private:
     struct Track {
-        Vec3 x, velocity;  ///< m, m/s at the end of the step before
-        long seen = 0;     ///< number of the last step with the particle; 0: no step
+        Vec3 x, velocity;  ///< at the end of the previous step [m, m/s]
+        long seen = 0;     ///< number of the last step with the particle; 0: none
     };
     struct Memory {
-        double passed = 0, passed_at_row = 0, row_time = unknown;  ///< particles; s
+        double passed = 0, passed_at_row = 0, row_time = unknown;  ///< numbers of particles; time [s]
     };
     Vec3d place(const Domain& domain, const Vec3& x) const { return axes_ * domain.minimum_image(x - centre_).cast<double>(); }
     void follow(const World& world);
     int crossing(const StepContext& step, const Vec3& from, const Vec3& to) const;
 
     Vec3 centre_;
-    Mat3d axes_;  ///< rows: along the opening, along it, across it
+    Mat3d axes_;  ///< rows: along the width, along the thickness, normal to the opening
     double radius_, half_width_, half_thickness_;
-    std::vector<Track> tracks_;  ///< by the particle's number
+    std::vector<Track> tracks_;  ///< by particle id
     long step_ = 0;
     Memory memory_;
 };
@@ -52,11 +52,11 @@ FluxProbe::FluxProbe(const ProbeKeys& keys, const World& world)
     follow(world);
 }
 
-/// +1 or -1 if the path between two positions crosses the opening.
+/// +1 or -1 if the path between two positions crosses the opening, in or against its direction; otherwise 0.
 int FluxProbe::crossing(const StepContext& step, const Vec3& from, const Vec3& to) const {
     const Vec3d a = place(step.domain, from), b = place(step.domain, to);
     Vec3d end = a + axes_ * step.domain.minimum_image(to - from).cast<double>();
-    // The very number that the next path begins with, unless the particle went round a periodic domain.
+    // Use exactly the value with which the next path begins, unless the particle went around a periodic domain.
     if (std::abs(end.z() - b.z()) < static_cast<double>(step.spacing) / 100) end.z() = b.z();
     if ((a.z() >= 0) == (end.z() >= 0)) return 0;
     const Vec3d met = a + a.z() / (a.z() - end.z()) * (end - a);
@@ -83,7 +83,7 @@ void FluxProbe::follow(const World& world) {
     for (Track& track : tracks_) {
         if (track.seen == 0 || track.seen == step_) continue;
         memory_.passed += crossing(world.step, track.x, track.x + world.step.dt * track.velocity);
-        track.seen = 0;  // taken away
+        track.seen = 0;  // removed
     }
 }
 

@@ -21,22 +21,22 @@ public:
 
 private:
     struct Part {
-        Index particle = 0;  ///< of the boundary
-        double share = 0;    ///< of it that lies below the disc
+        Index particle = 0;  ///< index of a boundary particle
+        double share = 0;    ///< share of the particle that is below the disc
     };
     struct Memory {
-        double impulse = 0, time = 0, peak = 0;  ///< since the row before: N s, s, Pa
+        double impulse = 0, time = 0, peak = 0;  ///< since the previous row [N s, s, Pa]
     };
     Index boundary_particles_;
     std::vector<Part> parts_;
-    double area_ = 0;  ///< m^2; in two dimensions m
+    double area_ = 0;  ///< m^2; in 2D m
     std::string fault_;
     Memory memory_;
 };
 
-// All boundary particles below the disc represent the same area 1/sum W over those on the same side, W the Wendland C2 function of a
-// surface, three spacings wide. It is that of a particle which most are not below, so that edges, where neighbours are missing, do not
-// count.
+// Every boundary particle below the disc represents the same area: the lower third of 1/sum W over the particles on the same side, with W
+// a Wendland C2 kernel on the surface, three spacings wide. A low value excludes particles near edges, where missing neighbours enlarge
+// 1/sum W.
 GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_particles_(world.boundary_particles.size()) {
     const BoundaryParticles& boundary = world.boundary_particles;
     const Solid& solid = world.solids.all[static_cast<std::size_t>(keys.solid)];
@@ -44,7 +44,7 @@ GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_par
     const double norm = world.step.dimensions() == 2 ? 3 / (2 * R) : 7 / (std::numbers::pi * R * R);
     const Vec3d normal = solid.normal(keys.at.cast<Real>()).cast<double>();
     std::vector<Vec3d> place;
-    std::vector<double> beyond, areas;  // of the rim; of particles whose neighbours are all among these
+    std::vector<double> beyond, areas;  // beyond: distance outside the rim; areas: of particles whose neighbours are all in `place`
     for (Index s = 0; s < boundary.size(); ++s) {
         const Vec3d n = boundary.normal[s].cast<double>();
         if (boundary.solid[static_cast<std::size_t>(s)] != keys.solid || n.dot(normal) < 0.5) continue;

@@ -1,12 +1,12 @@
 #pragma once
-/// Fields between the particles.
+/// Interpolation of fields between particles.
 #include <vector>
 
 #include "engine/simulation/world.h"
 
 namespace whorl {
 
-/// The value of a field at a point as a sum over particles: f(point) = sum weight f(particle).
+/// Value of a field at a point as a sum over particles: f(point) = sum weight f(particle).
 struct Interpolation {
     struct Share {
         Index particle = 0;
@@ -15,12 +15,12 @@ struct Interpolation {
     std::vector<Share> shares;  ///< empty: no fluid within three spacings
 };
 
-/// For each of the points the particles within `radius` [m], to the nearest periodic image, in the order of the store; a few more.
+/// For each point, the particles within `radius` [m] (to the nearest periodic image) and possibly a few more, in the order of the store.
 std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius);
 
-/// Interpolates at each point by weighted least squares: the quadratic function of place that fits the particles within three spacings
-/// best. So quadratic fields are exact, also up to a wall. Terms that these particles cannot distinguish are left out, and outside of the
-/// fluid all except the constant one: there the value is the mean of the nearest particles. Particles in nozzles do not count.
+/// Interpolates at each point by weighted least squares with the best quadratic function of position for the particles within three
+/// spacings. Quadratic fields are therefore exact, also up to a wall. Terms that these particles cannot distinguish are left out. Outside
+/// the fluid only the constant term is used, which gives the mean of the nearest particles. Particles in nozzles do not count.
 std::vector<Interpolation> interpolate(const World& world, const std::vector<Vec3d>& points);
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-constexpr double level_reach = 3, level_places = 4;  ///< spacings that the kernel reaches; places a spacing
+constexpr double level_reach = 3, level_places = 4;  ///< radius of the kernel [spacings]; sample points per spacing
 
 class LevelProbe : public Probe {
 public:
@@ -24,7 +24,7 @@ double distance_to_solids(const Solids& solids, const Vec3& x) {
     return static_cast<double>(distance);
 }
 
-/// Solids' share of the kernel, by the midpoint rule over cubes of a spacing; one that the surface cuts counts in part.
+/// Solids' share of the kernel, by the midpoint rule over cubes of a spacing. A cube that the surface cuts counts in part.
 double solid_share(const World& world, const Vec3& x, const WendlandC2Kernel& W) {
     const Real d = world.step.spacing;
     double all = 0, solid = 0;
@@ -56,7 +56,7 @@ double LevelProbe::height(const World& world) const {
         return share - 0.5 * (1 - (distance < level_reach * d ? solid_share(world, place, W) : 0));
     };
     const double step = length / last;
-    double height = 0, before = 0, gap = 0;  // gap: m without fluid or solid
+    double height = 0, before = 0, gap = 0;  // length without fluid or solid [m]
     bool was_in_fluid = false;
     for (std::size_t k = 0; k < places.size(); ++k) {
         const double distance = distance_to_solids(world.solids, places[k].cast<Real>());

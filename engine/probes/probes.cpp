@@ -47,7 +47,7 @@ private:
     Vec3d min_, max_;
 };
 
-/// Fields interpolated at points: a line's, or a single one.
+/// Fields interpolated at points: those of a line, or a single one.
 class PointsProbe : public Probe {
 public:
     PointsProbe(std::vector<Vec3d> points, bool line, const World& world) : points_(std::move(points)), line_(line) {

@@ -24,7 +24,7 @@ private:
         double time = 0, peak = 0;  ///< s, N
         Ledger impulses;
     };
-    Since since_;  ///< the last row
+    Since since_;  ///< since the previous row
 };
 
 void SolidProbe::after_step(const World& world, double) {
