@@ -13,6 +13,7 @@
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
 #include "engine/scene/scene_scales.h"
+#include "engine/scene/tree.h"
 
 namespace whorl {
 namespace {
