@@ -1,4 +1,4 @@
-# Called by embed_texts(): writes OUT with the text of each of TEXTS.
+# Called by embed_texts(). Writes the generated source file OUT with the contents of all TEXTS.
 set(text "#include \"${HEADER}\"\n#include <stdexcept>\nnamespace whorl {\nstd::string ${FUNCTION}(const std::string& name) {\n")
 foreach(file IN LISTS TEXTS)
   get_filename_component(name ${file} NAME)

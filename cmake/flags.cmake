@@ -1,12 +1,13 @@
-# Flags that every target shares. Sums may be reassociated (neighbour loops vectorise), but never by the alignment of an address: the same
-# program gives the same bits in every run, with any number of threads. NaN and infinity keep their meaning: divergence is detected by them.
+# Flags of all targets. Sums may be reassociated, so that neighbour loops vectorise, but never by the alignment of an address: a program
+# gives bit-identical results in every run, with any number of threads. NaN and infinity keep their meaning, because divergence is detected
+# by them.
 add_library(whorl_flags INTERFACE)
 target_compile_options(whorl_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wno-unknown-pragmas
   -fno-math-errno -fno-trapping-math -fno-signed-zeros -fassociative-math)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # The warnings that are off: GCC 12's false alarms inside std::string ("text" + string&&, GCC bug 105329), std::optional and its own AVX-512 header
-  # (a precompiled header makes it report them in our files); asan looks in their place.
+  # Disabled warnings: GCC 12 has false alarms inside std::string ("text" + string&&, GCC bug 105329), std::optional and its own AVX-512
+  # header, and with a precompiled header it reports them in this project's files. The preset asan detects such faults instead.
   target_compile_options(whorl_flags INTERFACE --param=vect-max-peeling-for-alignment=0 -Wno-maybe-uninitialized -Wno-restrict -Wno-stringop-overflow
                          -Wno-stringop-overread -Wno-array-bounds -Wno-uninitialized)
 endif()
@@ -22,26 +23,28 @@ if(WHORL_DOUBLE)
   target_compile_definitions(whorl_flags INTERFACE WHORL_DOUBLE)
 endif()
 if(WHORL_SANITIZE)
-  # The vectors of the viscous product are not inlined then, and how gcc returns them depends on the target: which is one for the whole build.
+  # Without inlining, gcc's way to return the vectors of the viscous product depends on the target (-Wpsabi), but the whole build has one
+  # target.
   target_compile_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -O1 -g1
                          -Wno-psabi)
   target_link_options(whorl_flags INTERFACE -fsanitize=${WHORL_SANITIZE})
 endif()
-# What computes nothing to speak of (reading scenes, the command line, tests) is optimised little: that halves its compile time. A target says so
-# by the property WHORL_COLD.
+# Code with little computation (reading scenes, the command line, tests) is optimised less, which halves its compile time. A target selects
+# this with the property WHORL_COLD.
 if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT WHORL_SANITIZE)
   target_compile_options(whorl_flags INTERFACE $<IF:$<BOOL:$<TARGET_PROPERTY:WHORL_COLD>>,-O1,-O3>)
 endif()
 
-# What nearly every source includes, compiled once for a target (two fifths of its compile time), with what else most of the target's sources include.
+# Precompiles headers that nearly every source includes (two fifths of a target's compile time), and ARGN, which most of its sources
+# include.
 function(precompile_headers target)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
   target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <algorithm> <cmath> <filesystem> <functional> <map> <memory> <optional>
                             <string> <variant> <vector> <fmt/format.h> ${ARGN})
 endfunction()
 
-# Where CMAKE_UNITY_BUILD is on (the presets), the sources of a folder are compiled as one: their headers are read once. So names in unnamed
-# namespaces are unique within a folder.
+# With CMAKE_UNITY_BUILD (set by the presets), the sources of a folder are compiled as one, so their headers are read once. Names in
+# unnamed namespaces must therefore be unique within a folder.
 function(unity_by_folder target)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)

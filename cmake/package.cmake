@@ -1,4 +1,4 @@
-# A Debian package: cmake --build build/portable --target package. Manual page and completion are what the program prints of itself.
+# Debian package: cmake --build build/portable --target package. The program prints its own manual page and completion.
 add_custom_command(OUTPUT whorl.1.gz whorl.bash
                    COMMAND sh -c "$<TARGET_FILE:whorl> manual | gzip -9nc > whorl.1.gz"
                    COMMAND sh -c "$<TARGET_FILE:whorl> manual --bash > whorl.bash"
@@ -16,7 +16,7 @@ file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian "whorl (${PROJECT_VERSIO
 add_custom_command(OUTPUT changelog.Debian.gz COMMAND sh -c "gzip -9nc changelog.Debian > changelog.Debian.gz" VERBATIM)
 add_custom_target(manual ALL DEPENDS whorl.1.gz whorl.bash changelog.gz changelog.Debian.gz)
 
-# A folder in which the program alone was built lacks them.
+# If only the program was built, these files do not exist yet.
 install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target manual COMMAND_ERROR_IS_FATAL ANY)")
 set(doc ${CMAKE_INSTALL_DATADIR}/doc/whorl)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
@@ -24,7 +24,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.bash DESTINATION ${CMAKE_INSTALL
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian.gz LICENSE
         DESTINATION ${doc})
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
-# As they lie here, so that links of one page to another hold.
+# The pages keep their relative positions, so that links between them work.
 install(FILES README.md DESTINATION ${doc})
 install(DIRECTORY docs DESTINATION ${doc})
 file(CREATE_LINK ../../whorl/scenes ${CMAKE_CURRENT_BINARY_DIR}/scenes.link SYMBOLIC)

@@ -1,4 +1,4 @@
-# What Whorl is built on, all from Debian 12 (tools/setup.sh installs it).
+# Dependencies, all from Debian 12 (tools/setup.sh installs them).
 find_package(Threads REQUIRED)
 find_package(OpenMP REQUIRED)
 find_package(Eigen3 3.4 REQUIRED)
@@ -12,18 +12,18 @@ pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
-# Debian builds it with TLS and compression, which its clients must define; the live view uses neither.
+# Debian builds it with TLS and compression, so its clients must define both; the live view uses neither.
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 add_library(muparser::muparser ALIAS PkgConfig::muparser)
 
-# Cairo draws words and plots, in a font that the build puts into the program.
+# Cairo draws text and plots, with a font that is embedded in the program.
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo-ft cairo-svg freetype2)
 find_file(WHORL_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
 
-# What compositors take.
+# The image format of compositors.
 pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
 
-# stb writes PNG through zlib, ten times faster than through its own deflate. Particle files (.bgeo) are packed with it.
+# stb writes PNG through zlib, ten times faster than with its own deflate. zlib also compresses particle files (.bgeo).
 find_package(ZLIB REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image_write.h PATH_SUFFIXES stb REQUIRED)
 add_library(stb INTERFACE)

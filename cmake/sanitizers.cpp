@@ -1,10 +1,10 @@
-// Compiled into every program of the presets asan and tsan: suppressions for third-party libraries that are not
-// instrumented (never for our code), and OpenMP loops on threads that ThreadSanitizer understands.
+// Compiled into every program of the presets asan and tsan: suppressions for third-party libraries that are not instrumented (never for
+// this project's code), and OpenMP loops on threads that ThreadSanitizer can follow.
 
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions();
 
-/// Mesa and LLVM keep what they compiled until the process ends.
+/// Mesa and LLVM keep compiled code until the process ends.
 const char* __lsan_default_suppressions() {
     return "leak:libgallium\n"
            "leak:swrast_dri\n"
@@ -13,7 +13,7 @@ const char* __lsan_default_suppressions() {
            "leak:libGLdispatch\n";
 }
 
-/// Mesa's and TBB's threads meet inside libraries that are not instrumented.
+/// Threads of Mesa and TBB synchronise inside libraries that are not instrumented.
 const char* __tsan_default_suppressions() {
     return "called_from_lib:libgallium\n"
            "called_from_lib:swrast_dri.so\n"
@@ -22,9 +22,9 @@ const char* __tsan_default_suppressions() {
            "called_from_lib:libtbb.so\n"
            "called_from_lib:libopenvdb.so\n"
            "mutex:libGLdispatch.so\n"
-           "mutex:whorl::write_vdb\n"  // OpenVDB's own lock, taken and given back inside its initialize()
-           "race:libgcc_s.so\n"        // what libgcc knows of code that is made, while an exception is thrown
-           "mutex:libgcc_s.so\n"       // what it holds meanwhile
+           "mutex:whorl::write_vdb\n"  // OpenVDB's own lock, taken and released inside its initialize()
+           "race:libgcc_s.so\n"        // its table of generated code, during an exception
+           "mutex:libgcc_s.so\n"       // its lock during that time
            "deadlock:libgcc_s.so\n";
 }
 
@@ -38,12 +38,12 @@ const char* __tsan_default_suppressions() {
 #include <thread>
 #include <vector>
 
-// gcc's OpenMP library is not instrumented: ThreadSanitizer sees no order between its threads and would report every loop. These are the
-// entry points that gcc calls for `omp parallel for schedule(dynamic)` (the program's own take the place of the library's), with threads
-// that are started and joined for one loop. A race inside a loop's body still shows.
+// gcc's OpenMP library is not instrumented: ThreadSanitizer sees no order between its threads and would report every loop. The functions
+// below replace the library's entry points for `omp parallel for schedule(dynamic)`, with threads that are started and joined for each
+// loop. A race inside a loop's body is still detected.
 namespace {
 
-/// The threads of one parallel region and the one loop that they share.
+/// The threads of one parallel region, and the one loop that they share.
 struct Team {
     std::once_flag started;
     std::atomic<long> next{0};
@@ -59,7 +59,7 @@ struct Team {
 };
 thread_local Team* own_team = nullptr;
 
-/// TBB is not instrumented either: its algorithms, which OpenVDB uses, run on the thread that calls them.
+/// TBB is not instrumented either, so its algorithms, which OpenVDB uses, run on the calling thread.
 const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
 
 }  // namespace
@@ -76,7 +76,9 @@ void GOMP_parallel(void (*body)(void*), void* data, unsigned count, unsigned /*f
     };
     if (count == 0) count = static_cast<unsigned>(omp_get_max_threads());
     std::vector<std::thread> others;
-    for (unsigned t = 1; t < count && outer == nullptr; ++t) others.emplace_back(work);  // inner regions stay on their thread, as in OpenMP
+    for (unsigned t = 1; t < count && outer == nullptr; ++t)
+        others.emplace_back(work);  // as in OpenMP, inner regions run on their own
+                                    // thread
     work();
     for (std::thread& other : others) other.join();
 }

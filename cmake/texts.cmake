@@ -1,5 +1,5 @@
-# embed_texts(FOLDER EXTENSIONS HEADER FUNCTION RESULT): every file of FOLDER with one of those extensions becomes a string in a generated source
-# file, found by its file name through whorl::FUNCTION(name), which HEADER declares.
+# embed_texts(FOLDER EXTENSIONS HEADER FUNCTION RESULT) embeds every file of FOLDER with one of the extensions as a string in a generated
+# source file. whorl::FUNCTION(file name), declared in HEADER, returns the string. RESULT is set to the source file.
 function(embed_texts folder extensions header function result)
   set(patterns ${extensions})
   list(TRANSFORM patterns PREPEND ${PROJECT_SOURCE_DIR}/${folder}/*.)
