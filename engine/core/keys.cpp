@@ -101,14 +101,14 @@ Key& Key::one_of(std::vector<std::string> names) {
 std::string Key::type_name() const {
     const std::string list = is_list ? "a list of " + (count > 0 ? std::to_string(count) + " " : "") : "";
     switch (type) {
-        case KeyType::flag: return is_list ? list + "times true or false" : "true or false";
+        case KeyType::flag: return is_list ? list + "booleans" : "true or false";
         case KeyType::integer: return is_list ? list + "whole numbers" : "a whole number";
         case KeyType::number:
             if (is_list) return list + "numbers" + (access->from_text ? " or a text" : "");
             return may_be_auto ? "a number or \"auto\"" : "a number";
         case KeyType::text: return is_list ? list + "texts" : "a text";
         case KeyType::expression: return is_list ? list + "numbers or expressions in quotes" : "a number or an expression in quotes";
-        case KeyType::any: return "a value as the key takes it";
+        case KeyType::any: return "any value that the key accepts";
     }
     return "";
 }

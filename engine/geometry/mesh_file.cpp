@@ -201,7 +201,8 @@ T bytes_as(const char* bytes, bool swapped = false) {
 Polygons read_binary_stl(const std::string& file, std::string_view text) {
     const std::size_t count = bytes_as<std::uint32_t>(text.data() + 80);
     if (text.size() < 84 + 50 * count)
-        throw InputError({file}, fmt::format("cut short: {} triangles announced, {} there", count, (text.size() - 84) / 50));
+        throw InputError({file}, fmt::format("the file is cut short: its header announces {} triangles, it contains {}", count,
+                                             (text.size() - 84) / 50));
     Polygons mesh;
     mesh.single = true;
     for (std::size_t k = 0; k < 3 * count; ++k) {
@@ -280,7 +281,7 @@ Polygons read_ply(const std::string& file, std::string_view text) {
         }
         ended = key == "end_header";
     }
-    if (!ended) words.fail("the header has no end");
+    if (!ended) words.fail("the header has no line end_header");
     const bool binary = format.starts_with('b'), swapped = format == "binary_big_endian";
     Polygons mesh;
     std::string_view bytes = words.rest();
@@ -395,11 +396,11 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Ve
     else if (kind == ".stl") read = binary ? read_binary_stl(name, bytes) : read_ascii_stl(name, text);
     else if (kind == ".gltf" || kind == ".glb") read = read_gltf(name);
     else throw InputError({name}, "\"" + kind + "\" is not a kind of mesh file", "", ".obj, .ply, .stl, .gltf, .glb");
-    if (read.end.empty()) throw InputError({name}, "the file holds no triangles");
+    if (read.end.empty()) throw InputError({name}, "the file contains no triangles");
     for (const Corner c : read.corner)
         if (c >= read.position.size())
             throw InputError(
-                {name}, fmt::format("a face refers to a vertex that is not there: there are {}, counted from 0", read.position.size()));
+                {name}, fmt::format("a face refers to a missing vertex; the file has {} vertices, counted from 0", read.position.size()));
 
     TriangleMesh mesh;
     for (std::size_t k = 0, begin = 0; k < read.end.size(); begin = read.end[k++])

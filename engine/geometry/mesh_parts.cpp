@@ -195,7 +195,7 @@ std::vector<TriangleMesh> closed_parts(TriangleMesh mesh, const std::string& nam
             for (const std::uint32_t corner : mesh.triangle[t]) to[corner] = ~0u;
     }
     if (doubled > 0) left_out.push_back(fmt::format("faces that repeat others left out: {}", doubled));
-    if (parts.empty()) throw InputError({name}, "the mesh encloses no volume", "faces that repeat others turned round cancel them");
+    if (parts.empty()) throw InputError({name}, "the mesh encloses no volume", "equal faces with opposite orientation cancel each other");
     if (flat > 0) left_out.push_back(fmt::format("parts without a volume left out: {}", flat));
     return parts;
 }

@@ -246,8 +246,8 @@ public:
             crossings += parts.back().mesh->crossings(), overlap_ |= parts.back().mesh->crosses_much();
         }
         if (crossings > 0)
-            notes.push_back(
-                fmt::format("faces that lie within it, as it crosses itself: {}; inside is where the winding number is not 0", crossings));
+            notes.push_back(fmt::format(
+                "the mesh intersects itself, with {} faces inside it; the inside is where the winding number is not 0", crossings));
         remarks = std::move(notes);
         std::vector<std::size_t> from_left(parts.size());
         std::iota(from_left.begin(), from_left.end(), 0u);
@@ -383,7 +383,7 @@ std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& nam
     std::vector<std::string> remarks;
     const std::size_t read = mesh.triangle.size();
     weld(mesh);
-    if (mesh.triangle.empty()) throw InputError({name}, "the mesh holds no triangles");
+    if (mesh.triangle.empty()) throw InputError({name}, "the mesh contains no triangles");
     if (const std::size_t lost = read - mesh.triangle.size()) remarks.push_back(fmt::format("faces without an area left out: {}", lost));
     const std::vector<TriangleMesh> parts = closed_parts(std::move(mesh), name, remarks);
     if (parts.size() == 1)

@@ -81,7 +81,7 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {
     const auto refuse = [&](const std::string& why) {
-        throw EnvironmentError(file.string() + " is damaged: " + why, "", "it is passed over; delete it to be rid of this message");
+        throw EnvironmentError(file.string() + " is damaged: " + why, "", "it is skipped; delete it to stop this message");
     };
     std::string bytes;
     try {

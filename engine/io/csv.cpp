@@ -52,7 +52,7 @@ std::size_t CsvTable::index(const std::string& column) const {
 
 CsvTable read_csv(const std::filesystem::path& file) {
     std::ifstream in(file);
-    if (!in) throw InputError({file.string(), 0, 0}, "no such table", "a run folder holds diagnostics.csv, probes/NAME.csv and more");
+    if (!in) throw InputError({file.string(), 0, 0}, "no such table", "a run folder contains diagnostics.csv, probes/NAME.csv and more");
     CsvTable table;
     table.file = file.string();
     std::string line;

@@ -68,7 +68,7 @@ void check(const Frame& frame) {
         for (const auto& corners : solid.mesh->triangle)
             for (const auto corner : corners) sound = sound && corner < vertices;
     }
-    if (!sound) throw EnvironmentError("its parts do not fit together");
+    if (!sound) throw EnvironmentError("its arrays or values are inconsistent");
 }
 
 }  // namespace

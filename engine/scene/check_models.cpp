@@ -35,8 +35,8 @@ void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& repo
             report(name,
                    fmt::format("{} = {:g}: with {}{} drops {}", name, wetting, setting("models.pressure", pressure.name),
                                no_angle && pressure.solves_viscosity ? " and a slip other than \"no\"" : "",
-                               no_angle ? "do not meet solids at the angle asked" : "spread farther than to the angle asked"),
-                   "use models.pressure = \"ppe\", or leave wetting out", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
+                               no_angle ? "do not meet solids at the requested angle" : "spread beyond the requested angle"),
+                   "use models.pressure = \"ppe\", or remove wetting", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
     }
 }
 
@@ -49,11 +49,10 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneScales& num
     check_wetting(scene, plan, report);
     const bool between_walls = !plan.free_surface && !scene.domain.box().all_periodic();
     if (pressure.form == PressureForm::constraint && between_walls && plan.viscosity == ViscosityModel::none && !scene.any_free_solid())
-        report(
-            "pressure.form",
-            "pressure.form = \"constraint\" gains energy in fluid without viscosity that fills the space between solids: where nothing can "
-            "give way, what it corrects in every step sets the fluid in motion",
-            "use pressure.form = \"projection\" or \"auto\", or models.viscosity = \"xsph\"");
+        report("pressure.form",
+               "pressure.form = \"constraint\" gains energy in fluid without viscosity that fills the space between solids: its "
+               "corrections in every step set confined fluid in motion",
+               "use pressure.form = \"projection\" or \"auto\", or models.viscosity = \"xsph\"");
     if (pressure.has_sound && plan.free_surface && scene.pressure.gradient == GradientForm::difference)
         report("pressure.gradient",
                "pressure.gradient = \"difference\" does not hold a free surface: fluid at rest in a tank starts to move",
@@ -64,13 +63,12 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneScales& num
                "leave " + setting("models.viscosity", name_of(plan.viscosity)) + " out, or choose another pressure",
                "allowed: auto or none");
     if (numbers.least_viscous_number < pressure.least_viscous_number)
-        report(
-            numbers.least_viscosity_key,
-            fmt::format("{} is {:.3g} Pa s at the start, too thin for {}: the viscous number nu dt/d^2 is {:.2g} (dt: the fastest moves by "
-                        "0.4 spacings), and {} works from {:g} on",
-                        numbers.least_viscosity_key, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
-                        pressure.least_viscous_number),
-            "choose " + solved_apart());
+        report(numbers.least_viscosity_key,
+               fmt::format("{} is {:.3g} Pa s at the start, too thin for {}: the viscous number nu dt/d^2 is {:.2g} (in a step dt the "
+                           "fastest fluid moves by 0.4 spacings), and {} needs at least {:g}",
+                           numbers.least_viscosity_key, numbers.least_viscosity, chosen, numbers.least_viscous_number, pressure.name,
+                           pressure.least_viscous_number),
+               "choose " + solved_apart());
 }
 
 void check_boundary(const Plan& plan, const KeyProblems& report) {
@@ -91,7 +89,7 @@ void check_assembled(const Plan& plan, double viscous_number, const KeyProblems&
     if (const double bytes = plan.estimated_particles * assembled_bytes(plan.support / plan.spacing, plan.dimensions());
         bytes > most_assembled_bytes)
         report("models.viscosity",
-               fmt::format("the matrix of {} would take {:.1f} GB ({:.0f} particles)", chosen, bytes / 1e9, plan.estimated_particles),
+               fmt::format("the matrix of {} would need {:.1f} GB ({:.0f} particles)", chosen, bytes / 1e9, plan.estimated_particles),
                "use \"full\", the same without a matrix, or a larger fluid.spacing",
                fmt::format("allowed: up to {:g} GB", most_assembled_bytes / 1e9));
     if (viscous_number > most_assembled_viscous_number)
@@ -153,8 +151,8 @@ void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& repor
             report(name + ".slip", "along free bodies the fluid sticks or slides freely: a slip length does not push back on them",
                    "use \"no\" or \"free\"");
         if (solid.position.depends_on_time() || solid.rotation.depends_on_time())
-            report(name + ".density", name + " has a density, so forces move it, and position or rotation, which depend on t, cannot",
-                   "give where it starts, and its velocity");
+            report(name + ".density", name + " has a density, so forces move it, but its position or rotation depends on t",
+                   "give its initial position and rotation without t, and its velocity");
     }
     if (!scene.any_free_solid()) return;
     if (!plan.traits.pressure.moves_bodies)
@@ -162,7 +160,7 @@ void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& repor
                "models.pressure = " + described(plan.traits.pressure) + " does not move free bodies (solids with a density)",
                "use " + described(pressure_models(), &PressureTraits::moves_bodies));
     else if (plan.boundary == BoundaryModel::none)
-        report("models.boundary", "free bodies feel the fluid through their layer of particles, and models.boundary is none",
+        report("models.boundary", "the fluid acts on free bodies through their boundary particles, and models.boundary is none",
                "use \"auto\"");
     if (!plan.traits.viscosity.moves_bodies)
         report("models.viscosity", "models.viscosity = " + described(plan.traits.viscosity) + " does not move free bodies",
@@ -209,7 +207,7 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
         if (pipe_in_fluid(shapes, scene.emitters[k], plan))
             problem("pressure.form",
                     "pressure.form = \"projection\" lets fluid flow from behind into the pipe of " + entry_name("emitter", k) +
-                        ", which is in the fluid",
+                        ", which lies in the fluid",
                     "use pressure.form = \"constraint\", or \"auto\", which does so");
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
         if (scene.domain.dimensions == 3 && !scene.solids[k].container && scene.solids[k].shape.kind != "plane")
@@ -224,8 +222,8 @@ void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& s
     const bool weightless = scene.domain.box().all_periodic() || scene.domain.gravity(0).norm() == 0;
     if (plan.traits.pressure.source == PressureSource::density && !plan.free_surface && weightless)
         problem("pressure.source",
-                "pressure.source = \"density\" gains energy in fluid that fills its space and rests on nothing: only weight damps what its "
-                "density errors shake",
+                "pressure.source = \"density\" gains energy in confined fluid without gravity: only weight damps the motion that its "
+                "density errors cause",
                 "use pressure.source = \"velocity\"");
 }
 

@@ -123,9 +123,9 @@ private:
                      filled = e.volume / plan_.particle_volume();
         if (places > 1e9 && places > 20 * filled)
             report(name,
-                   fmt::format("{} fills {:.2g} of the {:.2g} places for particles in the box about it: too few to look for them", name,
+                   fmt::format("{} fills {:.2g} of the {:.2g} particle positions in its bounding box, which are too many to search", name,
                                filled, places),
-                   "make it of several blocks, or lay it along an axis", "allowed: up to 1e9 places");
+                   "split it into several blocks, or align it with an axis", "allowed: up to 1e9 places");
     }
 
     void vortex(const std::string& name, const VortexKeys& v) {
@@ -137,7 +137,7 @@ private:
         }
         if (const double gap = (v.path(round) - v.path(0)).norm(); gap > v.core)
             report(name + ".path", fmt::format("{} is not closed: from t = 2 pi to t = 0 it is {:.3g} m", name, gap),
-                   "t goes once round from 0 to 2 pi");
+                   "use a path that closes as t goes from 0 to 2 pi");
         if (v.core < plan_.spacing)
             report(name + ".core",
                    fmt::format("{}.core = {:.3g} m is thinner than a spacing of {:.3g} m: particles cannot hold it", name, v.core,
@@ -154,9 +154,9 @@ private:
         if (known > enough * plan_.spacing)
             report(
                 name,
-                fmt::format("{} reaches {:.2g} spacings away from the origin, where this program resolves positions to {:.2g} spacings",
-                            name, far / plan_.spacing, known / plan_.spacing),
-                sizeof(Real) == 4 ? "move the scene to the origin, or use the program of the preset \"double\""
+                fmt::format("{} reaches {:.2g} spacings away from the origin, where positions are resolved to {:.2g} spacings", name,
+                            far / plan_.spacing, known / plan_.spacing),
+                sizeof(Real) == 4 ? "move the scene to the origin, or use a build with the preset \"double\""
                                   : "move the scene to the origin",
                 fmt::format("allowed: up to {:.2g} m", enough * plan_.spacing / static_cast<double>(std::numeric_limits<Real>::epsilon())));
     }
@@ -177,7 +177,7 @@ private:
         if (k >= 0 && distance < 0)
             report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
                    scene_.solids[static_cast<std::size_t>(k)].container
-                       ? "a container (container = true) is closed all round: make it as high as the emitter, or move one of them"
+                       ? "a container (container = true) is closed on all sides: make it as high as the emitter, or move one of them"
                        : "move one of them");
         if (const double widest = widest_of(e, plan_.dimensions()); widest > longest_side(scene_.domain))
             report(name, fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest,
@@ -224,9 +224,7 @@ private:
     }
 
     void probe(const std::string& name, const ProbeKeys& p) {
-        const auto far_away = [&](const char* key) {
-            report(name + "." + key, name + " measures outside of the domain", "", domain_text());
-        };
+        const auto far_away = [&](const char* key) { report(name + "." + key, name + " measures outside the domain", "", domain_text()); };
         const double half = std::max({p.radius, p.width / 2, p.thickness / 2});  // of an opening, for any direction
         if (p.kind == ProbeKind::point && outside(p.at, p.at)) far_away("at");
         if (p.kind == ProbeKind::flux && outside(p.at.array() - half, p.at.array() + half)) far_away("at");
@@ -247,7 +245,7 @@ private:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
             if (const double volume = emitted_volume(scene_.emitters[i], scene_.time.end, plan_.dimensions());
                 volume > 0.5 * n_.particles * plan_.particle_volume())
-                source = fmt::format("; most of them come from emitter[{}], which lets {:.3g} m^3 out until the end", i, volume);
+                source = fmt::format("; most of them are from emitter[{}], which emits {:.3g} m^3 until the end", i, volume);
         report("fluid.spacing",
                fmt::format("about {:.2g} particles need {:.2g} GB of memory, and {:.2g} GB are free{}", n_.particles, need / 1e9,
                            have / 1e9, source),
@@ -265,9 +263,9 @@ private:
             kept += points * bytes, at_once = std::max(at_once, points * choosing);
             if (fitted && kept + at_once > have)
                 report(name + key,
-                       fmt::format("{} of {} takes about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB "
-                                   "are free",
-                                   what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
+                       fmt::format(
+                           "{} of {} needs about {:.2g} particles at this spacing, which need {:.2g} GB of memory, and {:.2g} GB are free",
+                           what, name, points, points * (bytes + choosing) / 1e9, have / 1e9),
                        fmt::format("make {} or fluid.spacing larger", smaller));
         };
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i)

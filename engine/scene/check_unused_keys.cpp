@@ -49,7 +49,7 @@ void check_choices(const Scene& scene, const Plan& plan, const KeyProblems& repo
 
 void check_output(const Scene& scene, const KeyProblems& report) {
     if (!scene.output.chart.empty() && scene.panels.empty() && scene.places.count("output.chart") > 0)
-        report("output.chart", "charts need a film of panels, and this scene has no panel", "add a [[panel]]");
+        report("output.chart", "a chart needs panels, and this scene has none", "add a [[panel]]");
 }
 
 void check_forms(const Scene& scene, const Plan& plan, const KeyProblems& report) {
@@ -57,22 +57,22 @@ void check_forms(const Scene& scene, const Plan& plan, const KeyProblems& report
     if (source == PressureSource::velocity) {
         if (scene.pressure.correction)
             report("pressure.correction",
-                   "pressure.correction is a share of the density error, which pressure.source = \"velocity\" does not see",
-                   "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
+                   "pressure.correction is a share of the density error, which pressure.source = \"velocity\" does not correct",
+                   "remove it, or use pressure.source = \"density\" or pressure.form = \"constraint\"");
         if (scene.pressure.damping != PressureOptions{}.damping)
             report("pressure.damping",
-                   "pressure.damping is of motion between neighbours, which pressure.source = \"velocity\" does not leave",
-                   "remove it, or take pressure.source = \"density\" or pressure.form = \"constraint\"");
+                   "pressure.damping acts on motion between neighbours, which pressure.source = \"velocity\" already removes",
+                   "remove it, or use pressure.source = \"density\" or pressure.form = \"constraint\"");
         if (scene.models.shifting == ShiftingModel::fickian)
-            report("models.shifting", "pressure.form = \"projection\" evens out its particles itself: it leaves models.shifting aside",
-                   "remove it, or take pressure.form = \"constraint\"", "allowed: auto or none");
+            report("models.shifting", "pressure.form = \"projection\" spreads its particles evenly itself: it does not use models.shifting",
+                   "remove it, or use pressure.form = \"constraint\"", "allowed: auto or none");
     }
     const Preconditioner M = scene.pressure.preconditioner;
     if (source == PressureSource::density && (M == Preconditioner::none || M == Preconditioner::jacobi))
         for (const std::string key : {"pressure.cycle", "pressure.sweeps"})
             if (scene.places.count(key) > 0)
-                report(key, fmt::format("{} is of the multigrid, and pressure.preconditioner is \"{}\"", key, name_of(M)),
-                       "remove it, or take pressure.preconditioner = \"multigrid\"");
+                report(key, fmt::format("{} is an option of the multigrid, and pressure.preconditioner is \"{}\"", key, name_of(M)),
+                       "remove it, or use pressure.preconditioner = \"multigrid\"");
 }
 
 }  // namespace

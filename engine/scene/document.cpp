@@ -202,7 +202,7 @@ KeyValue parse_change(const std::string& text, const std::string& option) {
     const std::size_t equals = std::min(text.find('='), text.size());
     const std::string key = trimmed(text.substr(0, equals)), value = trimmed(text.substr(std::min(equals + 1, text.size())));
     if (value.empty())
-        throw InputError({option + " " + text, 0, 0}, "a change needs a value", "", "allowed: key=value, as in fluid.viscosity=100");
+        throw InputError({option + " " + text, 0, 0}, "the change has no value", "", "allowed: key=value, as in fluid.viscosity=100");
     return {key, parse_value(value, option + " " + text)};
 }
 

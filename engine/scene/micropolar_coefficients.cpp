@@ -121,23 +121,23 @@ void choose_micropolar(Plan& plan, const Scene& scene, const Scene& asked, doubl
     const double d = plan.spacing;
     const auto length = [&](double l) { return std::isfinite(l) ? fmt::format("{:.3g} m ({:.2g} d)", l, l / d) : std::string("infinite"); };
     choose("models.micropolar", name_of(plan.micropolar), false,
-           fmt::format("slow flows feel {:.3g} Pa s (viscosity {:.3g} - coupling {:.3g}/2); the spin answers in {:.3g} s, over {}",
+           fmt::format("effective viscosity of slow flows {:.3g} Pa s (viscosity {:.3g} - coupling {:.3g}/2); response time of the spin "
+                       "{:.3g} s, length {}",
                        n.effective_viscosity(), n.viscosity, n.coupling, n.response_time(), length(n.spin_length())));
     if (n.slides && std::abs(n.pair_viscosity + n.composed_coupling - n.coupling) < 1e-9 * n.coupling)
-        choose(
-            "micropolar viscosity", n.composed_coupling > 0 ? "split, with a composed curl" : "split", !scene.viscosity.laplacian,
-            fmt::format("feeds no energy in where fluid turns freely: {:.3g} Pa s along u_i - u_j, {:.3g} without torque, {:.3g} through "
-                        "the curl of curl u - 2 w",
-                        n.pair_viscosity, n.viscosity - n.pair_viscosity - n.composed_coupling / 2, n.composed_coupling / 2));
+        choose("micropolar viscosity", n.composed_coupling > 0 ? "split, with a composed curl" : "split", !scene.viscosity.laplacian,
+               fmt::format("adds no energy to fluid that turns freely: {:.3g} Pa s along u_i - u_j, {:.3g} without torque, {:.3g} through "
+                           "the curl of curl u - 2 w",
+                           n.pair_viscosity, n.viscosity - n.pair_viscosity - n.composed_coupling / 2, n.composed_coupling / 2));
     if (asked.micropolar.effective_viscosity) {
         const std::string wanted = fmt::format("calibrated for {:g} Pa s", *asked.micropolar.effective_viscosity);
         choose("fluid.viscosity", scene.fluid.viscosity.text(), true, wanted + ": viscosity = coupling = twice that");
         choose("micropolar.transfer_viscosity", fmt::format("{:g}", scene.micropolar.transfer_viscosity), true,
-               wanted + ": half of the coupling that would feed energy in, and angular momentum is conserved");
+               wanted + ": half of the coupling that would add energy; angular momentum is conserved");
         choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true,
                fmt::format("calibrated for a spin length of {:.3g} m: twice the effective viscosity times its square", n.spin_length()));
         choose("micropolar.micro_inertia", fmt::format("{:.3g}", n.micro_inertia), true,
-               "calibrated: the spin length squared, spin and momentum diffuse alike");
+               "calibrated to the spin length squared: spin and momentum diffuse equally fast");
     } else if (!asked.micropolar.spin_viscosity) {
         choose("micropolar.spin_viscosity", fmt::format("{:.3g}", n.spin_viscosity), true,
                fmt::format("viscosity l^2 with l = {:.3g} m", length_of_spin(scene)));
@@ -157,11 +157,12 @@ namespace {
 
 /// Describes the growth of fluid that turns freely, and a fix.
 std::pair<std::string, std::string> turning_text(const MicropolarNumbers& n, const Scene& scene) {
-    return {fmt::format("where fluid can turn freely, at a free surface or along a round wall that it does not stick to, the coupling of "
-                        "{:.3g} Pa s with a torque of the viscosity of {:.3g} Pa s makes it turn faster by exp({:.3g}) or more in the run",
-                        n.coupling, n.pair_viscosity, n.turning_growth * scene.time.end),
-            n.grows() ? "use \"eringen\", or a fluid.viscosity of at least micropolar.transfer_viscosity with a model that applies it"
-                      : "use viscosity.laplacian = \"split\" or \"auto\""};
+    return {
+        fmt::format("fluid that turns freely (at a free surface, or along a round wall without friction) gains energy: the coupling of "
+                    "{:.3g} Pa s, with a torque of the viscosity of {:.3g} Pa s, makes it turn faster by exp({:.3g}) or more in the run",
+                    n.coupling, n.pair_viscosity, n.turning_growth * scene.time.end),
+        n.grows() ? "use \"eringen\", or a fluid.viscosity of at least micropolar.transfer_viscosity with a model that applies it"
+                  : "use viscosity.laplacian = \"split\" or \"auto\""};
 }
 
 }  // namespace
@@ -174,12 +175,10 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
         const double rate = n.wave_growth(2 * plan.spacing, (scene.domain.max - scene.domain.min).maxCoeff(),
                                           smoothing_viscosity(scene.micropolar, plan.support, scene.time.max_step));
         add(fmt::format(
-            "the micropolar system feeds energy in: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so "
-            "that slow flows feel "
-            "{:.3g} Pa s and {} grow, the fastest by exp({:.3g}) in the run. No time step and no exchange scheme bounds that; XSPH "
-            "smoothing only damps short waves. "
-            "models.micropolar = "
-            "\"eringen\" always dissipates, and so does \"notes\" with fluid.viscosity >= micropolar.transfer_viscosity",
+            "the micropolar system adds energy: its coupling {:.3g} Pa s is more than twice its viscosity {:.3g} Pa s, so slow flows have "
+            "an effective viscosity of {:.3g} Pa s, and {} grow, the fastest by exp({:.3g}) in the run. No time step or exchange scheme "
+            "prevents that; XSPH smoothing damps only short waves. models.micropolar = \"eringen\" always dissipates, and so does "
+            "\"notes\" with fluid.viscosity >= micropolar.transfer_viscosity",
             n.coupling, n.viscosity, n.effective_viscosity(),
             from > 0 ? fmt::format("waves longer than {:.3g} m", from) : std::string("waves of every length"), rate * scene.time.end));
     }
@@ -189,16 +188,16 @@ void warn_micropolar(Plan& plan, const Scene& scene) {
     }
     if (n.coupling > 0 && n.response_time() > scene.time.end)
         add(
-            fmt::format("the spin answers to the flow in {:.3g} s, longer than the run of {:g} s: at its end it has {:.2g} % of what a "
-                        "steady flow gives it. A micropolar.micro_inertia of {:.2g} m^2 would answer in a tenth of the run",
+            fmt::format("the response time of the spin is {:.3g} s, longer than the run of {:g} s: at its end the spin has {:.2g} % of its "
+                        "value in a steady flow. With micropolar.micro_inertia = {:.2g} m^2 it would respond in a tenth of the run",
                         n.response_time(), scene.time.end, -100 * std::expm1(-scene.time.end / n.response_time()),
                         0.2 * scene.time.end * n.coupling / n.density));
     if (const double transfer = scene.micropolar.transfer_viscosity; plan.micropolar == MicropolarModel::notes && !n.grows() &&
                                                                      !scene.micropolar.effective_viscosity &&
                                                                      transfer >= notes_transfer_below)
-        add(fmt::format("micropolar.transfer_viscosity = {:g} Pa s: the source of \"notes\" takes less than {:g}", transfer,
+        add(fmt::format("micropolar.transfer_viscosity = {:g} Pa s: the source of \"notes\" uses less than {:g}", transfer,
                         notes_transfer_below));
-    if (n.coupling == 0) add("the micropolar coupling is 0: the spin does nothing to the flow");
+    if (n.coupling == 0) add("the micropolar coupling is 0: the spin does not act on the flow");
 }
 
 void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>& problems) {
@@ -212,8 +211,8 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
     }
     if (plan.spin.grows() && plan.spin.composed_coupling > 0)
         report("viscosity.laplacian",
-               fmt::format("viscosity.laplacian = \"split\" leaves {:.3g} Pa s for the strain (viscosity {:.3g} less half of the coupling "
-                           "{:.3g}), and that feeds energy in",
+               fmt::format("viscosity.laplacian = \"split\" leaves {:.3g} Pa s for the strain (viscosity {:.3g} minus half of the coupling "
+                           "{:.3g}), which adds energy",
                            plan.spin.effective_viscosity(), plan.spin.viscosity, plan.spin.coupling),
                "use \"eringen\" or a smaller micropolar.transfer_viscosity", "allowed: auto, brookshaw or monaghan");
     if (std::exp(plan.spin.turning_growth * scene.time.end) > most_growth) {
@@ -222,11 +221,10 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
     }
     if (plan.spin.slides && scene.micropolar.curl_velocity == CurlForm::symmetric &&
         scene.micropolar.curl_spin.value_or(CurlForm::symmetric) != CurlForm::symmetric)
-        report(
-            "micropolar.curl_spin",
-            "micropolar.curl_velocity = \"symmetric\" turns particles at a free surface that only move along with it, and a difference as "
-            "curl_spin does not take that energy from the flow: it tears fluid apart",
-            "use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"");
+        report("micropolar.curl_spin",
+               "micropolar.curl_velocity = \"symmetric\" turns particles that merely move with a free surface, and a difference as "
+               "curl_spin does not take that energy from the flow, which tears the fluid apart",
+               "use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"");
     if (!plan.traits.pressure.has_micropolar)
         report("models.pressure", "models.pressure = " + described(plan.traits.pressure) + " has no micropolar terms",
                "use \"wcsph\" or \"ppe\"", "allowed: auto, wcsph, ppe or none");
@@ -236,14 +234,14 @@ void check_micropolar(const Scene& scene, const Plan& plan, std::vector<Problem>
     if (calibrates)
         for (const char* key :
              {"fluid.viscosity", "micropolar.transfer_viscosity", "micropolar.spin_viscosity", "micropolar.micro_inertia"})
-            if (given(scene, key)) report(key, std::string(key) + " is chosen by micropolar.effective_viscosity", "leave one of them out");
+            if (given(scene, key)) report(key, std::string(key) + " is chosen by micropolar.effective_viscosity", "remove one of them");
     if (plan.micropolar == MicropolarModel::notes && plan.spin.grows() && !calibrates && !given(scene, "micropolar.transfer_viscosity"))
         report("models.micropolar",
-               fmt::format("models.micropolar = \"notes\" would feed energy in: its coupling, fluid.viscosity + the default "
-                           "micropolar.transfer_viscosity = {:g} Pa s, "
-                           "is more than twice the {:g} Pa s that models.viscosity = \"{}\" applies",
-                           scene.micropolar.transfer_viscosity, plan.spin.viscosity, name_of(plan.viscosity)),
-               "give micropolar.transfer_viscosity (at most fluid.viscosity to dissipate; more if that is what you want), or take "
+               fmt::format(
+                   "models.micropolar = \"notes\" would add energy: its coupling, fluid.viscosity + the default "
+                   "micropolar.transfer_viscosity = {:g} Pa s, is more than twice the {:g} Pa s that models.viscosity = \"{}\" applies",
+                   scene.micropolar.transfer_viscosity, plan.spin.viscosity, name_of(plan.viscosity)),
+               "set micropolar.transfer_viscosity (to at most fluid.viscosity for dissipation, or more if intended), or use "
                "\"eringen\"");
 }
 

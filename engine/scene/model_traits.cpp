@@ -21,7 +21,7 @@ const Facts& row_of(const std::vector<Facts>& rows, Model model, std::optional<O
 
 const std::vector<PressureTraits>& pressure_models() {
     static const std::vector<PressureTraits> rows{
-        {.model = PressureModel::none, .name = "none", .boundary_reason = "no pressure: solids only keep particles out"},
+        {.model = PressureModel::none, .name = "none", .boundary_reason = "without a pressure, solids only keep particles out"},
         {.model = PressureModel::wcsph,
          .name = "wcsph",
          .keeps_apart = true,
@@ -50,11 +50,11 @@ const std::vector<PressureTraits>& pressure_models() {
          .moves_bodies = true,
          .kernel = KernelKind::wendland_c2,
          .support = 3,
-         .kernel_reason = "what the projection was measured with",
+         .kernel_reason = "measured with the projection",
          .loosens_lattice = 0.03,
          .boundary = BoundaryModel::ppe,
          .boundary_reason = "solids with the pressure equation",
-         .shifting_reason = "the projection evens out its particles itself"},
+         .shifting_reason = "the projection spreads its particles evenly itself"},
         {.model = PressureModel::ppe,
          .name = "ppe",
          .form = PressureForm::projection,
@@ -74,10 +74,10 @@ const std::vector<PressureTraits>& pressure_models() {
          .kernel = KernelKind::wendland_c2,
          .support = 2.4,
          .widest_support = 4,
-         .kernel_reason = "what the coupled pressure was measured with",
+         .kernel_reason = "measured with the coupled pressure",
          .boundary_reason = "the coupled pressure touches solids by distance: stick or slide",
          .shifting = ShiftingModel::fickian,
-         .shifting_reason = "stretched threads lose their even spacing",
+         .shifting_reason = "particles of stretched threads become unevenly spaced",
          .bytes_a_particle = 2400},
     };
     return rows;

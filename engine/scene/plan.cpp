@@ -28,7 +28,7 @@ constexpr double coupled_above = 0.25;
 /// @param open the fluid has a free surface
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneScales& n, bool open) {
     if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
-        return "the usual company of micropolar terms where there is a free surface; \"ppe\" has them too";
+        return "usual with micropolar terms and a free surface; \"ppe\" also has them";
     if (!n.free_surface) return "every axis is periodic: no free surface";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
@@ -96,7 +96,7 @@ private:
 
     void tell_numbers() {
         if (scene_.domain.dimensions == 2)
-            plan_.choices.push_back({"domain.dimensions", "2", false, "masses, forces and energies are those of a metre of depth"});
+            plan_.choices.push_back({"domain.dimensions", "2", false, "masses, forces and energies are per metre of depth"});
         if (scene_.models.printed())
             plan_.choices.push_back({"models.notes", "as_printed", false, "values and forms of the notes, listed in docs/physics.md 14"});
         plan_.spacing = d_;
@@ -126,8 +126,8 @@ private:
     std::string form_reason() const {
         if (plan_.free_surface) return "a free surface may splash; waves that do not break keep their height with projection";
         if (scene_.any_free_solid()) return "it moves the free bodies in the same solve";
-        if (smoothed()) return "the projection does not go with XSPH";
-        return "the fluid fills its space: nothing splashes, and the projection keeps vortices";
+        if (smoothed()) return "the projection cannot be combined with XSPH";
+        return "the fluid fills its space, so nothing splashes, and the projection preserves vortices";
     }
 
     void choose_kernel() {
@@ -158,10 +158,10 @@ private:
         const auto explicit_step = [&](const char* is) {
             return fmt::format("the stable explicit step {:.3g} s is {} than the flow's {:.3g} s", n_.explicit_step, is, step_);
         };
-        if (plan_.traits.pressure.solves_viscosity) reason = "the coupled pressure solves for it";
+        if (plan_.traits.pressure.solves_viscosity) reason = "the coupled pressure solves for the viscosity";
         else if (n_.viscosity == 0) reason = "fluid.viscosity is 0";
         else if (n_.explicit_step >= step_ && rotation_lost() > most_rotation_lost)
-            wanted = ViscosityModel::full, reason = fmt::format("an explicit Laplacian takes {}", rotation_taken());
+            wanted = ViscosityModel::full, reason = fmt::format("an explicit Laplacian removes {}", rotation_taken());
         else if (n_.explicit_step >= step_) wanted = ViscosityModel::explicit_laplacian, reason = explicit_step("longer");
         else wanted = ViscosityModel::full, reason = explicit_step("shorter");
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
@@ -169,7 +169,7 @@ private:
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             const double bytes = assembled_bytes(plan_.support / d_, plan_.dimensions());
             note("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
-                 fmt::format("{:.1f} kB a particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
+                 fmt::format("{:.1f} kB per particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
         }
     }
 
@@ -185,7 +185,7 @@ private:
     }
     static constexpr double most_rotation_lost = 0.01;
     std::string rotation_taken() const {
-        return fmt::format("{:.2g} % of its rotation from a body with a free surface within a turn", 100 * rotation_lost());
+        return fmt::format("{:.2g} % of the rotation of a body with a free surface within a turn", 100 * rotation_lost());
     }
 
     /// Particles come to rest with a viscosity of alpha = 0.1, nu = alpha c R/(4 (D + 2)). The viscosity of the fluid itself is
@@ -194,14 +194,15 @@ private:
         if (!plan_.traits.pressure.has_sound) return;
         constexpr double enough = 0.1;
         double nu = n_.nu;
-        std::string reason = fmt::format("what the fluid's viscosity lacks to {:g}", enough);
-        if (!plan_.traits.viscosity.viscous) nu = 0, reason = "no separate viscosity: particles come to rest";
+        std::string reason = fmt::format("{:g} minus the part of the fluid's viscosity", enough);
+        if (!plan_.traits.viscosity.viscous) nu = 0, reason = "no other viscosity brings particles to rest";
         if (plan_.traits.viscosity.smooths)
-            nu = xsph_viscosity(scene_.viscosity.alpha, plan_.support, step_), reason = fmt::format("what XSPH lacks to {:g}", enough);
+            nu = xsph_viscosity(scene_.viscosity.alpha, plan_.support, step_), reason = fmt::format("{:g} minus the part of XSPH", enough);
         double own = 4 * (scene_.domain.dimensions + 2) * nu / (plan_.sound_speed * plan_.support);
         if (const MicropolarNumbers& n = plan_.spin; n.composed_coupling > 0)
-            own *= (n.viscosity - n.composed_coupling / 2) / n.viscosity, reason = "what the composed curl does not damp between particles";
-        else if (plan_.traits.micropolar.spins) own = enough, reason = "the micropolar model's own viscosity alone";
+            own *= (n.viscosity - n.composed_coupling / 2) / n.viscosity,
+                reason = "motion between particles that the composed curl does not damp";
+        else if (plan_.traits.micropolar.spins) own = enough, reason = "the micropolar model's viscosity suffices";
         plan_.artificial_viscosity = scene_.pressure.artificial_viscosity.value_or(std::max(0.0, enough - own));
         note("pressure.artificial_viscosity", fmt::format("{:.2g}", plan_.artificial_viscosity), !scene_.pressure.artificial_viscosity,
              reason);
@@ -213,10 +214,11 @@ private:
         const double above = plan_.traits.pressure.form == PressureForm::constraint ? constraint_multigrid_above : poisson_multigrid_above;
         const bool many = plan_.estimated_particles >= above;
         const bool asked = plan_.traits.pressure.source == PressureSource::density && scene_.pressure.asks_for_multigrid();
-        plan_.preconditioner = choose(
-            "pressure.preconditioner", scene_.pressure.preconditioner, many || asked ? Preconditioner::multigrid : Preconditioner::jacobi,
-            asked ? std::string("pressure.cycle and pressure.sweeps are of it")
-                  : fmt::format("{:.3g} particles; its set-up pays from {:.3g} that press at a time", plan_.estimated_particles, above));
+        plan_.preconditioner = choose("pressure.preconditioner", scene_.pressure.preconditioner,
+                                      many || asked ? Preconditioner::multigrid : Preconditioner::jacobi,
+                                      asked ? std::string("pressure.cycle and pressure.sweeps are its options")
+                                            : fmt::format("{:.3g} particles; its set-up pays if {:.3g} are under pressure at the same time",
+                                                          plan_.estimated_particles, above));
     }
 
     void choose_boundary() {
@@ -255,9 +257,9 @@ private:
         ShiftingModel shifting = plan_.traits.pressure.shifting;
         std::string reason = plan_.traits.pressure.shifting_reason;
         if (plan_.traits.pressure.has_sound && !plan_.free_surface && plan_.traits.viscosity.viscous)
-            shifting = ShiftingModel::fickian, reason = "particles that shear disorders, viscosity takes for a fluid a fifth thicker";
+            shifting = ShiftingModel::fickian, reason = "disordered by shear, particles would have a fifth more viscosity";
         if (plan_.traits.pressure.has_sound && scene_.pressure.gradient == GradientForm::difference)
-            shifting = ShiftingModel::fickian, reason = "the difference gradient keeps no particles apart";
+            shifting = ShiftingModel::fickian, reason = "the difference gradient does not keep particles apart";
         plan_.shifting = choose("models.shifting", scene_.models.shifting, shifting, reason);
     }
 
@@ -303,10 +305,9 @@ private:
     }
 
     void warn_of_spinning() {
-        add_warning(
-            fmt::format("solid[{}] turns at {:.3g} /s: fluid that turns with it climbs to {:.3g} m, and the vessel or the domain ends "
-                        "at {:.3g} m",
-                        n_.spun.solid, n_.spun.rate, n_.spun.edge, n_.spun.rim));
+        add_warning(fmt::format(
+            "solid[{}] turns at {:.3g} rad/s: fluid that turns with it climbs to {:.3g} m, and the vessel or the domain ends at {:.3g} m",
+            n_.spun.solid, n_.spun.rate, n_.spun.edge, n_.spun.rim));
     }
 
     void warn_of_viscosity() {
@@ -314,10 +315,10 @@ private:
             add_warning(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n_.viscosity));
         if (plan_.viscosity == ViscosityModel::explicit_laplacian && n_.explicit_step < 0.15 * n_.step)
             add_warning(fmt::format(
-                "explicit viscosity needs steps of {:.3g} s where the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
+                "explicit viscosity needs steps of {:.3g} s, and the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
                 n_.explicit_step, n_.step));
         if (plan_.viscosity == ViscosityModel::explicit_laplacian && rotation_lost() > most_rotation_lost)
-            add_warning(fmt::format("viscosity.laplacian = \"brookshaw\" takes {}: take \"monaghan\", or models.viscosity = \"full\"",
+            add_warning(fmt::format("viscosity.laplacian = \"brookshaw\" removes {}: use \"monaghan\", or models.viscosity = \"full\"",
                                     rotation_taken()));
         warn_of_lattice();
         if (n_.across < 4)
@@ -338,7 +339,7 @@ private:
         if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
             add_warning(
                 fmt::format("on a lattice, viscosity.laplacian = \"monaghan\" is {:.2f} times as stiff as it should be in stretching and "
-                            "{:.2f} times in shear with fluid.support = {:g}; take 4, or \"brookshaw\"",
+                            "{:.2f} times in shear with fluid.support = {:g}; use 4, or \"brookshaw\"",
                             stiff.stretching, stiff.shear, plan_.support / d_));
     }
 
@@ -357,20 +358,20 @@ private:
             for (std::size_t k = 0; k < scene_.solids.size(); ++k)
                 if (const double density = scene_.solids[k].density; density > 0 && density < 0.9 * scene_.fluid.density)
                     add_warning(
-                        fmt::format("solid[{}] is lighter than the fluid: where it comes to press against another solid, pressure.form "
-                                    "= \"projection\" does not hold it, and \"constraint\" does",
+                        fmt::format("solid[{}] is lighter than the fluid: pressed against another solid it is not stable with "
+                                    "pressure.form = \"projection\"; use \"constraint\"",
                                     k));
         if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
-            add_warning("pressure.background_pressure pushes particles away from a free surface: 0 is right where there is one");
+            add_warning("pressure.background_pressure pushes particles away from the free surface; use 0");
         if (scene_.pressure.gradient == GradientForm::difference && plan_.shifting == ShiftingModel::none)
             add_warning(
                 "pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain "
                 "energy");
         if (!scene_.fluid.force.is_zero() && scene_.pressure.sound_speed == 0)
             add_warning(
-                fmt::format("pressure.sound_speed = {:.3g} m/s was chosen without the speeds that fluid.force makes: give ten times the "
-                            "largest of them",
+                fmt::format("pressure.sound_speed = {:.3g} m/s was chosen without the speeds that fluid.force causes; set it to ten times "
+                            "the largest of them",
                             plan_.sound_speed));
         if (plan_.sound_speed < 8 * n_.speed)
             add_warning(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %",
@@ -385,8 +386,8 @@ private:
             for (std::size_t k = 0; k < i; ++k)
                 if (const double part = part_inside_block(shapes_, i, k, d_ / 2); part > 0.05)
                     add_warning(
-                        fmt::format("{:.2g} % of block[{}] lies inside block[{}]: there are particles of both there, more than have "
-                                    "room; let the blocks meet without an overlap",
+                        fmt::format("{:.2g} % of block[{}] lies inside block[{}], where the particles of both have no room; let the blocks "
+                                    "touch without an overlap",
                                     100 * part, i, k));
         }
         for (const ClosedRoom& room : plan_.rooms) warn_of_room(room);
@@ -397,8 +398,8 @@ private:
         const double excess = room.fluid + room.coming - room.volume, volume = plan_.particle_volume();
         if (excess < std::max(volume, next_to_nothing * room.volume)) return;
         add_warning(
-            fmt::format("more comes than fits: {} takes {:.3g} m^{}, {:.3g} are in it at the start, and {} brings {:.3g} until the end, "
-                        "{:.3g} ({:.0f} particles) too much: set a stop, or give the room a drain or a way out",
+            fmt::format("more comes than fits: the volume of {} is {:.3g} m^{}, {:.3g} are filled at the start, and {} adds {:.3g} until "
+                        "the end, {:.3g} ({:.0f} particles) too much; set a stop, or give the room a drain or an opening",
                         room.text(), room.volume, plan_.dimensions(), room.fluid, room.names(), room.coming, excess, excess / volume));
     }
 

@@ -59,7 +59,7 @@ public:
         for (const int pixels : scene_.output.size)
             if (pixels % 2 != 0 && scene_.output.video && scene_.output.images) {
                 reader_.disagree({"output.size"}, "output.size has the odd number " + std::to_string(pixels),
-                                 "a video needs even sizes: output.video = false (--no-video) films without one");
+                                 "use even sizes, or output.video = false (--no-video)");
                 break;
             }
         if (scene_.blocks.empty() && scene_.emitters.empty())
@@ -111,9 +111,9 @@ private:
         const fs::path found = file.is_absolute() ? file : fs::absolute(fs::path(scene_.directory) / file);
         std::error_code unreachable;
         if (!fs::is_regular_file(found, unreachable))
-            reader_.disagree({key}, key + ": no file \"" + file.string() + "\"", "", "it is looked for from the scene file's folder");
+            reader_.disagree({key}, key + ": no file \"" + file.string() + "\"", "", "paths are relative to the scene file's folder");
         else if (!is_utf8(found.native()))
-            reader_.disagree({key}, key + ": \"" + found.string() + "\" is not UTF-8, and the run's settings must be",
+            reader_.disagree({key}, key + ": \"" + found.string() + "\" is not UTF-8, which the run's settings require",
                              "give the file or its folder another name");
         file = found.lexically_normal();
     }
@@ -154,7 +154,7 @@ private:
         const bool plane = scene_.domain.dimensions == 2, disc = p.radius > 0, rectangle = p.width > 0 && (plane || p.thickness > 0);
         if (disc == rectangle || (disc && (p.width > 0 || p.thickness > 0)))
             reader_.disagree({name + ".radius", name + ".width", name + ".thickness", name},
-                             name + (disc ? " has the keys of two openings" : " has no opening"),
+                             name + (disc ? " has keys of two openings" : " has no opening"),
                              plane ? "give radius or width" : "give radius, or width and thickness", "");
     }
 

@@ -10,7 +10,7 @@ template <class S>
 void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, bool with_position) {
     const auto shape = [](auto member) { return inside(&S::shape, member); };
     using Keys = ShapeKeys;
-    t.key("shape", shape(&Keys::kind), "", "what it is").required().one_of(kinds);
+    t.key("shape", shape(&Keys::kind), "", "kind of shape").required().one_of(kinds);
     t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     if (with_position)
@@ -21,36 +21,35 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
     t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
     t.key("radius", shape(&Keys::radius), "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
-        t.key("normal", shape(&Keys::normal), "", "out of the solid, into the fluid").only_with("shape", {"plane"});
-    t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF, found from the scene file's folder")
+        t.key("normal", shape(&Keys::normal), "", "normal, from the solid into the fluid").only_with("shape", {"plane"});
+    t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF file, relative to the scene file's folder")
         .required()
         .only_with("shape", {"mesh"});
     t.key("scale", shape(&Keys::scale), "", "metres per unit of the mesh file").above(0).only_with("shape", {"mesh"});
 }
 
 KeyTable time_keys() {
-    KeyTableOf<TimeKeys> t("when the run ends and how often a picture is taken");
+    KeyTableOf<TimeKeys> t("end of the run, time steps, and rate of images");
     t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0).not_deciding().live();
-    t.key("fps", &TimeKeys::fps, "1/s", "frames a second of film; to see what is over in a moment, take slow_motion").at_least(1e-6);
-    t.key("slow_motion", &TimeKeys::slow_motion, "", "the film plays this many times slower than life").above(0);
+    t.key("fps", &TimeKeys::fps, "1/s", "frames per second of the video; for short events use slow_motion").at_least(1e-6);
+    t.key("slow_motion", &TimeKeys::slow_motion, "", "factor by which the video is slower than the simulated time").above(0);
     t.key("max_step", &TimeKeys::max_step, "s",
-          "longest time step; left out: the longest of 0.005 s, 1/(600 slow_motion) s and, with fps below 1, a 600th of the time between "
-          "two pictures")
+          "longest time step; if not set: the longest of 0.005 s, 1/(600 slow_motion) s and, if fps is below 1, a 600th of the time "
+          "between two images")
         .above(0)
         .live();
-    t.key("cfl", &TimeKeys::cfl, "", "a step moves no particle further than this part of a spacing").above(0).at_most(2.5).live();
+    t.key("cfl", &TimeKeys::cfl, "", "largest displacement of a particle in one step, in spacings").above(0).at_most(2.5).live();
     t.key("fixed_step", &TimeKeys::fixed_step, "s",
-          "every step is this long, whatever the models allow (for studies of stability); 0: they decide")
+          "length of every step, whatever the models allow (for studies of stability); 0: the models decide")
         .at_least(0);
     return t;
 }
 
 KeyTable domain_keys() {
-    KeyTableOf<DomainKeys> t("the box of the particles; those that leave it are removed");
+    KeyTableOf<DomainKeys> t("the box that contains the particles; particles that leave it are removed");
     t.key("dimensions", &DomainKeys::dimensions, "",
-          "2: the flow in the plane z = 0, much faster; vectors have two numbers, shapes are cut by the plane, and masses, forces and "
-          "energies "
-          "are those of a metre of depth; a domain without depth has two dimensions, too")
+          "2: flow in the plane z = 0, much faster; vectors have two numbers, shapes are cut by the plane, and masses, forces and energies "
+          "are per metre of depth; a domain without depth is also 2D")
         .at_least(2)
         .at_most(3);
     t.key("min", &DomainKeys::min, "m", "lowest corner");
@@ -64,16 +63,17 @@ KeyTable fluid_keys() {
     KeyTableOf<FluidKeys> t("the fluid and its particles");
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().at_least(1e-9);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
-    t.key("viscosity", &FluidKeys::viscosity, "Pa s", "dynamic viscosity, of the particle's place at the start and of its age in s")
+    t.key("viscosity", &FluidKeys::viscosity, "Pa s",
+          "dynamic viscosity, a function of the particle's initial position and of its age in s")
         .at_least(0)
         .of("xyza")
         .live();
     t.key("surface_tension", &FluidKeys::surface_tension, "N/m",
-          "surface tension: particles pull at each other over three spacings, or with pressure.form = projection the surface's curvature "
-          "makes a pressure; 0: none, at no cost")
+          "surface tension: particles attract each other over three spacings, or with pressure.form = projection the surface's curvature "
+          "gives a pressure; 0: none, at no cost")
         .at_least(0)
         .live();
-    t.key("ink_diffusion", &FluidKeys::ink_diffusion, "m^2/s", "how fast inks spread by themselves; 0: each particle keeps its own")
+    t.key("ink_diffusion", &FluidKeys::ink_diffusion, "m^2/s", "diffusion coefficient of inks; 0: each particle keeps its ink")
         .at_least(0)
         .live();
     t.key("force", &FluidKeys::force, "m/s^2",
@@ -82,45 +82,46 @@ KeyTable fluid_keys() {
         .live();
     t.key("kernel", &FluidKeys::kernel, "",
           "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" (whose solve has its own weight) and with the projection, "
-          "else cubic");
-    t.key("support", &FluidKeys::support, "spacings", "kernel radius; auto: 2.4 with pressure \"coupled\", 3 with the projection, else 2")
+          "otherwise cubic");
+    t.key("support", &FluidKeys::support, "spacings",
+          "kernel radius; auto: 2.4 with pressure \"coupled\", 3 with the projection, otherwise 2")
         .at_least(1.2)
         .at_most(6);
     return t;
 }
 
 KeyTable model_keys() {
-    KeyTableOf<ModelKeys> t("what is modelled; \"auto\" takes what the scene requires (whorl plan says why)");
+    KeyTableOf<ModelKeys> t("physical models; \"auto\" chooses by the scene (whorl plan gives the reasons)");
     t.key("pressure", &ModelKeys::pressure, "",
-          "what keeps the density: weakly compressible, pressure equation, or one solve with the viscosity");
-    t.key("viscosity", &ModelKeys::viscosity, "", "how momentum diffuses");
-    t.key("micropolar", &ModelKeys::micropolar, "", "particles with a spin of their own");
+          "model that keeps the density constant: weakly compressible, pressure equation, or one solve with the viscosity");
+    t.key("viscosity", &ModelKeys::viscosity, "", "model of the viscosity");
+    t.key("micropolar", &ModelKeys::micropolar, "", "model of particles with an independent spin");
     t.key("boundary", &ModelKeys::boundary, "", "how solids act on the fluid's density and pressure");
-    t.key("shifting", &ModelKeys::shifting, "", "small moves that keep particles evenly spread");
+    t.key("shifting", &ModelKeys::shifting, "", "small displacements that keep particles evenly spread");
     t.key("notes", &ModelKeys::notes, "",
-          "forms of the source notes (full_assembled; ppe; wcsph with micropolar \"notes\"): amended, or as_printed, which sets and "
-          "changes what the tables "
-          "of docs/physics.md 14 list");
+          "forms of the source notes (full_assembled; ppe; wcsph with micropolar \"notes\"): amended, or as_printed, which sets the values "
+          "and forms in the tables of docs/physics.md 14");
     return t;
 }
 
 KeyTable pressure_keys() {
-    KeyTableOf<PressureOptions> t("of the pressure model");
+    KeyTableOf<PressureOptions> t("options of the pressure model");
     const std::string model = "models.pressure";
     const std::vector<std::string> solving = names_of(pressure_models(), &PressureTraits::solves);
     t.key("tolerance", inside(&PressureOptions::limits, &SolveLimits::tolerance), "",
-          "ppe: relative density error; coupled: preconditioned residual of a step in which the fastest fluid moves by 0.4 spacings, less "
-          "of shorter ones")
+          "ppe: relative density error; coupled: preconditioned residual of a step in which the fastest fluid moves by 0.4 spacings, and "
+          "less for shorter steps")
         .above(0)
         .at_most(0.5)
         .only_with(model, solving)
         .live();
-    t.key("max_iterations", inside(&PressureOptions::limits, &SolveLimits::max_iterations), "", "of the linear solver, a step")
+    t.key("max_iterations", inside(&PressureOptions::limits, &SolveLimits::max_iterations), "",
+          "most iterations of the linear solver per step")
         .at_least(1)
         .only_with(model, solving)
         .live();
     t.key("preconditioner", &PressureOptions::preconditioner, "",
-          "of the linear solver; auto: multigrid where enough particles press to pay for its set-up")
+          "of the linear solver; auto: multigrid if enough particles are under pressure to pay for its set-up")
         .only_with(model, {"ppe"});
     const std::string form = "pressure.form";
     t.key(
@@ -129,26 +130,27 @@ KeyTable pressure_keys() {
          "its space or moves gently; auto: by what the fluid fills")
         .only_with(model, {"ppe"});
     t.key("source", &PressureOptions::source, "",
-          "projection: the error that the pressure removes, the divergence of the velocity or the error of the density")
+          "projection: error that the pressure removes, either the divergence of the velocity or the density error")
         .only_with(form, {"projection"});
     const std::string source = "pressure.source";
-    t.key("clamp", &PressureOptions::clamp, "", "pressures below 0 are cut off after the solve, as printed; false: they pull")
+    t.key("clamp", &PressureOptions::clamp, "", "negative pressures are set to 0 after the solve, as printed; false: they pull")
         .only_with(source, {"density"});
     t.key("cycle", &PressureOptions::cycle, "",
-          "of the multigrid; additive: corrections by the diagonal and by coarse levels in sum; v_cycle: one after the other, as printed")
+          "of the multigrid; additive: sum of the corrections by the diagonal and by coarse levels; v_cycle: one after the other, as "
+          "printed")
         .only_with(source, {"density"});
     t.key("sweeps", &PressureOptions::sweeps, "",
-          "of damped Jacobi before and after the correction from each coarse level; as many after as before, for conjugate gradients")
+          "number of damped Jacobi sweeps before the correction from each coarse level, and after it")
         .at_least(1)
         .at_most(10)
         .only_with(source, {"density"});
     t.key("correction", &PressureOptions::correction, "",
-          "share of the density error that a step corrects; auto: 0.5 of the constraint, 0.1 of source density, 1 as printed")
+          "share of the density error that a step corrects; auto: 0.5 for the constraint, 0.1 for source density, 1 as printed")
         .above(0)
         .at_most(1)
         .only_with(model, {"ppe"});
     t.key("damping", &PressureOptions::damping, "",
-          "constraint and source density: rate at which unresolved motion between neighbours dies, times sqrt(g/d)")
+          "constraint and source density: decay rate of unresolved motion between neighbours, in units of sqrt(g/d)")
         .at_least(0)
         .only_with(model, {"ppe"});
     t.key("sound_speed", &PressureOptions::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
@@ -156,7 +158,8 @@ KeyTable pressure_keys() {
         .only_with(model, {"wcsph"})
         .live();
     t.key("gamma", &PressureOptions::gamma, "", "exponent of Tait's equation").at_least(1).at_most(20).only_with(model, {"wcsph"}).live();
-    t.key("background_pressure", &PressureOptions::background_pressure, "Pa", "0 wherever there is a free surface")
+    t.key("background_pressure", &PressureOptions::background_pressure, "Pa",
+          "constant added to the pressure; use 0 if there is a free surface")
         .at_least(0)
         .only_with(model, {"wcsph"})
         .live();
@@ -178,27 +181,28 @@ KeyTable pressure_keys() {
 }
 
 KeyTable viscosity_keys() {
-    KeyTableOf<ViscosityOptions> t("of the viscosity model");
+    KeyTableOf<ViscosityOptions> t("options of the viscosity model");
     const std::string model = "models.viscosity";
     const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityTraits::implicit);
     t.key("tolerance", inside(&ViscosityOptions::limits, &SolveLimits::tolerance), "",
-          "preconditioned residual over the velocities, of a step in which viscosity takes a hundredth of them; less of those where it "
-          "takes less")
+          "preconditioned residual over the velocities, for a step in which viscosity changes them by a hundredth; smaller if it changes "
+          "them less")
         .above(0)
         .at_most(0.5)
         .only_with(model, implicit)
         .live();
-    t.key("max_iterations", inside(&ViscosityOptions::limits, &SolveLimits::max_iterations), "", "of the linear solver, a step")
+    t.key("max_iterations", inside(&ViscosityOptions::limits, &SolveLimits::max_iterations), "",
+          "most iterations of the linear solver per step")
         .at_least(1)
         .only_with(model, implicit)
         .live();
     t.key("preconditioner", &ViscosityOptions::preconditioner, "",
-          "of the linear solver; block_jacobi: 3x3 diagonal blocks; two_level: these and rigid motions of groups of particles; auto: "
-          "two_level where nu dt/d^2 passes 4")
+          "of the linear solver; block_jacobi: 3x3 diagonal blocks; two_level: these, and rigid motions of groups of particles; auto: "
+          "two_level if nu dt/d^2 exceeds 4")
         .only_with(model, {"full"});
     t.key("laplacian", &ViscosityOptions::laplacian, "",
-          "form of the Laplacian; split, with a micropolar model: the share that its coupling needs in the first form, the rest in the "
-          "second, so that no energy is fed in; auto: split for spinning fluid with a free surface, else brookshaw")
+          "form of the Laplacian; split, with a micropolar model: the share that the coupling needs as brookshaw, the rest as monaghan, so "
+          "that no energy is added; auto: split for micropolar fluid with a free surface, otherwise brookshaw")
         .only_with(model, {"explicit"})
         .live();
     t.key("alpha", &ViscosityOptions::alpha, "", "share of the difference to the neighbours' mean velocity that a step removes")
@@ -209,8 +213,8 @@ KeyTable viscosity_keys() {
     t.key("correction", &ViscosityOptions::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
         .only_with(model, {"full"});
     t.key("penalty", &ViscosityOptions::penalty, "",
-          "over the viscosity, on velocities that alternate from particle to particle, which gradients do not see; 0, with full_assembled "
-          "or without correction: solids have no stress, as printed, and every second layer slides")
+          "penalty over the viscosity, on velocities that alternate from particle to particle, which gradients do not detect; 0, with "
+          "full_assembled or without correction: solids exert no stress, as printed, and every second layer slides")
         .at_least(0)
         .at_most(2)
         .only_with(model, implicit);
@@ -218,52 +222,53 @@ KeyTable viscosity_keys() {
 }
 
 KeyTable micropolar_keys() {
-    KeyTableOf<MicropolarKeys> t("of the micropolar model");
+    KeyTableOf<MicropolarKeys> t("options of the micropolar model");
     using M = MicropolarKeys;
     const auto own = [](Key& k) -> Key& {
         return k.only_with("models.micropolar", names_of(micropolar_models(), &MicropolarTraits::spins));
     };
-    own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "couples spin and flow").at_least(0)).live();
+    own(t.key("transfer_viscosity", &M::transfer_viscosity, "Pa s", "coupling of spin and flow").at_least(0)).live();
     own(t.key("micro_inertia", &M::micro_inertia, "m^2",
-              "theta: inertia of the spin over the mass; with 2, as printed, the spin hardly changes in scenes of centimetres")
+              "theta, inertia of the spin over the mass; with 2, as printed, the spin hardly changes in scenes of centimetres")
             .above(0))
         .live();
     own(t.key("curl_velocity", &M::curl_velocity, "",
               "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
-              "curl u - 2 w as the curl seen from the turning particle, which conserves angular momentum; false: as printed, with the "
-              "projection in place of corrected gradients"));
-    own(t.key("xsph_velocity", &M::xsph_velocity, "", "smoothing of the velocity a step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_spin", &M::xsph_spin, "", "smoothing of the spin a step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothings take these shares; 0: in every step, as printed").at_least(0));
+              "whether curl u - 2 w is computed as the curl relative to the turning particle, which conserves angular momentum; false: as "
+              "printed, with the projection instead of corrected gradients"));
+    own(t.key("xsph_velocity", &M::xsph_velocity, "", "share of the velocity that is smoothed per step").at_least(0).at_most(1)).live();
+    own(t.key("xsph_spin", &M::xsph_spin, "", "share of the spin that is smoothed per step").at_least(0).at_most(1)).live();
+    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothing removes these shares; 0: in every step, as printed")
+            .at_least(0));
     own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
     own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
     own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz").in(InPlane::axis)).live();
-    own(t.key("exchange", &M::exchange, "", "of spin and flow; auto: explicit where its stable step is long enough"));
+    own(t.key("exchange", &M::exchange, "",
+              "time integration of the exchange of spin and flow; auto: explicit if its stable step is long enough"));
     own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
     own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
-              "what slow flows shall feel; given, it chooses viscosity, transfer_viscosity, spin_viscosity and micro_inertia together with "
-              "spin_length")
+              "viscosity of slow flows; if set, it determines viscosity, transfer_viscosity, spin_viscosity and micro_inertia, together "
+              "with spin_length")
             .above(0));
     return t;
 }
 
 KeyTable boundary_keys() {
-    KeyTableOf<BoundaryKeys> t("of the boundary model");
+    KeyTableOf<BoundaryKeys> t("options of the boundary model");
     t.key("images", &BoundaryKeys::images, "",
-          "images of the fluid in flat walls, which make the pressure next to them right and cost up to a quarter more time; auto: flat in "
-          "2D, "
-          "and in 3D if a solid, gauge, point or line probe reports forces or pressures")
+          "mirror images of the fluid in flat walls, which correct the pressure near them and cost up to a quarter more time; auto: flat "
+          "in 2D, and in 3D if a solid, gauge, point or line probe reports forces or pressures")
         .only_with("pressure.form", {"constraint"});
-    t.key("gate", &BoundaryKeys::gate, "", "a solid acts only where its kernel sum at the particle passes this; 0: always")
+    t.key("gate", &BoundaryKeys::gate, "", "a solid acts on a particle only if its kernel sum there exceeds this; 0: always")
         .at_least(0)
         .at_most(1)
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
     t.key("volume_factor", &BoundaryKeys::volume_factor, "",
-          "volume of a solid's particle times the kernel sum over the solid; 1: as printed, and fluid hovers; auto: that of a lattice that "
-          "continues behind the surface")
+          "volume of a boundary particle times the kernel sum over the solid; 1: as printed, and fluid hovers; auto: the value for a "
+          "lattice that continues behind the surface")
         .above(0)
         .at_most(2)
         .only_with("models.boundary", {"akinci"});
@@ -276,7 +281,7 @@ KeyTable block_keys() {
     t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
     t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
-    t.key("sampling", &BlockKeys::sampling, "", "arrangement of particles in it");
+    t.key("sampling", &BlockKeys::sampling, "", "arrangement of the particles");
     return t;
 }
 
@@ -284,7 +289,7 @@ KeyTable emitter_keys() {
     KeyTableOf<EmitterKeys> t("an opening through which fluid enters");
     t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
     t.key("position", &EmitterKeys::position, "m", "middle of the opening").required();
-    t.key("direction", &EmitterKeys::direction, "", "the way the fluid goes, of any length");
+    t.key("direction", &EmitterKeys::direction, "", "direction of flow, of any length");
     t.key("radius", &EmitterKeys::radius, "m", "of the round opening").required().above(0).only_with("shape", {"disc"});
     t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
@@ -292,9 +297,11 @@ KeyTable emitter_keys() {
     t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0).live();
     t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0).live();
     t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
-    t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "of what comes from here; auto: fluid.viscosity").at_least(0).of("xyza");
+    t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "viscosity of the fluid from this emitter; auto: fluid.viscosity")
+        .at_least(0)
+        .of("xyza");
     t.key("ink", &EmitterKeys::ink, "",
-          "concentrations of up to three inks, 0 to 1, of the time and place at which fluid enters the nozzle")
+          "concentrations of up to three inks, 0 to 1, functions of the time and position at which fluid enters the nozzle")
         .at_least(0)
         .at_most(1)
         .of("txyz");
@@ -302,37 +309,42 @@ KeyTable emitter_keys() {
 }
 
 KeyTable solid_keys() {
-    KeyTableOf<SolidKeys> t("something that the fluid meets");
+    KeyTableOf<SolidKeys> t("a solid: a wall, a vessel, an obstacle or a free body");
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
-    t.key("position", &SolidKeys::position, "m", "moves the shape from where its own keys put it").of("t").live();
-    t.key("rotation", &SolidKeys::rotation, "rad/s", "turns it about its own axes").of("t").in(InPlane::axis).live();
+    t.key("position", &SolidKeys::position, "m", "displacement of the shape from the position that its own keys give").of("t").live();
+    t.key("rotation", &SolidKeys::rotation, "rad/s", "angular velocity about its own axes").of("t").in(InPlane::axis).live();
     t.key("container", &SolidKeys::container, "", "the fluid is inside the shape");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
-          "how far behind the surface the fluid, continued straight, would stick: u - u_wall = slip_length du/dn")
+          "distance behind the surface at which the linearly continued velocity is the wall's: u - u_wall = slip_length du/dn")
         .required()
         .above(0)
         .only_with("slip", {"navier"})
         .live();
     t.key("density", &SolidKeys::density, "kg/m^3",
-          "more than 0: a free body that fluid, gravity and other solids move, with position and rotation as at the start; 0: position and "
-          "rotation say how it moves")
+          "more than 0: a free body that fluid, gravity and other solids move, and position and rotation give its start; 0: position and "
+          "rotation give its motion")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
-    t.key("tilt", &SolidKeys::tilt, "degrees", "how it is turned at the start: about this axis through its middle, by this angle")
+    t.key("tilt", &SolidKeys::tilt, "degrees",
+          "initial rotation: a vector along the axis through the solid's middle, whose length is the angle")
         .in(InPlane::axis);
-    t.key("friction", &SolidKeys::friction, "", "where free bodies touch; of a pair: the geometric mean").at_least(0).at_most(10);
-    t.key("bounce", &SolidKeys::bounce, "", "share of its speed that a free body keeps when it hits a solid; of a pair: the larger")
+    t.key("friction", &SolidKeys::friction, "", "Coulomb's coefficient at contacts of free bodies; a pair has the geometric mean")
+        .at_least(0)
+        .at_most(10);
+    t.key("bounce", &SolidKeys::bounce, "",
+          "share of its speed that a free body keeps when it hits a solid; a pair has the larger of its two")
         .at_least(0)
         .at_most(1);
     t.key("wetting", &SolidKeys::wetting, "",
-          "with surface tension: the solid's pull over the fluid's own; contact angle of cos = 2 wetting - 1: 1 wets, 0.5 meets it at 90 "
-          "degrees, 0 repels; ppe takes all, coupled up to 0.5 where the fluid sticks, the projection and wcsph 0.5 alone")
+          "with surface tension: the solid's attraction of the fluid over the fluid's attraction of itself; contact angle of cos = 2 "
+          "wetting - 1: 1 wets, 0.5 gives 90 degrees, 0 repels; ppe allows all values, coupled up to 0.5 if the fluid sticks, the "
+          "projection and wcsph only 0.5")
         .at_least(0)
         .at_most(1)
         .live();
     // The names of render/look/material.cpp, which the engine cannot include; a test compares the two lists.
-    t.key("material", &SolidKeys::material, "", "how it looks")
+    t.key("material", &SolidKeys::material, "", "appearance in images")
         .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
         .not_deciding()
         .live();
@@ -340,7 +352,7 @@ KeyTable solid_keys() {
 }
 
 KeyTable drain_keys() {
-    KeyTableOf<DrainKeys> t("a place from which fluid is taken away");
+    KeyTableOf<DrainKeys> t("a region in which fluid is removed");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
     t.key("delay", &DrainKeys::delay, "s", "fluid that has been inside for this long is removed").at_least(0);
     return t;
@@ -351,8 +363,10 @@ KeyTable stream_keys() {
     t.key("min", &StreamKeys::min, "m", "lowest corner").required();
     t.key("max", &StreamKeys::max, "m", "highest corner").required();
     t.key("velocity", &StreamKeys::velocity, "m/s", "of the stream").of("t");
-    t.key("time", &StreamKeys::time, "s", "in which the difference of the fluid's velocity to it falls to 1/e").required().above(0);
-    t.key("ink", &StreamKeys::ink, "", "concentrations of up to three inks, 0 to 1, that fluid in the box has; none: it keeps what it has")
+    t.key("time", &StreamKeys::time, "s", "time in which the difference of the fluid's velocity from the stream's falls to 1/e")
+        .required()
+        .above(0);
+    t.key("ink", &StreamKeys::ink, "", "concentrations of up to three inks, 0 to 1, of fluid in the box; none: it keeps its own")
         .at_least(0)
         .at_most(1)
         .of("txyz");
@@ -360,9 +374,11 @@ KeyTable stream_keys() {
 }
 
 KeyTable vortex_keys() {
-    KeyTableOf<VortexKeys> t("a closed vortex line that the fluid has at the start; its velocity adds to the blocks'");
-    t.key("path", &VortexKeys::path, "m", "of t, which goes once round from 0 to 2 pi").required().of("t");
-    t.key("circulation", &VortexKeys::circulation, "m^2/s", "right-handed about the way that t goes").required();
+    KeyTableOf<VortexKeys> t("a closed vortex line in the fluid at the start; its velocity is added to that of the blocks");
+    t.key("path", &VortexKeys::path, "m", "point of the line as a function of t, which goes once round it from 0 to 2 pi")
+        .required()
+        .of("t");
+    t.key("circulation", &VortexKeys::circulation, "m^2/s", "circulation, right-handed about the direction of rising t").required();
     t.key("core", &VortexKeys::core, "m", "radius of the core: a straight line turns fluid at r by circulation/(2 pi) r/(r^2 + core^2)")
         .required()
         .above(0);
@@ -376,9 +392,9 @@ KeyTable vortex_keys() {
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
     t.key("name", &ProbeKeys::name, "", "of the file").required();
-    t.key("kind", &ProbeKeys::kind, "", "what is measured").required();
+    t.key("kind", &ProbeKeys::kind, "", "quantity that is measured").required();
     t.key("at", &ProbeKeys::at, "m",
-          "where the fields are interpolated; middle of the opening of a flux, or of a gauge on the surface at the start")
+          "point at which the fields are interpolated; middle of a flux's opening, or of a gauge on the surface at the start")
         .required()
         .only_with("kind", {"point", "flux", "gauge"});
     t.key("from", &ProbeKeys::from, "m", "start of the line; of a level: on the floor, or anywhere in the fluid")
@@ -388,90 +404,93 @@ KeyTable probe_keys() {
     t.key("count", &ProbeKeys::count, "", "points on the line").at_least(2).at_most(100000).only_with("kind", {"line"});
     t.key("min", &ProbeKeys::min, "m", "lowest corner").required().only_with("kind", {"region", "flow"});
     t.key("max", &ProbeKeys::max, "m", "highest corner").required().only_with("kind", {"region", "flow"});
-    t.key("expected", &ProbeKeys::expected, "m/s", "velocity that theory expects: the flow is held against it; zero: against nothing")
+    t.key("expected", &ProbeKeys::expected, "m/s", "velocity according to theory, with which the flow is compared; zero: no comparison")
         .of("txyz")
         .only_with("kind", {"flow"});
-    t.key("solid", &ProbeKeys::solid, "", "whose force or pressure is measured: the place of its [[solid]] in the file, from 0")
+    t.key("solid", &ProbeKeys::solid, "", "index of the [[solid]] whose force or pressure is measured, counted from 0 in the file")
         .required()
         .at_least(0)
         .only_with("kind", {"solid", "gauge"});
-    t.key("axis_point", &ProbeKeys::axis_point, "m", "where the axis meets the plate; front, radius and height are counted from here")
+    t.key("axis_point", &ProbeKeys::axis_point, "m",
+          "point at which the axis meets the plate; front, radius and height are measured from it")
         .only_with("kind", {"coil", "extent"});
     t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil", "extent"});
-    t.key("height", &ProbeKeys::height, "m", "of the section that is measured, above the pile; 0: where the thread comes to rest")
+    t.key("height", &ProbeKeys::height, "m", "height of the measured section above the pile; 0: where the thread comes to rest")
         .at_least(0)
         .only_with("kind", {"coil"});
-    t.key("direction", &ProbeKeys::direction, "", "along which fluid counts as flowing forwards; along which its front moves")
+    t.key("direction", &ProbeKeys::direction, "", "flux: positive direction of flow; extent: direction in which the front moves")
         .required()
         .only_with("kind", {"flux", "extent"});
-    t.key("radius", &ProbeKeys::radius, "m", "of a round opening or a gauge; in the plane half the length of a line")
+    t.key("radius", &ProbeKeys::radius, "m", "of a round opening or a gauge; in 2D half the length of a line")
         .at_least(0)
         .only_with("kind", {"flux", "gauge"});
-    t.key("width", &ProbeKeys::width, "m", "of a rectangular opening, as of an emitter's; in the plane the length of a line")
+    t.key("width", &ProbeKeys::width, "m", "of a rectangular opening, as of an emitter's; in 2D the length of a line")
         .at_least(0)
         .only_with("kind", {"flux"});
     t.key("thickness", &ProbeKeys::thickness, "m", "its other side").at_least(0).only_with("kind", {"flux"});
     t.key("compare", &ProbeKeys::compare, "",
-          "CSV file whose columns are drawn with those of the same names, over its column time (of a line: s); found from the scene "
-          "file's folder");
+          "CSV file whose columns are plotted with the probe's columns of the same names, over its column time (for a line: s); relative "
+          "to the scene file's folder");
     return t;
 }
 
 KeyTable change_keys() {
     KeyTableOf<TimedChange> t(
-        "a key that changes its value during the run, as whorl live records it; at time 0 any key, then those that may change");
+        "a change of a key's value during the run, as whorl live records it; at time 0 of any key, later of keys that may change");
     t.key("time", &TimedChange::time, "s", "time of the change; the first step that begins then or later uses it").required().at_least(0);
     t.key("key", inside(&TimedChange::change, &KeyValue::path), "", "as in emitter[0].speed").required();
-    t.key("value", inside(&TimedChange::change, &KeyValue::value), "", "what it is from then on").required();
+    t.key("value", inside(&TimedChange::change, &KeyValue::value), "", "new value of the key").required();
     return t;
 }
 
 KeyTable panel_keys() {
     KeyTableOf<PanelKeys> t(
-        "one of several runs of this scene, side by side in one film, frame by frame; each is a separate run in panels/1, panels/2, ...");
-    t.key("label", &PanelKeys::label, "", "written on it");
+        "one of several runs of this scene, shown side by side in one video; each is a separate run in panels/1, panels/2, ...");
+    t.key("label", &PanelKeys::label, "", "label on the panel");
     t.key("difference", &PanelKeys::difference, "",
-          "labels of two other panels: not a run, but the second panel's field of the slice minus the first one's");
-    t.key("set", &PanelKeys::set, "", "its changes of the scene, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
+          "labels of two other panels: this one is not a run, but shows the second panel's field of the slice minus the first one's");
+    t.key("set", &PanelKeys::set, "", "changes of the scene for this panel, as in [\"models.micropolar=none\", \"fluid.spacing=2e-3\"]");
     return t;
 }
 
 KeyTable output_keys() {
-    KeyTableOf<OutputKeys> t("what is written into the run folder");
+    KeyTableOf<OutputKeys> t("files in the run folder");
     t.key("images", &OutputKeys::images, "", "images: frames/000001.png ...");
-    t.key("format", &OutputKeys::format, "", "of the pictures; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
+    t.key("format", &OutputKeys::format, "", "of the images; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
         .one_of({"png", "exr"});
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
-    t.key("size", &OutputKeys::size, "pixels", "width and height of the pictures, even numbers for a video").at_least(16).at_most(8192);
+    t.key("size", &OutputKeys::size, "pixels", "width and height of the images, even numbers for a video").at_least(16).at_most(8192);
     t.key("panel_columns", &OutputKeys::panel_columns, "",
-          "panels in a row; auto: in the plane as many as make the flow largest, else all of two or three, from four on a square")
+          "panels per row; auto: in 2D the number that shows the flow largest, otherwise all if there are two or three, and a square from "
+          "four")
         .at_least(1)
         .at_most(16);
-    t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: its curve in every panel, over time, under a film of panels");
-    t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "of wall time").above(0);
-    t.key("export", &OutputKeys::exports, "", "files for other programs; raw: what whorl draw makes pictures from again")
+    t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: its curve for every panel, over time, below a video of panels");
+    t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "wall time between checkpoints").above(0);
+    t.key("export", &OutputKeys::exports, "", "files for other programs; raw: frames from which whorl draw makes images again")
         .one_of(export_kinds());
     return t;
 }
 
 KeyTable budget_keys() {
-    KeyTableOf<BudgetKeys> t("wall time that a frame may take, and what may be given up for it, in this order; budget.csv lists what was");
-    t.key("seconds_per_frame", &BudgetKeys::seconds_per_frame, "s", "of wall time; 0: as long as it takes").at_least(0).live();
-    t.key("seconds", &BudgetKeys::seconds, "s", "of wall time for the whole film; 0: as long as it takes").at_least(0).live();
-    t.key("tolerance", &BudgetKeys::tolerance, "", "tolerances of the solvers grow up to this times the scene's")
+    KeyTableOf<BudgetKeys> t(
+        "limit of wall time per frame, and the accuracy that may be reduced for it, in this order; budget.csv lists the reductions");
+    t.key("seconds_per_frame", &BudgetKeys::seconds_per_frame, "s", "wall time per frame; 0: no limit").at_least(0).live();
+    t.key("seconds", &BudgetKeys::seconds, "s", "wall time for all frames; 0: no limit").at_least(0).live();
+    t.key("tolerance", &BudgetKeys::tolerance, "", "first the solvers' tolerances grow, up to this factor on the scene's")
         .at_least(1)
         .at_most(1000)
         .live();
-    t.key("cfl", &BudgetKeys::cfl, "", "then steps grow up to this cfl").above(0).at_most(2.5).live();
-    t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface gets coarser up to this").above(0).at_most(2).live();
-    t.key("samples", &BudgetKeys::samples, "", "then pictures get fewer samples a pixel, down to this").at_least(1).live();
+    t.key("cfl", &BudgetKeys::cfl, "", "then steps grow, up to this cfl").above(0).at_most(2.5).live();
+    t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface becomes coarser, up to this voxel size").above(0).at_most(2).live();
+    t.key("samples", &BudgetKeys::samples, "", "then images get fewer samples per pixel, down to this").at_least(1).live();
     return t;
 }
 
 KeyTable root_keys() {
     KeyTableOf<Scene> t("a scene of Whorl");
     t.key("name", &Scene::name, "", "of the run folder and the video; default: the file's name").not_deciding();
-    t.key("seed", &Scene::seed, "", "of everything random");
+    t.key("seed", &Scene::seed, "", "of all random numbers");
     t.part("time", &Scene::time, time_keys());
     t.part("domain", &Scene::domain, domain_keys());
     t.part("fluid", &Scene::fluid, fluid_keys());

@@ -109,7 +109,7 @@ std::string json_schema(const std::vector<Section>& sections) {
     s["definitions"]["changes"] = partial;
     const Json changes = {{"$ref", "#/definitions/changes"}};
     s["properties"]["quality"] = {{"type", "object"},
-                                  {"description", "changes that --quality draft or --quality fine lays over the scene"},
+                                  {"description", "changes of the scene with --quality draft or --quality fine"},
                                   {"additionalProperties", false},
                                   {"properties", {{"draft", changes}, {"fine", changes}}}};
     return s.dump(2) + "\n";
@@ -118,11 +118,10 @@ std::string json_schema(const std::vector<Section>& sections) {
 std::string markdown_reference(const std::vector<Section>& sections) {
     std::string text =
         "# Keys of a scene file\n\nWritten by `whorl schema --markdown`; do not edit by hand. Scene files are TOML with SI units. Unknown "
-        "keys are errors.\n"
-        "An expression is a text such as `\"0.25 + 0.1*sin(2*pi*t)\"`, with t [s], x, y, z [m], pi and the functions of muParser.\n"
-        "`[quality.draft]` and `[quality.fine]` may hold any of these keys (`fluid.spacing = 3e-3`, `emitter.0.speed = 0.2`): `--quality "
-        "draft` lays them\n"
-        "over the file. The file itself is the standard quality. `--set key=value` beats both.\n";
+        "keys are errors.\nAn expression is a text such as `\"0.25 + 0.1*sin(2*pi*t)\"`, with t [s], x, y, z [m], pi and the functions of "
+        "muParser.\n`[quality.draft]` and `[quality.fine]` may contain any of these keys (`fluid.spacing = 3e-3`, `emitter.0.speed = "
+        "0.2`): `--quality draft`\napplies its table to the file. The file itself is the standard quality. `--set key=value` overrides "
+        "both.\n";
     markdown(scene_keys(), "", "", text);
     for (const Section& section : sections) markdown(*section.table, "[" + section.name + "]", section.name, text);
     return text;

@@ -30,8 +30,8 @@ std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes&
             }
             if (through)
                 found.push_back(
-                    fmt::format("solid[{}] moves through the wall or the lid of solid[{}] (container = true), which is closed "
-                                "all round; make it as high as it reaches",
+                    fmt::format("solid[{}] moves through the wall or the lid of solid[{}] (container = true), which is closed on all "
+                                "sides; make the container larger than the solid's path",
                                 j, k));
         }
     }

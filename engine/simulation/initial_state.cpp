@@ -348,10 +348,10 @@ void check_room(const Scene& scene, const Plan& plan, const World& world) {
     if (plan.traits.pressure.source != PressureSource::velocity || plan.free_surface) return;
     if (const double excess = crowding(world); excess > 0.03)
         throw InputError(scene.place("block[0]"),
-                         fmt::format("there are {:.0f} % too many particles for the room of this fluid, and pressure.form = \"projection\" "
-                                     "does not move them apart",
+                         fmt::format("there are {:.0f} % too many particles for the space of this fluid, and pressure.form = "
+                                     "\"projection\" does not move them apart",
                                      100 * excess),
-                         "let no blocks overlap, or take pressure.form = \"constraint\"", "allowed: up to 3 %");
+                         "let no blocks overlap, or use pressure.form = \"constraint\"", "allowed: up to 3 %");
 }
 
 }  // namespace
@@ -371,7 +371,7 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
     for (std::size_t b = 0; b < scene.blocks.size(); ++b) {
         const std::vector<Vec3>& points = places[b];
         if (points.empty())
-            problems.push_back({scene.place(entry_name("block", b)), "the block holds no particle",
+            problems.push_back({scene.place(entry_name("block", b)), "the block contains no particle",
                                 "make it larger than the spacing, or move it out of the solids", ""});
         const Index first = world.fluid.size();
         add_particles(scene, world.fluid, points, b, problems);

@@ -206,7 +206,7 @@ struct Simulation::State {
             const double more = room.coming / plan.particle_volume() - come;
             if (more < 1 || std::exchange(room_left[k], 0) == 0) continue;
             world.report.full = fmt::format(
-                "{} is full at {:.4g} s: {} pushes nothing from here on; {:.3g} m^{} more ({:.0f} particles) would come until the end",
+                "{} is full at {:.4g} s: nothing more enters from {}; {:.3g} m^{} more ({:.0f} particles) would come until the end",
                 room.text(), time, room.names(), more * plan.particle_volume(), plan.dimensions(), more);
         }
     }

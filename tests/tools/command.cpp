@@ -184,8 +184,7 @@ TEST_CASE("an invalid option is reported as the user typed it", "[tools]") {
     CHECK_THROWS_WITH(read_scene_file(o), "--size 640: a size is width x height in pixels; allowed: as in 1280x720");
     o.size = "641x360";
     CHECK_THROWS_WITH(read_scene_file(o),
-                      "--size 641x360: output.size has the odd number 641; a video needs even sizes: output.video = false "
-                      "(--no-video) films without one");
+                      "--size 641x360: output.size has the odd number 641; use even sizes, or output.video = false (--no-video)");
     o.no_video = true;
     CHECK(read_scene_file(o).scene.output.size[0] == 641);
     o.no_video = false;

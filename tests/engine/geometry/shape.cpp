@@ -298,7 +298,7 @@ TEST_CASE("a broken mesh file is reported with line and fault", "[geometry]") {
                Contains("element thing has no property"));
     std::string cut(80, 'x');
     cut += std::string("\x08\0\0\0", 4) + std::string(70, '\0');
-    CHECK_THAT(message_of(temporary("i.stl", cut)), Contains("8 triangles announced, 1 there"));
+    CHECK_THAT(message_of(temporary("i.stl", cut)), Contains("its header announces 8 triangles, it contains 1"));
     std::string flipped = cube_obj;
     flipped.replace(flipped.find("f 1 2 6 5"), 9, "f 5 6 2 1");
     CHECK_THAT(message_of(temporary("j.obj", flipped)), Contains("opposite orientations"));
@@ -345,7 +345,7 @@ TEST_CASE("a self-intersecting mesh is solid where its winding number is not 0, 
     CHECK(shape->distance({Real(0.35), 0, Real(0.5)}) < 0);
     CHECK(shape->distance({Real(-0.5), 0, Real(0.5)}) > 0);
     REQUIRE(shape->remarks.size() == 1);
-    CHECK(shape->remarks[0].find("crosses itself") != std::string::npos);
+    CHECK(shape->remarks[0].find("intersects itself") != std::string::npos);
 }
 
 TEST_CASE("faces and parts without a volume are left out of a mesh and reported", "[geometry]") {

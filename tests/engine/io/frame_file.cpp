@@ -104,7 +104,7 @@ TEST_CASE("a frame whose parts do not fit together is refused", "[io]") {
         frame.solids.emplace_back().mesh = std::make_shared<const TriangleMesh>(mesh);
     }
     write_frame(file, frame);
-    CHECK_THROWS_WITH(read_frame(file), Catch::Contains("its parts do not fit together"));
+    CHECK_THROWS_WITH(read_frame(file), Catch::Contains("its arrays or values are inconsistent"));
 }
 
 }  // namespace frame_file_test

@@ -157,15 +157,15 @@ TEST_CASE("several mistakes are reported together, sorted by location, those of 
           "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
           "--set quality.draft.seed=1: unknown key \"quality\"; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
           "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget\n"
-          "--set block[1].radius=1: block[1].shape is missing; what it is; allowed: box, sphere, cylinder or mesh");
+          "--set block[1].radius=1: block[1].shape is missing; kind of shape; allowed: box, sphere, cylinder or mesh");
 }
 
 TEST_CASE("an option without a value, or with one that is not TOML, is refused by its text", "[scene]") {
     const std::string values =
         "; write numbers as in 0.5 or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false";
     for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
-             {"seed", "a change needs a value; allowed: key=value, as in fluid.viscosity=100"},
-             {"seed=", "a change needs a value; allowed: key=value, as in fluid.viscosity=100"},
+             {"seed", "the change has no value; allowed: key=value, as in fluid.viscosity=100"},
+             {"seed=", "the change has no value; allowed: key=value, as in fluid.viscosity=100"},
              {"output.size=[1,2", "the value is not TOML: in this array: encountered end-of-file" + values},
              {"block[0].max=[0, 2 x]", "the value is not TOML: in this array: expected comma or closing ']', saw 'x'" + values}})
         CHECK_THROWS_WITH(parse_change(text), "--set " + text + ": " + message);

@@ -48,7 +48,7 @@ TEST_CASE("a solid that moves through the lid of a container is a warning", "[pl
                                  test::text::tank({-0.1, 0, -0.1}, {0.1, height, 0.1}) +
                                  "[[solid]]\nshape = \"sphere\"\nradius = 0.02\nposition = [\"0\", \"0.1+0.2*t\", \"0\"]\n";
         const std::vector<std::string> all = make_plan(read_scene_text(text, "s.toml")).warnings;
-        return std::count_if(all.begin(), all.end(), [](const auto& w) { return w.find("closed all round") != std::string::npos; });
+        return std::count_if(all.begin(), all.end(), [](const auto& w) { return w.find("closed on all sides") != std::string::npos; });
     };
     CHECK(warnings(0.2) == 1);  // the sphere reaches .32 m
     CHECK(warnings(0.4) == 0);
@@ -95,7 +95,7 @@ TEST_CASE("the plan warns of a spun edge past the rim or the domain", "[plan]") 
                                                  "to = [0, {}, 0]\nradius = 0.048\ncontainer = true\nrotation = [0, \"20*min(t, 1)\", 0]\n",
                                                  top, lid)));
         return std::any_of(plan.warnings.begin(), plan.warnings.end(), [&](const std::string& w) {
-            return w.find("solid[0] turns at 20 /s: ") == 0 && w.find(what) != std::string::npos;
+            return w.find("solid[0] turns at 20 rad/s: ") == 0 && w.find(what) != std::string::npos;
         });
     };
     const std::string past = "climbs to 0.0595 m, and the vessel or the domain ends at 0.055 m";  // .036 + 20^2 .048^2/(4 g)
@@ -146,7 +146,7 @@ TEST_CASE(
     const auto plan_of = [&](const std::vector<std::string>& changes) { return make_plan(scene_with(changes, turning)); };
     const auto warned = [&](const std::vector<std::string>& changes) {
         for (const std::string& w : plan_of(changes).warnings)
-            if (w.find("of its rotation") != std::string::npos) return true;
+            if (w.find("of the rotation") != std::string::npos) return true;
         return false;
     };
     CHECK(plan_of({}).viscosity == ViscosityModel::full);
@@ -211,7 +211,7 @@ TEST_CASE("a force whose speeds the plan cannot know is warned of where sound ha
     const auto warned = [](const std::vector<std::string>& changes) {
         const std::vector<std::string> all = plan_with(changes).warnings;
         return std::any_of(all.begin(), all.end(),
-                           [](const std::string& w) { return w.find("without the speeds that fluid.force makes") != std::string::npos; });
+                           [](const std::string& w) { return w.find("without the speeds that fluid.force causes") != std::string::npos; });
     };
     CHECK(warned({"fluid.force=[1,0,0]", "models.pressure=wcsph"}));
     CHECK_FALSE(warned({"fluid.force=[1,0,0]", "models.pressure=wcsph", "pressure.sound_speed=20"}));
@@ -221,7 +221,7 @@ TEST_CASE("a force whose speeds the plan cannot know is warned of where sound ha
 TEST_CASE("the plan of the assembled viscosity reports the memory of its matrix", "[plan]") {
     const Plan plan = plan_with({"models.viscosity=full_assembled", "models.pressure=ppe"});
     // 251 lattice points nearer than four spacings, each nine numbers and an index.
-    CHECK(choice(plan, "viscosity matrix").reason.find(sizeof(Real) == 4 ? "10.0 kB a particle" : "19.1 kB a particle") !=
+    CHECK(choice(plan, "viscosity matrix").reason.find(sizeof(Real) == 4 ? "10.0 kB per particle" : "19.1 kB per particle") !=
           std::string::npos);
 }
 
@@ -281,9 +281,9 @@ TEST_CASE("the projection is chosen if fluid fills its space, and warned of if i
                        fmt::format("wetting = {}\n", wetting) + block("[0.4, 0.2, 0.2]"));
     };
     CHECK(drop("ppe", 0.9).empty());
-    CHECK(drop("wcsph", 0.9).find("drops do not meet solids at the angle asked") != std::string::npos);
+    CHECK(drop("wcsph", 0.9).find("drops do not meet solids at the requested angle") != std::string::npos);
     CHECK(drop("coupled", 0.1).empty());
-    CHECK(drop("coupled", 0.9).find("wetting = 0.9: with models.pressure = \"coupled\" drops spread farther") != std::string::npos);
+    CHECK(drop("coupled", 0.9).find("wetting = 0.9: with models.pressure = \"coupled\" drops spread beyond") != std::string::npos);
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).traits.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);

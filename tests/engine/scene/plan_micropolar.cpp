@@ -61,16 +61,17 @@ TEST_CASE("a calibrated micropolar fluid has the requested viscosity and spin le
 
 TEST_CASE("a micropolar system that gains energy is an error by default, and a warning if it was requested", "[plan][micropolar]") {
     const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
-    CHECK(by_default.find("models.micropolar = \"notes\" would feed energy in: its coupling, fluid.viscosity + the default "
+    CHECK(by_default.find("models.micropolar = \"notes\" would add energy: its coupling, fluid.viscosity + the default "
                           "micropolar.transfer_viscosity = 0.3 Pa s, "
                           "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies") != std::string::npos);
     const Plan asked = make_plan(scene_with({"micropolar.transfer_viscosity=5", "micropolar.micro_inertia=0.01"}, eddies));
     REQUIRE(asked.warnings.size() == 1);
-    CHECK(asked.warnings[0].find("coupling 9 Pa s is more than twice its viscosity 4 Pa s, so that slow flows feel -0.5 Pa s and waves "
-                                 "longer than 0.419 m grow") != std::string::npos);
+    CHECK(asked.warnings[0].find(
+              "coupling 9 Pa s is more than twice its viscosity 4 Pa s, so slow flows have an effective viscosity of -0.5 Pa s, and waves "
+              "longer than 0.419 m grow") != std::string::npos);
     CHECK(make_plan(scene_with({"models.micropolar=eringen", "micropolar.transfer_viscosity=500", "micropolar.micro_inertia=0.01"}, eddies))
               .warnings.empty());
-    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the spin answers to the flow in 233 s, longer than the run of 1 s") !=
+    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the response time of the spin is 233 s, longer than the run of 1 s") !=
           std::string::npos);
 }
 
@@ -78,7 +79,7 @@ TEST_CASE("a transfer viscosity that the source of the system notes excludes is 
     const auto warned = [](const std::vector<std::string>& changes) {
         const std::vector<std::string> all = make_plan(scene_with(changes, eddies)).warnings;
         return std::any_of(all.begin(), all.end(),
-                           [](const std::string& w) { return w.find("the source of \"notes\" takes less than 0.4") != std::string::npos; });
+                           [](const std::string& w) { return w.find("the source of \"notes\" uses less than 0.4") != std::string::npos; });
     };
     CHECK(warned({"micropolar.transfer_viscosity=0.4"}));
     CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.399"}));
@@ -91,13 +92,13 @@ TEST_CASE("invalid micropolar keys are refused", "[plan][micropolar]") {
     CHECK(eddy_messages({"fluid.viscosity=1+x"})
               .find("fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity") != std::string::npos);
     CHECK(eddy_messages({"micropolar.effective_viscosity=1"})
-              .find("fluid.viscosity is chosen by micropolar.effective_viscosity; leave one of them out") != std::string::npos);
+              .find("fluid.viscosity is chosen by micropolar.effective_viscosity; remove one of them") != std::string::npos);
     CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
     CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"})
               .find("splits by the coupling of a micropolar model") != std::string::npos);
     CHECK(eddy_messages({"viscosity.laplacian=split", "micropolar.transfer_viscosity=5"})
-              .find("viscosity.laplacian = \"split\" leaves -0.5 Pa s for the strain (viscosity 4 less half of the coupling 9), and that "
-                    "feeds energy in") != std::string::npos);
+              .find("viscosity.laplacian = \"split\" leaves -0.5 Pa s for the strain (viscosity 4 minus half of the coupling 9), which "
+                    "adds energy") != std::string::npos);
     const std::string surface = "block[0].max=[1,0.5,1]", form = "viscosity.laplacian=brookshaw";
     CHECK(eddy_messages({surface, form, "micropolar.transfer_viscosity=3", "micropolar.micro_inertia=1e-3", "time.end=100"})
               .find("in the run; use viscosity.laplacian = \"split\" or \"auto\"") != std::string::npos);

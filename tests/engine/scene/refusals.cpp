@@ -40,7 +40,7 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
           std::string::npos);
     CHECK(messages_with({"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"})
               .find("solid[1] lies outside of the domain and never enters it") != std::string::npos);
-    CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside of the domain") !=
+    CHECK(messages_with({"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}).find("probe[0] measures outside the domain") !=
           std::string::npos);
     CHECK(messages_with({"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"})
               .find("the periodic axis x is 0.008 m long, shorter than two support radii of 0.008 m") != std::string::npos);
@@ -50,22 +50,22 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
     CHECK(messages_with({"block[0]={shape=\"cylinder\", from=[-0.09,0,-0.09], to=[0.09,0.09,0.09], radius=1e-5}", "fluid.spacing=1e-5"})
               .find("block[0] fills ") != std::string::npos);
     CHECK(messages_with({"models.pressure=ppe", "solid[1]={shape=\"sphere\", radius=1000, container=true}"})
-              .find("the surface of solid[1] takes about 3.1e+12") != std::string::npos);
+              .find("the surface of solid[1] needs about 3.1e+12") != std::string::npos);
     for (const auto& [y, hint] : {std::pair("0", "make the domain smaller or"), {"\"0.01*t\"", "make it move less or"}})
         CHECK_THAT(messages_with({"models.pressure=ppe", "domain.min=[-1000,-0.01,-1000]", "domain.max=[1000,0.1,1000]",
                                   "solid[0].position=[0," + std::string(y) + ",0]"}),
                    Catch::Contains(hint));
     CHECK(messages_with({"emitter[0].radius=0.09", "emitter[0].speed=1e-9", "fluid.spacing=1e-7"})
-              .find("the nozzle of emitter[0] takes about") != std::string::npos);
+              .find("the nozzle of emitter[0] needs about") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
     // A wave maker is as large as the domain lets it be.
     CHECK(messages_with({"models.pressure=ppe", R"(solid[1]={shape="plane", normal=[1,0.5,0], position=["0.02*sin(6*t)-0.09",0,0]})"}) ==
           "no error");
     if (sizeof(Real) == 4)
         CHECK(messages_with({"domain.max=[300,0.1,0.1]", "emitter[0].position=[200,0.05,0]"})
-                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where this program resolves positions to 0.012 "
+                  .find("emitter[0] reaches 1e+05 spacings away from the origin, where positions are resolved to 0.012 "
                         "spacings; move the scene to the origin, "
-                        "or use the program of the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
+                        "or use a build with the preset \"double\"; allowed: up to 1.7e+02 m") != std::string::npos);
 }
 
 TEST_CASE("incompatible or missing models are refused", "[plan]") {
@@ -74,7 +74,7 @@ TEST_CASE("incompatible or missing models are refused", "[plan]") {
           "out, or choose "
           "another pressure; allowed: auto or none");
     CHECK(messages_with({"models.boundary=akinci"}).find("does not go with models.pressure = \"coupled\"") != std::string::npos);
-    CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would take") !=
+    CHECK(messages_with({"models.viscosity=full_assembled", "models.pressure=ppe", "fluid.spacing=5e-4"}).find("would need") !=
           std::string::npos);
     CHECK(messages_with({"fluid.surface_tension=0.07", "models.pressure=none"}).find("keeps none apart") != std::string::npos);
     CHECK(messages_with({"boundary.gate=0.1", "models.pressure=coupled"})
@@ -112,9 +112,9 @@ TEST_CASE("keys of the published pressure rows are refused with other forms, cor
     }
     CHECK(messages(published + "correction = 1").empty());
     CHECK(messages(published + "damping = 0").empty());
-    CHECK(messages(projection + "damping = 0").find("pressure.source = \"velocity\" does not leave") != std::string::npos);
+    CHECK(messages(projection + "damping = 0").find("pressure.source = \"velocity\" already removes") != std::string::npos);
     CHECK(messages(constraint + "correction = 1").empty());
-    CHECK(messages(projection + "correction = 1").find("pressure.source = \"velocity\" does not see") != std::string::npos);
+    CHECK(messages(projection + "correction = 1").find("pressure.source = \"velocity\" does not correct") != std::string::npos);
     CHECK(messages(published + "sweeps = 0").find("at least 1") != std::string::npos);
     CHECK(messages(published + "cycle = \"w\"").find("additive or v_cycle") != std::string::npos);
 }
@@ -138,10 +138,10 @@ TEST_CASE("keys that the chosen models or forms do not use are refused with thei
         CHECK(said.find(way_out) != std::string::npos);
     };
     // A full box takes the projection by itself, one with a surface the constraint.
-    refuses(full + "[pressure]\ndamping = 1\n", "pressure.damping is of motion between neighbours", "pressure.form = \"constraint\"");
+    refuses(full + "[pressure]\ndamping = 1\n", "pressure.damping acts on motion between neighbours", "pressure.form = \"constraint\"");
     refuses(full + "[pressure]\ncorrection = 0.2\n", "pressure.correction is a share of the density error",
             "pressure.form = \"constraint\"");
-    refuses(full + "[models]\nshifting = \"fickian\"\n", "evens out its particles itself", "pressure.form = \"constraint\"");
+    refuses(full + "[models]\nshifting = \"fickian\"\n", "spreads its particles evenly itself", "pressure.form = \"constraint\"");
     refuses(half + "[pressure]\nsource = \"density\"\n",
             "pressure.source belongs to pressure.form = \"projection\", and \"auto\" takes \"constraint\" here", "or set pressure.form");
     refuses(half + "[pressure]\nsweeps = 2\nsource = \"density\"\n",
@@ -153,12 +153,12 @@ TEST_CASE("keys that the chosen models or forms do not use are refused with thei
             "or set models.viscosity");
     // With source density the cycle is read where there is a multigrid.
     const std::string published = "[pressure]\ncycle = \"v_cycle\"\nform = \"projection\"\nsource = \"density\"\n";
-    refuses(half + published + "preconditioner = \"jacobi\"\n", "pressure.cycle is of the multigrid", "\"multigrid\"");
+    refuses(half + published + "preconditioner = \"jacobi\"\n", "pressure.cycle is an option of the multigrid", "\"multigrid\"");
     CHECK(message(half + published + "preconditioner = \"multigrid\"\n").empty());
     CHECK(make_plan(scene_with({}, half + published)).preconditioner == Preconditioner::multigrid);
     // Nothing damps the published rows in a full box without weight.
     CHECK(message(full + "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")
-              .find("gains energy in fluid that fills its space and rests on nothing") != std::string::npos);
+              .find("gains energy in confined fluid without gravity") != std::string::npos);
     // Used keys pass, and so do defaults: a resolved scene writes them.
     CHECK(message(half + "[pressure]\ndamping = 1\ncorrection = 0.2\n").empty());
     CHECK(message(half + published + "damping = 1\ncorrection = 0.2\n").empty());

@@ -37,7 +37,7 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
                    Catch::Contains("a likely slip: emitter[0].radius: the nozzle is 10 m across; lengths are in metres"));
     // A whole film of it would be more particles than any memory holds.
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=1000", "fluid.spacing=0.001"}),
-               Catch::Contains("most of them come from emitter[0], which lets ") && Catch::Contains("a likely slip: " + fast));
+               Catch::Contains("most of them are from emitter[0], which emits ") && Catch::Contains("a likely slip: " + fast));
 }
 
 TEST_CASE("a solid that is a thousand times too large is reported with its key", "[plan]") {

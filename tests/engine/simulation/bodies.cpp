@@ -170,7 +170,7 @@ TEST_CASE("invalid free bodies, and models that cannot move one, are refused bef
     CHECK_THAT(complaint(with(ball + "density = 500\ncontainer = true\n")), Catch::Contains("container"));
     CHECK_THAT(complaint(with(ball + "velocity = [1, 0, 0]\n")), Catch::Contains("has no density"));
     CHECK_THAT(complaint(with("shape = \"sphere\"\nradius = 0.1\nposition = [\"t\", 0.5, 0.5]\ndensity = 500\n")),
-               Catch::Contains("depend on t"));
+               Catch::Contains("depends on t"));
     CHECK_THAT(complaint(with(ball + "density = 500\n",
                               "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")),
                Catch::Contains("does not move free bodies"));

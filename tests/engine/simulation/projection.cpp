@@ -152,7 +152,7 @@ TEST_CASE("a full box with more particles than it has room for is refused under 
     try {
         simulation_of(text);
     } catch (const InputError& e) { what = e.what(); }
-    CHECK(what.find("% too many particles for the room of this fluid") != std::string::npos);
+    CHECK(what.find("% too many particles for the space of this fluid") != std::string::npos);
     CHECK(what.find("let no blocks overlap") != std::string::npos);
 }
 
