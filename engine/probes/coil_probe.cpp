@@ -29,11 +29,11 @@ Vec3d pile_velocity(Span<const Vec3> x, Span<const std::int16_t> role, const Sol
 
 /// Measurements of one step.
 struct CoilProbe::Step {
-    struct FileLocation {
+    struct FluidParticle {
         double x = 0, y = 0, z = 0, speed = 0, down = 0;  ///< position across and along the axis [m]; velocities relative to the pile
                                                           ///< [m/s]
     };
-    std::vector<FileLocation> fluid;
+    std::vector<FluidParticle> fluid;
     double spacing = 0;
     double opening = 0;    ///< height of the nozzle [m]; without one, of the highest fluid
     double fastest_z = 0;  ///< upper side of the fastest layer [m]
@@ -75,7 +75,7 @@ CoilProbe::Step CoilProbe::observe(const World& world) const {
         double count = 0, down = 0;
     };
     std::vector<Layer> layers(static_cast<std::size_t>(top / step.spacing) + 1);
-    for (const Step::FileLocation& p : step.fluid) {
+    for (const Step::FluidParticle& p : step.fluid) {
         if (p.z < 0) continue;
         Layer& l = layers[p.z / step.spacing];
         l.count += 1, l.down += p.down;
@@ -96,7 +96,7 @@ void CoilProbe::find_pile(Step& step) const {
     constexpr double fine = 4;  // layers per spacing
     const double thickness = step.spacing / fine;
     std::vector<double> slow(static_cast<std::size_t>(step.fastest_z / thickness) + 1, 0.0);
-    for (const Step::FileLocation& p : step.fluid)
+    for (const Step::FluidParticle& p : step.fluid)
         if (p.z >= 0 && p.z < step.fastest_z && p.speed < resting * step.sample.speed) slow[p.z / thickness] += 1;
     double met = 0;
     for (std::size_t l = slow.size(); l-- > 0 && !step.pile;) {
@@ -111,10 +111,10 @@ void CoilProbe::find_pile(Step& step) const {
 void CoilProbe::find_thread(Step& step) const {
     const double a = step.sample.radius, U = step.sample.speed;
     if (height_ > 0) step.sample.section = CoilTurns::Centre();
-    const auto add = [](CoilTurns::Centre& centre, const Step::FileLocation& p) {
+    const auto add = [](CoilTurns::Centre& centre, const Step::FluidParticle& p) {
         centre.x += p.x, centre.y += p.y, centre.height += p.z, centre.count += 1;
     };
-    for (const Step::FileLocation& p : step.fluid) {
+    for (const Step::FluidParticle& p : step.fluid) {
         const double speed = p.speed / U;
         if (height_ > 0 && speed > resting && std::abs(p.z - memory_.pile_top - height_) < 1.5 * step.spacing) add(*step.sample.section, p);
         if (p.z < memory_.pile_top - below * a || p.z > memory_.pile_top + above * a) continue;
