@@ -1,17 +1,17 @@
 #pragma once
-/// The stages of a free body's step, next to those of the particles (models/motion/motion.h): KickBodies after Kick, MoveBodies after Move.
+/// Stages of a free body's step: KickBodies runs after Kick of the particles, MoveBodies after Move (models/motion/motion.h).
 #include "engine/geometry/body_contact.h"
 #include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
-/// u += dt g, added to the explicit forces that the bodies have received; the layer has the new velocities.
+/// u += dt g for each free body, whose explicit forces have already been added. Then updates the velocities of the boundary particles.
 struct KickBodies {
     void operator()(const InteractionContext& context) const;
 };
 
-/// x += dt u, and the turning by the angular momentum; poses follow with the next Solids::set_time(). Before that contacts, unless the
-/// pressure's solve has held them (BodyRows).
+/// x += dt u, and turns each body by its angular momentum. The poses follow with the next Solids::set_time(). Resolves contacts first
+/// if `touch`; set it to false if the pressure's solve includes the contacts (BodyRows).
 struct MoveBodies {
     bool touch = true;
     void operator()(const InteractionContext& context) const;
@@ -19,8 +19,8 @@ struct MoveBodies {
 
 ContactStep contact_step(const StepContext& step, double clearance = 0);
 
-/// Least mass of a free body over that of the fluid that touches it (a particle of fluid for each of its layer's); 1 or more: 1. What acts
-/// explicitly moves fluid and body in turn, so the lighter of the two bounds the step.
+/// Smallest ratio, over the free bodies, of a body's mass to the mass of the fluid that touches it (one fluid particle for each of the
+/// body's boundary particles); at most 1. Explicit forces move fluid and body in turn, so the lighter of the two bounds the step.
 double lightness(const Solids& solids, const BoundaryParticles& boundary, Real mass);
 
 }  // namespace whorl

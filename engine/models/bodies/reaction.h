@@ -1,6 +1,6 @@
 #pragma once
-/// Ledger entries: the opposite of the solids' forces on the fluid (docs/physics.md 7), and of changes without a force: a solver's
-/// residual, gradients that are not pairwise opposite.
+/// Ledger entries: the opposite of the solids' forces on the fluid (docs/physics.md 7), and of momentum changes without a force (a
+/// solver's residual, gradients that are not pairwise opposite).
 #include <vector>
 
 #include "engine/core/parallel.h"
@@ -9,25 +9,25 @@
 
 namespace whorl {
 
-/// The particles that have a neighbour in the layer of solid k, in order.
+/// Particles that have a boundary particle of solid k as a neighbour, in order.
 std::vector<Index> particles_at(const InteractionContext& context, std::size_t k);
-/// In that of any free body.
+/// Particles that have a boundary particle of any free body as a neighbour, in order.
 std::vector<Index> particles_at_bodies(const InteractionContext& context);
 
 /// Solids whose ledger a stage writes: all, or those that are not unknowns of its solve.
 enum class Writes { all, driven };
 
-/// Change of a particle's velocity by a solid particle, and where the opposite acts on the solid: `back` [m] from there to the particle.
+/// Change of a particle's velocity by a boundary particle, and the point of the solid on which the opposite acts.
 struct PushAt {
-    Vec3 push, back = Vec3::Zero();
-    PushAt(const Vec3& p) : push(p) {}  // NOLINT(google-explicit-constructor): most push where the particle is
+    Vec3 push, back = Vec3::Zero();     ///< m/s; from that point to the particle [m]
+    PushAt(const Vec3& p) : push(p) {}  // NOLINT(google-explicit-constructor): most reactions act at the particle
     PushAt(const Vec3& p, const Vec3& b) : push(p), back(b) {}
 };
 
-/// Writes to the ledgers the opposite of the layers' forces on the particles. It acts where the particle is (unless `act` says
-/// otherwise): whatever the direction of the force, momentum and angular momentum of both together are conserved.
+/// Writes to the ledgers the opposite of the forces of boundary particles on fluid particles. It acts at the position of the particle,
+/// unless `act` gives another point, so momentum and angular momentum of fluid and solids are conserved for any direction of the force.
 /// @param scale mass [kg], times dt [s] if `act` gives accelerations
-/// @param act i -> (s, r, distance) -> change of the velocity of particle i by solid particle s: Vec3 or PushAt
+/// @param act i -> (s, r, distance) -> change of the velocity of particle i by boundary particle s: Vec3 or PushAt
 template <class Act>
 void react(const InteractionContext& context, Push kind, Read<field::role> role, Real scale, const Act& act, Writes writes = Writes::all) {
     for (std::size_t k = 0; k < context.solids.all.size(); ++k) {
@@ -57,7 +57,7 @@ void react(const InteractionContext& context, Push kind, Read<field::role> role,
     }
 }
 
-/// Momentum and angular momentum about the origin, over a particle's mass, of changes of the free particles' velocities.
+/// Momentum and angular momentum about the origin, per particle mass, of changes of the free particles' velocities.
 /// @param change i -> [m/s]
 template <class Change>
 Wrench momentum_of(Read<field::role> role, Span<const Vec3> x, const Change& change) {
@@ -66,16 +66,17 @@ Wrench momentum_of(Read<field::role> role, Span<const Vec3> x, const Change& cha
     });
 }
 
-/// Made before a stage writes its forces of one kind to the ledgers. share() gives the remainder to the driven solids in proportion to the
-/// impulses that they have received since, so that the sum over all solids is the opposite of the fluid's change. If no driven solid is in
-/// touch, nothing. Angular momentum: not in periodic domains, where it depends on the origin.
+/// Distributes the part of the fluid's momentum change that no force accounts for. Construct it before a stage writes its forces of one
+/// kind to the ledgers. share() then gives the remainder to the driven solids in proportion to the impulses that they have received since,
+/// so that the sum over all solids is the opposite of the fluid's change. If no driven solid touches the fluid, share() does nothing. In
+/// periodic domains angular momentum is left out, because it depends on the origin.
 class Remainder {
 public:
     Remainder() = default;
     Remainder(const Solids& solids, Push kind);
-    /// By all solids since, about the origin.
+    /// Impulse that all solids have received since the construction, about the origin.
     Wrench received(const Solids& solids) const;
-    /// @param rest impulse on the solids, about the origin @param exact solids that have a part only if no other is in touch
+    /// @param rest impulse to distribute, about the origin @param exact solids that receive a part only if no other touches the fluid
     void share(Solids& solids, const StepContext& step, const Wrench& rest, const std::vector<std::size_t>& exact = {}) const;
 
 private:
@@ -85,9 +86,9 @@ private:
     std::vector<Wrench> before_;  ///< by solid
 };
 
-/// Inner forces that are not pairwise opposite (of the projection, of images). What they change of the fluid's momentum goes to the driven
-/// solids, unless fluid in a nozzle has a part in it.
-/// @param change i -> change of the velocity since `rest` was made [m/s]
+/// For inner forces that are not pairwise opposite (of the projection, of images): gives their change of the fluid's momentum to the driven
+/// solids. Does nothing if any particle is in a nozzle, because the nozzle would receive a part.
+/// @param change i -> change of the velocity since `rest` was constructed [m/s]
 template <class Change>
 void share_rest(const Remainder& rest, const InteractionContext& context, Read<field::role> role, Span<const Vec3> x, const Change& change,
                 const std::vector<std::size_t>& exact = {}) {
