@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-constexpr Real most_counted = Real(0.75);  ///< in a corner of two walls
+constexpr Real most_counted = Real(0.75);  ///< upper bound of counted(), for corners of two walls
 
 Real height_above(Real from_particle, Real depth) { return std::max(from_particle - depth, depth / 2); }
 
@@ -24,7 +24,7 @@ Mat3 WallFriction::share_of(const Kernel& kernel, const InteractionContext& cont
     const Real above = r.dot(normal), softening = Real(0.01) * step.support * step.support / 4;
     if (!solid.partial_slip() || above <= 0) return Mat3::Zero();  // beyond an edge the face of s does not face i
     const Real height = height_above(above, step.spacing / 2);
-    Real along = 0;  // of r_t r_t^T, or of T
+    Real along = 0;  // coefficient of r_t r_t^T or of T
     each_layer(r, normal, step.spacing, step.support, [&](const Vec3&, Real distance, Real below) {
         const Real slope = -2 * factor_ * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
         along += (form_ == FrictionForm::central ? slope : slope / (distance * distance + softening)) * (height + below);

@@ -10,40 +10,41 @@
 
 namespace whorl {
 
-/// Which Laplacian the friction belongs to, see models/viscosity/explicit_viscosity.h: c is what Lap u_i = sum_j V c (u_j - u_i) weights a
-/// neighbour by.
+/// Laplacian that the friction belongs to (models/viscosity/explicit_viscosity.h); c is the weight of a neighbour in
+/// Lap u_i = sum_j V c (u_j - u_i).
 enum class FrictionForm {
     central,  ///< c = 2/lattice_gradient() |W'|/r
     along     ///< c = 2 (D + 2) along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
 };
 
-/// Navier's condition: on the surface u_t - u_wall,t = b du_t/dn with the slip length b, and no word about the normal part, which is the
-/// pressure's. A profile straight near the wall has du_t/dn = (u_i - u_wall)_t/(h_i + b) at the height h_i; a lattice that went on behind
-/// the surface with the same slope would have u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and would pull particle i by
-/// nu times
+/// Navier's condition on the surface, u_t - u_wall,t = b du_t/dn with the slip length b. It does not restrict the normal velocity, which
+/// the pressure does. If the velocity profile near the wall is linear, du_t/dn = (u_i - u_wall)_t/(h_i + b) at the height h_i. A lattice
+/// that continues behind the surface with the same slope has u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and
+/// accelerates particle i by nu times
 ///
 ///   -(F_i u_i - f_i),   F_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   f_i = F_i u_wall,   T = 1 - n_s n_s^T
 ///
-/// with every particle s of the solid's one layer standing for the column of layers behind it (each_layer()). Over a wetted wall these
-/// forces add up to mu du_t/dn its area, whatever b: b -> 0 sticks, b -> infinity slides freely. As F_i is symmetric and positive, it is
-/// the derivative of an energy, nu m u.(F u)/2. Solids with a slip length have no other part in the viscous terms.
+/// with each boundary particle s standing for the column of layers behind it (each_layer()). Over a wetted wall these forces add up to
+/// mu du_t/dn times its area for any b: b -> 0 sticks, b -> infinity slides freely. F_i is symmetric and positive, so the force is the
+/// derivative of an energy, nu m u.(F u)/2. Solids with a slip length have no other part in the viscous terms.
 class WallFriction {
 public:
     /// @param gate weight of a particle's friction @param solid_factor see models/boundary/wall.h
     void set(FrictionForm form, const InteractionContext& context, SolidGate gate, Real solid_factor);
-    /// Whether any particle feels it.
+    /// Whether friction acts on any particle.
     bool acts() const { return acts_; }
     const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()
     const Vec3& load(Index i) const { return load_[i]; }                ///< f_i [1/(m s)]
-    /// Part of i's volume that lies between it and the wall, where the friction has the shear already: a half in the layer that touches it.
-    /// A model with its own energy for all of V counts the rest.
+    /// Fraction of i's volume that lies between i and the wall (one half in the layer that touches the wall); the friction already includes
+    /// its shear. A model with its own energy for the volume V counts only the rest.
     Real counted(Index i) const { return counted_[i]; }
-    /// Writes the friction of a step to the ledgers. @param u velocities that it acts on @param nu of a particle [m^2/s]
+    /// Writes the friction of a step to the ledgers. @param u velocities that the friction acts on @param nu i -> kinematic viscosity
+    /// [m^2/s]
     void write_ledgers(const InteractionContext& context, Read<field::role> role, Span<const Vec3> u,
                        const std::function<Real(Index)>& nu) const;
 
 private:
-    /// Share of solid particle s in F_i. @param open weight of the gate
+    /// Contribution of boundary particle s to F_i. @param open weight of the gate
     template <class Kernel>
     Mat3 share_of(const Kernel& kernel, const InteractionContext& context, Index s, const Vec3& r, Real open) const;
 

@@ -6,8 +6,8 @@
 namespace whorl {
 namespace {
 
-/// Whether a particle that a step has brought to x has gone through the solid, or in it nearer to its far side; x becomes where it met it.
-/// @param distance of x from the solid [m]
+/// Whether a step took a particle that is at x through the solid, or into it to a point closer to the solid's far side. If so, sets x to
+/// the point at which the particle met the surface. @param distance of x from the solid [m]
 bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec3& x) {
     const Vec3 path = dt * (u - solid.velocity_at(x));
     const Real length = path.norm();
@@ -26,7 +26,7 @@ bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec
     return false;
 }
 
-/// Puts a particle that is inside a solid on its surface and stops it there.
+/// Puts a particle that is inside a solid on the surface and removes the inward part of its relative velocity.
 void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
     back_through(solid, solid.distance(x), dt, u, x);
     const Vec3 n = solid.normal(x);
@@ -35,8 +35,8 @@ void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
     if (inward < 0) u -= inward * n;
 }
 
-/// Case of a solid with a ledger, which records the impulse and the change of the particle's angular momentum by the move. A free body
-/// collides. Solids take particles one after the other, in their order: few are ever inside.
+/// For a solid with a ledger, which records the impulse and the change of the particle's angular momentum by the move. With a free body
+/// the particle collides. Particles are handled one after the other, in their order, because few are ever inside.
 void push_out(Solid& solid, Real mass, Real dt, Vec3& x, Vec3& u) {
     const Vec3 x_before = x;
     const Vec3d centre = solid.centre(), u_before = u.cast<double>();

@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-/// Sums over the lattice of a layer k spacings away: a square one, in 2D a file.
+/// Sums over the lattice layer that is k spacings away: a square lattice, in 2D a row.
 template <class Kernel>
 class LatticeLayers {
 public:
