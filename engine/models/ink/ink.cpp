@@ -20,7 +20,7 @@ void InkDiffusion::operator()(const InteractionContext& context, Write<field::in
             context.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 for (Index l = 0; l < group.padded(); ++l) moment -= W.slope(group.distance[l]) * group.distance[l] * group.distance[l];
             });
-            // A particle that is all but alone has nearly no moment: it must not give more than it has.
+            // The moment of a nearly isolated particle is about 0; the lower bound keeps it from giving more ink than it has.
             n[i] = static_cast<Real>(step.dimensions()) / std::max(V * moment, Real(0.5));
         });
         for (int part = 0; part < parts; ++part) {
@@ -89,7 +89,7 @@ void CarryInk::operator()(const InteractionContext& context, Write<field::ink_ch
             change[i].setZero();
             if (s.shift[i] == Vec3::Zero()) return;
             const auto [least, most] = range_around(context.pairs, i, 2 * step.spacing, c.data());
-            if ((most - least).maxCoeff() < Real(1e-6)) return;  // the pictures show steps of 1/255
+            if ((most - least).maxCoeff() < Real(1e-6)) return;  // images resolve 1/255
             const Vec3 there = c[i] + carried(W, s.whole, context.pairs, i, step.volume, c.data(), s.shift[i]);
             change[i] = there.cwiseMax(least).cwiseMin(most) - c[i];
         });

@@ -1,5 +1,5 @@
 #pragma once
-/// Ink: passive colours that particles carry. What the flow does to them shows where fluid comes from and how it mixes.
+/// Ink: passive colours that particles carry. They show where fluid comes from and how it mixes.
 #include <vector>
 
 #include "engine/math/expression_field.h"
@@ -27,14 +27,14 @@ struct ink_change {
 
 /// c_i += dt D sum_j V |W'|/r (n_i + n_j) (c_j - c_i),   n_i = (dimensions)/sum_j V |W'| r
 ///
-/// Brookshaw's Laplacian with the moments of the particles at their positions. Each pair gives as much as it takes, so that the ink of all
-/// is kept, and no ink passes walls and surfaces. A step longer than this is stable for is made of several.
+/// Brookshaw's Laplacian with the moments of the particles at their positions. The exchange of a pair is antisymmetric, so the total ink is
+/// conserved. No ink passes walls or surfaces. A step longer than the stability limit is split.
 struct InkDiffusion {
     double diffusion = 0;  ///< m^2/s
     void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
 };
 
-/// Fluid in a box has the inks that the box gives.
+/// Sets the ink of fluid inside a box.
 struct InkSource {
     Vec3 min, max;  ///< m
     ExpressionField ink;
@@ -44,8 +44,8 @@ struct InkSources {
     void operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c);
 };
 
-/// After ProjectionMove: the shift of the particles leaves the ink where it is, as it does the velocity. No ink leaves the range of its
-/// neighbours'.
+/// Runs after ProjectionMove. The shift moves particles but not the ink in space, so each particle gets the ink of its new position, as it
+/// gets the velocity. The new ink stays within the range of the neighbours.
 struct CarryInk {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
