@@ -9,30 +9,30 @@
 namespace whorl {
 namespace {
 
-/// A vector's components as three sums, which the compiler keeps in registers side by side.
+/// Three components as separate sums, which the compiler keeps in separate registers.
 struct Sum3 {
     Real x = 0, y = 0, z = 0;
     Vec3 times(Real s) const { return {s * x, s * y, s * z}; }
 };
 
-/// Sums over the neighbours of one particle; each still lacks the mass and the lattice's factor.
+/// Sums over the neighbours of one particle, without the factors of mass and lattice.
 struct Sums {
-    Sum3 viscous;  ///< sum (b_i^2 + b_j^2) W'/r (u_i - u_j), half of 1/rho_i times the first Laplacian in its symmetric weights
-    Sum3 central;  ///< the same of the second Laplacian
-    Sum3 diffuse;  ///< the first Laplacian of w
-    Sum3 curl_u;   ///< of the velocity, seen from the turning particle where co_rotating
+    Sum3 viscous;  ///< sum (b_i^2 + b_j^2) W'/r (u_i - u_j), half of 1/rho_i times the first Laplacian with symmetric weights
+    Sum3 central;  ///< the same for the second Laplacian
+    Sum3 diffuse;  ///< the same for w, first Laplacian
+    Sum3 curl_u;   ///< of the velocity, relative to the turning particle if co_rotating
     Sum3 curl_w;
     Sum3 smooth_u, smooth_w;  ///< sum 2/(rho_i + rho_j) (u_j - u_i) W_ij
 };
 
 /// Quantities of particle i that its pairs need.
 struct Own {
-    Vec3 u, w, push, turning;  ///< push: whose curl pushes the flow, w where not composed; turning: push where co_rotating, else 0
-    Real share, b;             ///< share of u in the velocity's curl, 1 where not composed; 1/rho
+    Vec3 u, w, push, turning;  ///< push: field whose curl pushes the flow, w if not composed; turning: push if co_rotating, else 0
+    Real share, b;             ///< share of u in the velocity's curl, 1 if not composed; 1/rho
     CurlWeights of_u, of_w;
 };
 
-/// The forms of a pass that are decided when it is compiled. @tparam curl_alone the velocity's curl and nothing else
+/// Forms of a pass, chosen at compile time. @tparam curl_alone_ computes only the curl of the velocity
 template <bool central_, bool composed_, bool curl_alone_ = false, bool printed_ = false>
 struct Forms {
     static constexpr bool central = central_, composed = composed_, curl_alone = curl_alone_, printed = printed_;
@@ -83,8 +83,8 @@ void add_fluid(Sums& all, const Kernel& W, const FluidPairs& pairs, Index i, con
     all = s;
 }
 
-/// A solid particle that the fluid sticks to, as a neighbour with the volume V_s for m/rho_j. Velocity and spin are continued behind the
-/// surface, so that on it the fluid has those of the solid.
+/// Adds a boundary particle of a no-slip solid, as a neighbour with the volume V_s for m/rho_j. Velocity and spin are continued behind the
+/// surface, so that on the surface the fluid has those of the solid.
 template <class Form, class Kernel>
 void add_solid(Sums& all, const Kernel& W, const MicropolarOptions& options, const InteractionContext& context, const Own& own,
                Real softening, Real gate, Index s, const Vec3& r, Real distance) {
@@ -144,8 +144,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const InteractionContext& c
         return Own{u[i], w[i], push, turning, share, b, curl_weights(o.curl_velocity, b), curl_weights(o.curl_spin, b)};
     };
     const auto gate_of = [&](Index i) { return o.gate.weight(kernel, i, context.solid_pairs, context.boundary.volume, o.solid_factor); };
-    // With c = curl u - 2 w, the part q of the coupling that is composed pushes the flow by -q/2 curl c and the spin by q/2 times what c
-    // loses for w: minus the derivatives of sum V q |c|^2/4. Both are linear: w becomes w (lambda - q)/lambda - c q/(2 lambda).
+    // With c = curl u - 2 w, the composed part q of the coupling pushes the flow by -q/2 curl c, and the spin by q/2 times the decrease of
+    // c with w. Both are minus the derivatives of sum V q |c|^2/4, and linear: w is replaced by w (lambda - q)/lambda - c q/(2 lambda).
     const Real part = Form::composed ? static_cast<Real>(o.composed_coupling / o.coupling) : Real(0), share = 1 - part;
     Span<const Vec3> push = w.values;
     if constexpr (Form::composed) {
@@ -187,7 +187,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const InteractionContext& c
         const Vec3 before = a[i];
         a[i] += viscous + spin_push + smoothing;
 
-        // theta dw/dt; the decay -2 lambda/rho w at the end of the step where implicit: one division.
+        // theta dw/dt. If implicit, the decay -2 lambda/rho w uses the spin at the end of the step: one division.
         const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
         const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.push);
         const Vec3 exchanged = lambda * b * (s.curl_u.times(m * lattice) - decay), diffused = s.diffuse.times(m * lattice * gamma);
@@ -195,7 +195,7 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const InteractionContext& c
         const Vec3 spin_smoothing = s.smooth_w.times(m * beta), rate = ahead * over_theta * (exchanged + diffused + tau);
         change[i] = dt * (rate + spin_smoothing);
 
-        // Each force at the mean of the velocities before and after the kick: their works then add up to that of the kick, for any dt.
+        // Each force does work on the mean of the velocities before and after the kick, so the works add up to that of the kick for any dt.
         const Vec3 u_mid = own.u + dt / 2 * a[i], w_mid = own.w + change[i] / 2;
         const double energy = static_cast<double>(m * dt), spin_energy = energy * static_cast<double>(ahead);
         EnergyWork work;
