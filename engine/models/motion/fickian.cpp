@@ -19,7 +19,7 @@ void FickianShift::operator()(const InteractionContext& context, Read<field::rol
             if (role[i] != 0 || dense == 0) return;
             const Vec3 own = u[i];
             Vec3 gradient = Vec3::Zero();
-            Real fastest[most_lanes] = {};  // side by side, as the loop over neighbours runs
+            Real fastest[most_lanes] = {};  // one per SIMD lane
             context.pairs.groups_of(i, [&](const Pairs::Group& group) {
                 Real other[3][Pairs::Group::most], part[3] = {0, 0, 0}, apart[Pairs::Group::most];
                 group.gather(u.data(), other);

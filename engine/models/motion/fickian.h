@@ -1,14 +1,14 @@
 #pragma once
-/// Small moves against the gradient of the particles' concentration, which keep them evenly spread where a flow stretches them into lines
-/// and holes (Lind, Xu, Stansby and Rogers 2012; the pair weight after Monaghan 2000).
+/// Small moves against the gradient of the particles' concentration. They keep particles evenly distributed when a flow stretches them into
+/// lines and holes (Lind, Xu, Stansby and Rogers 2012; the pair weight after Monaghan 2000).
 ///
 ///   x_i -= dt s_i R (sum_j V [1 + 0.2 (W_ij/W(d))^4] grad W_ij + sum_s V_s grad W_is),    s_i = max_j |u_i - u_j|
 ///
-/// s_i is seen the same from any frame that moves along. A move is at most a twentieth of a spacing, fades out next to a free surface
-/// (where the density falls from 0.95 to 0.9 rho_0, or the sum of gradients rises from 0.8 to 1.2 over R; a flat surface has 0.85 and 1.3),
-/// and leaves the velocities alone, so momentum is kept exactly.
+/// s_i is the same in every frame of reference that moves at constant velocity. A move is at most a twentieth of a spacing. It fades out
+/// next to a free surface (where the density falls from 0.95 to 0.9 rho_0, or the sum of gradients rises from 0.8 to 1.2 over R; a flat
+/// surface has 0.85 and 1.3). Velocities do not change, so momentum is conserved exactly.
 ///
-/// Stage of a step: after the forces, before Move. It needs neighbours and density.
+/// This stage runs after the forces and before Move. It needs neighbours and density.
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
@@ -23,8 +23,8 @@ struct shift {
 };
 }  // namespace field
 
-/// Shortens the parts of moves that rise until all moves together do no work against gravity, sum g.dx >= 0. The pushes of walls and below
-/// a free surface, which nothing balances, would lift the fluid in each step, and it would sink again by its velocity.
+/// Shortens the parts of moves that rise until all moves together do no work against gravity, sum g.dx >= 0. The pushes of walls, and those
+/// below a free surface, have no counterpart: they would lift the fluid in each step, and it would sink again by its velocity.
 inline void lift_nothing(const Vec3& gravity, Span<Vec3> moves) {
     const auto sum_of = [&](double sign) {
         return parallel_sum(static_cast<Index>(moves.size()),

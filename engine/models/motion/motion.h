@@ -1,6 +1,6 @@
 #pragma once
-/// The frame of every step: external acceleration, kick, move. Order: Gravity, (forces that add to the acceleration), Kick,
-/// (models that change the velocity: viscosity, pressure), Move, PushOutOfSolids. Kick before Move makes it symplectic Euler.
+/// Stages that every step has: external acceleration, kick, move. Order: Gravity, (forces that add to the acceleration), Kick,
+/// (models that change the velocity: viscosity, pressure), Move, PushOutOfSolids. Kick before Move makes the scheme symplectic Euler.
 #include <cmath>
 #include <vector>
 
@@ -28,14 +28,14 @@ struct Kick {
     }
 };
 
-/// x += dt u for all particles, the prescribed ones too. Wrapping on periodic axes is the step loop's part.
+/// x += dt u for all particles, prescribed ones included. The step loop wraps positions on periodic axes.
 struct Move {
     void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
         parallel_for(x.size(), [&](Index i) { x[i] += step.dt * u[i]; });
     }
 };
 
-/// u += dt f(t, x) for the free particles, f over the mass [m/s^2]. After Kick, and before the solves for the velocity.
+/// u += dt f(t, x) for the free particles, with f a force per mass [m/s^2]. Runs after Kick and before the solves for the velocity.
 class Force {
 public:
     explicit Force(VectorExpression f) : f_(std::move(f)) {}
@@ -52,10 +52,11 @@ private:
 struct Stream {
     Vec3 min, max;              ///< m
     VectorExpression velocity;  ///< m/s, of t
-    double time = 0;            ///< s, in which the difference to it falls to 1/e
+    double time = 0;            ///< time in which the difference to it falls to 1/e [s]
 };
 
-/// a += (v - u) (1 - exp(-dt/time))/dt in each box, v its velocity: exact for steps of any length where nothing else acts.
+/// a += (v - u) (1 - exp(-dt/time))/dt in each box, with v the velocity of the stream. Exact for steps of any length if no other force
+/// acts.
 struct FollowStreams {
     std::vector<Stream> streams;
     void operator()(const StepContext& step, Read<field::position> x, Read<field::velocity> u, Update<field::acceleration> a) const {
