@@ -16,16 +16,16 @@
 namespace whorl {
 namespace {
 
-/// The part of the tolerated density error that one step may leave: the next one corrects half of it. A dam break of ten layers has a mean
-/// density error of 0.06 % with 0.1, with 0.5 and with 1, and takes 16.9, 11 and 8.1 iterations a step.
+/// Fraction of the tolerated density error that one step may leave; the next step corrects half of it. In a dam break of ten layers the
+/// mean density error is 0.06 % with 0.1, with 0.5 and with 1, which take 16.9, 11 and 8.1 iterations per step.
 constexpr double usual_share = 0.5;
-/// Share for free bodies, whose motion depends on few particles, and for full periodic domains, where the solve must not lose energy.
+/// The same for free bodies, whose motion depends on few particles, and for full periodic domains, where the solve must not lose energy.
 constexpr double strict_share = 0.1;
-/// A step leaves no more than this part of the right-hand side either: gravity presses less together in a short step than the shares above
-/// allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4 and by 22 %
-/// at 0.2; so by 2.4 and 1.8 %). A tolerance looser than the default loosens this as much.
+/// Bound for the residual over the right-hand side, in addition to the fractions above. In a short step gravity compresses less than these
+/// fractions allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4
+/// and by 22 % at 0.2; with this bound by 2.4 and 1.8 %). A tolerance looser than the default loosens the bound by the same factor.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / PressureOptions{}.limits.tolerance); }
-/// For steps with hardly any load: the least fraction of the tolerated density error to solve to, and the limit of rounding.
+/// Lower bounds for steps with hardly any load: fractions of the tolerated density error, and the tolerance that rounding allows.
 constexpr double least_share = 0.005, least_with_bodies = 0.02, least_tolerance = 1e-6;
 
 double changed(const std::vector<char>& before, const std::vector<char>& now) {
@@ -42,8 +42,8 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
 
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
 
-/// No displacement lowers all densities at once (their mean is lowest on a lattice), and asking for it would tear the fluid apart with
-/// pressures that grow without bound.
+/// In such a domain no displacement lowers all densities together (their mean is lowest on a lattice). Requesting it would tear the fluid
+/// apart with pressures that grow without bound.
 bool fills_periodic_domain(const InteractionContext& context, Index n) {
     const StepContext& step = context.step;
     double volume = n * static_cast<double>(step.volume);
@@ -52,10 +52,10 @@ bool fills_periodic_domain(const InteractionContext& context, Index n) {
     return step.domain.all_periodic() && volume > 0.98 * step.domain.volume();
 }
 
-/// Densities are held equal, from both sides: A q = b without its mean. What is left is a constant c with D^T c = c grad(sum rho): it moves
-/// nothing on a lattice, and else orders the particles, which lowers the mean density. c is what keeps the mean from rising, at most the
-/// pressure of the fastest particle's stop, for which the time step is chosen; so this also removes energy, and never adds any.
-/// Pressures are of both signs.
+/// Keeps the densities equal, from both sides: solves A q = b without its mean. This leaves a constant c undetermined, with D^T c = c
+/// grad(sum rho). On a lattice c moves no particle; elsewhere it orders the particles, which lowers the mean density. c is the value that
+/// keeps the mean from rising, at most the pressure that stops the fastest particle, for which the time step is chosen; so c only removes
+/// energy. Pressures have both signs.
 SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const StepContext& step, double mean_rate, Real fastest,
                                              Span<Real> q) {
     const Index n = D_.size();
@@ -70,7 +70,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     without_mean(q);
     const PressurePreconditioner M = preconditioner_(matrix);
     const double set_up = wall_seconds() - start;
-    // Among pressures without a mean: only then is it a projection, which cannot give energy.
+    // Restricted to pressures with zero mean: only then is it a projection, which cannot add energy.
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
     const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
     const SolveLimits limits{strict_share * options_.limits.tolerance, options_.limits.max_iterations};
@@ -106,7 +106,7 @@ ConstraintPressure::ActiveSet ConstraintPressure::choose(ConstraintMatrix& matri
     return set;
 }
 
-/// Residual allowed for the requested rates, over worst_rate: see largest_residual().
+/// Tolerated residual for the requested rates, as a fraction of worst_rate; see largest_residual().
 double ConstraintPressure::tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const {
     const double asked =
         std::sqrt(parallel_sum(D_.size(), [&](Index i) { return matrix.presses[i] ? static_cast<double>(b_[i]) * b_[i] : 0.0; }));
@@ -128,22 +128,23 @@ void ConstraintPressure::scale_to_work(ConstraintMatrix& matrix, Span<Real> q) {
     parallel_for(static_cast<Index>(matrix.force.size()), [&](Index i) { matrix.force[i] *= scale; });
 }
 
-/// Active set: conjugate gradients over the particles that are taken to press, then those that would pull stop, those that are still
-/// compressed start, and again. What pressed in the last step presses first, with all that is compressed now. Where that is news to most of
-/// them (the first step, an impact), so does all that is about full: from below, the pressed set would grow by two neighbours' reach a
-/// round. In other steps that would take particles of the surface in for a round, and a dam 17.4 iterations a step rather than 12.3.
+/// Active set. Conjugate gradients solve over the particles assumed to press. Then particles with a negative pressure leave the set,
+/// particles that are still compressed join it, and the solve is repeated. The first set contains the particles that pressed in the last
+/// step and those that are compressed now. If more than half of these are new (the first step, an impact), particles with nearly full
+/// density join, too: otherwise the set would grow by only two support radii per round. In other steps this would include particles of the
+/// surface for a round, and a dam break would take 17.4 instead of 12.3 iterations per step.
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
     constexpr Real about_full = Real(0.02);         // relative density that is missing
-    constexpr double changes_to_set_up_for = 0.02;  // part of the particles
+    constexpr double changes_to_set_up_for = 0.02;  // fraction of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
-    // A lattice has modes (neighbours up and down in turn) that no pressure moves: asked for more than this, they would grow without bound.
+    // A lattice has modes (neighbours alternately up and down) that no pressure moves. With a smaller tolerance they grow without bound.
     const double share = bodies_.touched() ? strict_share : usual_share;
     double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
     std::vector<char> set_up_for;  // presses, when M was set up
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out); };
-    Column<Real> rest(n);  // b - A q where something presses
+    Column<Real> rest(n);  // b - A q of the particles that press
     SolveReport report;
     const double start = wall_seconds();
     for (int round = 0;; ++round) {
@@ -174,7 +175,7 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
             report.levels = M.levels;
             report.set_up_seconds += wall_seconds() - before;
         }
-        // Early rounds need not be exact: their set changes.
+        // Early rounds need not be exact, because their set changes.
         const double aim = std::max(tolerance / 2, report.last_residual / 10);
         const SolveLimits limits{aim, options_.limits.max_iterations - report.iterations};
         report.iterations +=
@@ -183,10 +184,10 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-/// Whether the fluid has a free surface, judged by the last step's pressures: a tenth of the particles on a cube's side have none, or no
-/// more than the weight of a layer: in fluid at rest all particles press, those of the surface, too. Without a surface no displacement
-/// makes room for e > 0, and pressures would grow without bound. It checks all fluid together: an open pool hides a full vessel next to
-/// it.
+/// Whether the fluid has a free surface, by the last step's pressures: at least n^(2/3)/10 particles (a tenth of a cube's side) have no
+/// pressure, or at most that of the weight of a layer. In fluid at rest all particles press, also those of the surface. Without a surface
+/// no displacement makes room for e > 0, and pressures would grow without bound. All fluid is checked together, so an open pool hides a
+/// full vessel next to it.
 bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext& step) const {
     const auto n = static_cast<Index>(q.size());
     const Real layer = step.dt * step.gravity.norm() * step.spacing / step.rest_density;
@@ -196,9 +197,9 @@ bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext&
 
 bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
     const auto n = static_cast<Index>(q.size());
-    const Real most = step.spacing * step.spacing / (16 * step.rest_density * step.dt);  // usual steps stay as long: pressure_step()
+    const Real most = step.spacing * step.spacing / (16 * step.rest_density * step.dt);  // does not shorten usual steps: pressure_step()
     const double mean = parallel_sum(n, [&](Index i) { return static_cast<double>(q[i]); }) / std::max(n, Index(1));
-    // Without a surface no pressure is far below the mean: an opening shows, however narrow.
+    // Without a surface no pressure is far below the mean, so low pressures reveal even a narrow opening.
     const double side = std::pow(n, 1 - 1.0 / step.dimensions()), low = parallel_sum(n, [&](Index i) { return q[i] < 0.1 * mean; });
     const double above = parallel_sum(n, [&](Index i) { return q[i] > most; });
     if (n == 0 || above < 0.95 * n || low >= std::max(1.0, 0.02 * side)) return false;
@@ -206,8 +207,8 @@ bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
     return true;
 }
 
-/// The image of j pushes i as that of i pushes j. Along the wall the two are opposite; across it both act where the line from i to the
-/// image meets the wall: so their torque is kept.
+/// The image of j pushes i as the image of i pushes j. Along the wall the two pushes are opposite. Across the wall both act at the point
+/// where the line from i to the image meets the wall, so angular momentum is conserved.
 std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(const InteractionContext& context, Span<const Real> q,
                                                                                Index i) const {
     std::vector<ByImages> all;
@@ -219,7 +220,7 @@ std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(c
         const Index j = image.owner;
         for (int m = 0; m < image.count; ++m) {
             const Vec3& normal = image.wall[m].normal;
-            // From i to the wall; the wall of j may be a period away.
+            // The height of i comes from r, because the wall of j may be a period away.
             const Real both = r.dot(normal), other = image.wall[m].height(context.pairs.x_own[j]), height = both - other;
             const Real push = -(height < other ? 2 : 1) * (D_.fill[i] * q[i] + D_.fill[j] * q[j]) * c * both;
             if (height > other || !(push > 0)) continue;
@@ -269,7 +270,7 @@ void ConstraintPressure::write_ledgers(const WallImage& wall, const InteractionC
 
 void ConstraintPressure::find_pressures(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Real> q,
                                         Span<Real> p) const {
-    constexpr Real touching = Real(0.1);  // w of a particle that touches a flat wall is 0.15 and more
+    constexpr Real touching = Real(0.1);  // w of a particle that touches a flat wall is at least 0.15
     const BoundaryParticles& boundary = context.boundary;
     const StepContext& step = context.step;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
@@ -306,8 +307,8 @@ Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& 
 }
 
 Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const {
-    // Compression by an impact is corrected by at most 5 % of the density, or the fluid would jump. Without a surface it
-    // is 0.5 %: correcting unevenness that alternates from neighbour to neighbour needs large velocities.
+    // Compression by an impact is corrected by at most 5 % of the density, or the fluid would jump. Without a surface the limit is 0.5 %,
+    // because correcting unevenness that alternates from neighbour to neighbour needs large velocities.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
     // Densities below rest_density by no more than the solves leave are corrected by the same share. If they were filled within a step,
@@ -337,7 +338,7 @@ Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, co
 
 void ConstraintPressure::add_bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> u,
                                   Span<const Real> q, Span<const Padded> force) {
-    constexpr Real most = Real(0.02);  // of the rest density: beyond it the move is larger than the linear range of the densities
+    constexpr Real most = Real(0.02);  // fraction of rho_0; beyond it the move exceeds the linear range of the densities
     const StepContext& step = context.step;
     const Index n = D_.size();
     Column<Real> bend(static_cast<std::size_t>(n));
@@ -382,15 +383,15 @@ void ConstraintPressure::operator()(const InteractionContext& context, StepRepor
         for (Index i = 0; i < n; ++i)
             if (q[i] > 0) box.extend(context.pairs.x_own[i].cast<float>());
         report.full = fmt::format(
-            "fluid without room at {:.4g} s: solids squeeze what fills the space from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) "
-            "m; {:.2g} m^{} are too much after this step",
+            "fluid without room at {:.4g} s: solids squeeze the fluid that fills the space from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, "
+            "{:.4g}, {:.4g}) m; {:.2g} m^{} are too much after this step",
             step.time, box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z(),
             parallel_sum(n, [&](Index i) { return q[i] > 0 ? static_cast<double>(b_[i]) : 0.0; }) *
                 static_cast<double>(step.dt * step.volume / step.rest_density),
             step.dimensions());
     }
     const auto& solids = context.solids.all;
-    // Images in two walls with one normal push a pair unequally.
+    // Images in two walls with the same normal push a pair unequally.
     const bool unequal =
         D_.mirrors.size() > 0 && std::all_of(solids.begin(), solids.end(), [](const Solid& solid) { return solid.keeps_ledger(); });
     const Remainder rest = unequal ? Remainder(context.solids, Push::pressure) : Remainder();
@@ -398,7 +399,7 @@ void ConstraintPressure::operator()(const InteractionContext& context, StepRepor
     write_ledgers(wall, context, role, rho.values, q);
     if (unequal) share_rest(rest, context, role, context.pairs.x_own, [&](Index i) { return Vec3(-matrix.force[i].head<3>()); });
     if (step.to_frame_time) find_pressures(wall, context, rho.values, q, p.values);
-    if (filled) matrix.push(q);  // solve() has left it there
+    if (filled) matrix.push(q);  // solve() has already done so
     parallel_for(n, [&](Index i) {
         u[i] -= matrix.force[i].head<3>();
         q[i] *= D_.virial[i] * rho[i] * rho[i] / step.dt;
@@ -416,7 +417,7 @@ double pressure_step(double cfl, double spacing, double rest_density, Span<const
         return Sums{std::abs(p), p * p};
     });
     if (!(sums.p2 > 0)) return std::numeric_limits<double>::infinity();
-    // The mean weighted with p: 2/3 of the bottom's in a column; single spikes of an impact count little.
+    // Mean weighted with p: in a column it is 2/3 of the pressure at the bottom; single spikes of an impact count little.
     return cfl * spacing / std::sqrt(1.5 * sums.p2 / sums.p / rest_density);
 }
 

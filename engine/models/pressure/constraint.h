@@ -1,7 +1,7 @@
 #pragma once
 /// Incompressible pressure as a constraint: no density exceeds the rest density (docs/physics.md 3).
 ///
-/// Stages of a step, in order: Density (if the viscosity needs one), Gravity, (forces), Kick, (viscosity; an implicit one between
+/// Stages of a step, in order: Density (if the viscosity needs one), Gravity, (forces), Kick, (viscosity; if implicit, between
 /// ExpectForce and ForgetForce), DampUnresolved, ConstraintPressure, (TakeForce), Move, PushOutOfSolids.
 #include "engine/models/pressure/body_rows.h"
 #include "engine/models/pressure/pressure_matrix.h"
@@ -18,14 +18,14 @@ struct constraint_pressure {
 };
 }  // namespace field
 
-/// A = D D^T on the particles that press, the identity elsewhere kept out: symmetric, positive semi-definite.
-///   A_ik = D_i.D_k,   M^-1 between them where free bodies have columns (body_rows.h),  where D_i holds own_i at i and -f_i g_ij at the
+/// A = D D^T restricted to the particles that press; symmetric, positive semi-definite.
+///   A_ik = D_i.D_k,   with M^-1 between them if free bodies have columns (body_rows.h).   D_i contains own_i at i and -f_i g_ij at the
 ///   neighbours j that are free.
-/// A row reaches the neighbours' neighbours, so it is applied as two passes over the pairs.
+/// A row extends to the neighbours' neighbours, so A is applied as two passes over the pairs.
 struct ConstraintMatrix {
     const DensityRate& D;
-    std::vector<char> presses;     ///< 1: an unknown of the present solve
-    mutable Column<Padded> force;  ///< D^T q, as push() left it
+    std::vector<char> presses;     ///< 1: an unknown of the current solve
+    mutable Column<Padded> force;  ///< D^T q of the last push()
     Span<const Vec3> x;            ///< positions
     Real spacing = 0;
     const BodyRows* bodies = nullptr;  ///< columns of D that belong to free bodies
@@ -39,19 +39,19 @@ struct ConstraintMatrix {
     void multiply(Span<const Real> q, Span<Real> Aq) const { push(q), rates(q, Aq); }
 };
 
-/// Set up for `presses` as it is, once a step and again where many particles start or stop to press; the returned function reads `presses`
-/// at each call.
+/// Sets up a preconditioner for the current `presses`, once per step and again if many particles start or stop to press. The returned
+/// function reads `presses` at each call.
 using ConstraintPreconditionerSetup = std::function<PressurePreconditioner(const ConstraintMatrix&)>;
 /// z = r/diagonal
 PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix);
 /// z = r
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matrix);
 
-/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i + e_i <= rho_0,   and q_i = 0 where the density stays below, then u
-/// -= D^T q. e is the curvature of the move: rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q of the last step's pressure. Where rho_i
-/// exceeds rho_0 only a share of the excess has to go. The projection loses energy, never makes any; a free surface needs no search, and
-/// neither do single particles, closed boxes or slots: A q = b is solvable wherever something can give way. Where nothing can, in a fluid
-/// that fills a periodic domain, densities are held equal instead.
+/// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i + e_i <= rho_0,   and q_i = 0 if the density stays below rho_0; then
+/// u -= D^T q. e is the curvature of the move, rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q of the last step's pressure. If rho_i
+/// exceeds rho_0, the step corrects only a share of the excess. The projection may lose energy and never gains any. Free surfaces, single
+/// particles, closed boxes and slots need no special case: A q = b is solvable if any particle or body can move. If none can, in a fluid
+/// that fills a periodic domain, densities are kept equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(const PressureOptions& options, ConstraintPreconditionerSetup preconditioner = diagonal_scaling)
@@ -60,62 +60,63 @@ public:
                     Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p);
 
 private:
-    /// A q <= b as complementarity. matrix.force must be, and will be, D^T q.
+    /// Solves A q >= b, q >= 0, q.(A q - b) = 0. matrix.force must be D^T q at the start, and is at the end.
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
-    /// Scales q so that q.(b - A q) = 0, for residual_ = A q and matrix.force = D^T q: the pressures then carry the weight. A residual that
-    /// all particles share may be as small as the tolerance, and yet be most of what a short step brings to a deep fluid.
+    /// Scales q so that q.(b - A q) = 0, for residual_ = A q and matrix.force = D^T q: the pressures then carry the weight. Without it, a
+    /// residual common to all particles could meet the tolerance and still be most of what a short step adds in a deep fluid.
     void scale_to_work(ConstraintMatrix& matrix, Span<Real> q);
-    /// Which particles press in a round.
+    /// Sums over the particles that press in a round.
     struct ActiveSet {
-        double squares = 0;              ///< of the residuals of the following
-        Index pressed = 0, joining = 0;  ///< that press already; that are compressed and do not yet
+        double squares = 0;              ///< sum of the squared residuals of both
+        Index pressed = 0, joining = 0;  ///< particles that already press; compressed particles that do not yet
         void operator+=(const ActiveSet& o) { squares += o.squares, pressed += o.pressed, joining += o.joining; }
     };
-    /// Sets matrix.presses, and `rest` to b - A q there. @param about_full kg/(m^3 s): how far short of being compressed a
-    /// particle may be and still join, where more join than press; 0: none
+    /// Sets matrix.presses, and `rest` to b - A q there. @param about_full rate by which a particle may fall short of being compressed and
+    /// still join, if more particles join than press [kg/(m^3 s)]; 0: none
     ActiveSet choose(ConstraintMatrix& matrix, Span<const Real> q, Real about_full, Span<Real> rest) const;
     double tolerance_of_rates(const ConstraintMatrix& matrix, double worst_rate) const;
     double correction() const { return options_.correction.value_or(0.5); }
-    /// Part of a density above rest (of any error, where the domain is `filled`) that the step corrects.
+    /// Fraction of a density above rho_0 (of any density error, if the domain is `filled`) that the step corrects.
     Real correction_share(bool slowly) const {
         return static_cast<Real>(slowly || options_.slow_correction ? 0.4 * correction() : correction());
     }
-    /// Rate at which a density of rho is to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
+    /// Rate at which a density rho has to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
     Real correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const;
-    /// Time in which a density error is corrected [s]: the step, but near free bodies no less than the fluid itself takes for 0.4 spacings
-    /// at its speed (at least sqrt(g d)). A heavy body on a thin film of fluid is otherwise thrown up by the correction of the film, the
-    /// faster the shorter the step, and the pressure that throws it shortens the next one.
+    /// Time in which a density error is corrected [s]: the step. Near free bodies it is at least the time in which the fluid moves by 0.4
+    /// spacings at its speed (at least sqrt(g d)). Otherwise the correction of a thin film would throw up the heavy body on it, the faster
+    /// the shorter the step, and the pressure that throws it would shorten the next step.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
-    /// Share of the correction that keeps the whole fluid calm. An error e that all of a fluid of size L has moves its surface by e L,
-    /// which within a short step dt throws it up: a tank 1 m deep with e = 9e-4 (a lattice in 2D) at 2 m/s if dt is 0.1 ms.
-    /// The mean error is corrected no faster than with 3 % of sqrt(g L) + the mean speed. For fluid that solids hold. @returns 1 where it
-    /// is slower, and where nothing moves or has weight
+    /// Factor on the correction that keeps the whole fluid calm. A density error e common to a fluid of size L moves its surface by e L; a
+    /// short step dt throws it up: a tank 1 m deep with e = 9e-4 (a lattice in 2D) at 2 m/s if dt is 0.1 ms. So the mean error is corrected
+    /// with at most 3 % of sqrt(g L) + the mean speed. For fluid at solids. @returns 1 if the correction is slower than that, or if the
+    /// fluid has neither motion nor weight
     Real calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const;
     /// Adds e/dt to b_. @param force D^T q
     void add_bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q, const StepContext& step) const;
-    /// For a full room that a solid squeezes: nothing can give way, and a pressure that is the same everywhere, and pushes nothing, grows
-    /// without bound. If it would move 95 % of the particles by more than d/4 within the step, sqrt(p/rho) dt > d/4, it is limited to
-    /// that: the fluid is compressed, in steps of a usual length. @returns whether it was
+    /// For a full room that a solid squeezes. No particle can give way, so a uniform pressure, which pushes no particle, grows without
+    /// bound. If it would move 95 % of the particles by more than d/4 within the step, sqrt(p/rho) dt > d/4, it is limited to that value.
+    /// The fluid is then compressed, in steps of a usual length. @returns whether the pressure was limited
     static bool limit_level(Span<Real> q, const StepContext& step);
-    /// Effect of images in one wall on pairs in which i is nearer to it; the wall's particles receive it by their distance from i.
+    /// Effect of the images in one wall on particle i, of the pairs in which i is the nearer to the wall. The boundary particles of the
+    /// wall receive it with weights by their distance from i.
     struct ByImages {
         Vec3 normal;
         Real push;  ///< change of velocity along the normal [m/s]
-        Vec3 back;  ///< from where it acts to i [m]
+        Vec3 back;  ///< from the point where it acts to i [m]
         Real weights;
         bool acts_on(const Vec3& n) const { return n.dot(normal) > Real(0.99); }
         static Real weight(Real reach, Real distance) { return (reach - distance) * (reach - distance); }
     };
     std::vector<ByImages> pushes_of_images(const InteractionContext& context, Span<const Real> q, Index i) const;
-    /// Ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i, and the forces of images.
+    /// Writes the ledger entries of solids that are not unknowns: u_i -= q_i f_i rho_i dw_i/dx_i, and the forces of images.
     void write_ledgers(const WallImage& wall, const InteractionContext& context, Read<field::role> role, Span<const Real> rho,
                        Span<const Real> q) const;
-    /// Pressures for frames and probes: those that the forces of q amount to. Of a particle's part of the stress,
+    /// Pressures for frames and probes, from the forces of q. A particle's part of the stress is
     ///   s_i = rho_i/dt (1/2 sum_j |c_ij| (f_i q_i + f_j q_j) r_ij r_ij^T + f_i q_i rho_i sum_s h_is |grad w_is| n_s^T),   h_is height
-    ///   above s,
-    /// the mean over all directions, and at walls that over their normals: layers press less along a wall than across.
+    ///   above s.
+    /// The pressure is its mean over all directions, at walls its normal component, because layers press less along a wall than across.
     void find_pressures(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Real> q,
                         Span<Real> p) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);
@@ -127,12 +128,12 @@ private:
     Column<Real> b_, residual_;
 };
 
-/// Nothing can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
+/// Whether no particle can give way: every axis is periodic, and the volumes of particles and free bodies fill the domain.
 bool fills_periodic_domain(const InteractionContext& context, Index n);
 
-/// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], p the mean pressure of the pressed fluid. Displacements over a step
-/// turn the forces between neighbours; beyond twice this (at cfl 0.4) a column at rest shakes itself apart, whatever the solver's
-/// tolerance.
+/// Limit of the time step from pressure: cfl d / sqrt(p/rho_0) [s], with p the mean pressure of the fluid under pressure. Displacements
+/// within a step turn the forces between neighbours. In steps longer than twice this (at cfl 0.4) a column at rest shakes itself apart,
+/// whatever the solver's tolerance.
 double pressure_step(double cfl, double spacing, double rest_density, Span<const Real> pressure);
 
 }  // namespace whorl

@@ -51,7 +51,7 @@ DampUnresolved::Stretching DampUnresolved::find_gradients(const Kernel& W, const
         const Real size = moment.trace() / static_cast<Real>(dimensions);
         const bool spans = determinant_in(dimensions, moment) > Real(0.05) * power_of(size, dimensions);
         const Mat3 G = spans ? Mat3(product * inverse_in(dimensions, moment)) : Mat3(Mat3::Zero());
-        // The pull along a pair takes (G r).r of both: r_a r_b (G_ab + G_ba)/2, six numbers a particle.
+        // The pull along a pair needs only (G r).r of both particles: r_a r_b (G_ab + G_ba)/2, six numbers per particle.
         stretching.along[i] = G.diagonal();
         stretching.across[i] = Vec3(G(0, 1) + G(1, 0), G(1, 2) + G(2, 1), G(2, 0) + G(0, 2));
     });

@@ -7,10 +7,10 @@
 namespace whorl {
 
 /// u_i += D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),   c = rate dt, at most 0.3
-/// A packing of particles falls into denser ones; in an inviscid fluid that energy stays for ever, as a tremble from neighbour to
-/// neighbour. G is the local velocity gradient (least squares), so a linear flow feels nothing; where neighbours do not span the space it
-/// is 0. Forces are along the pairs: momentum and angular momentum are kept. The rate is in units of sqrt(g/d + sigma/(rho d^3)), that of
-/// falling or being pulled by a spacing: without gravity and surface tension, no damping.
+/// A packing of particles falls into denser ones. In an inviscid fluid the energy of that persists, as trembling of neighbours. G is the
+/// local velocity gradient (least squares), so a linear flow is not damped; G is 0 if the neighbours do not span all directions. Forces act
+/// along the pairs, so momentum and angular momentum are conserved. The rate is in units of sqrt(g/d + sigma/(rho d^3)), the rate of
+/// falling or being pulled by a spacing: without gravity and surface tension there is no damping.
 class DampUnresolved {
 public:
     /// @param tension surface tension [N/m]

@@ -19,7 +19,7 @@ WallImage::WallImage(const InteractionContext& context, SolidGate solid_gate)
 WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
     with_kernel(form, support, [&](const auto& W) {
         const int reach = static_cast<int>(std::ceil(support / d)), beside_it = form.dimensions - 1;
-        // Value and pull along the normal of a layer of the lattice k spacings away.
+        // Kernel sum, and pull along the normal, of the lattice layer that is k spacings away.
         const auto layer = [&](int k, double& value, double& pull) {
             each_lattice_point(beside_it, reach, [&](int a, int b, int) {
                 const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
@@ -27,7 +27,7 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
                 if (k > 0) pull -= static_cast<double>(W.derivative(r) * k * d / r);
             });
         };
-        // Its sum_j |W'| r.
+        // sum_j |W'| r of that layer.
         const auto virial_of = [&](int k) {
             double sum = 0;
             each_lattice_point(beside_it, reach, [&](int a, int b, int) {
@@ -45,8 +45,8 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
         // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
         const double first_layer = virial_of(0),
                      of_lattice = ((1 - volume * all) * (first_layer + 2 * behind) - (first_layer + behind)) * first / (all * virial_of(1));
-        // Settled water is not a lattice: with 1 the pressure at walls is too high, in the lowest layer by 6 %, in the
-        // mean over a slot 6 d wide by 5 %; with the lattice's value 8 and 2 % too low.
+        // Settled water is not a lattice. With virial = 1 the pressure at walls is too high, by 6 % in the lowest layer and by 5 % in the
+        // mean over a slot 6 d wide; with the value of the lattice it is 8 and 2 % too low.
         virial = static_cast<Real>(of_lattice + 0.55 * (1 - of_lattice));
         stretch = static_cast<Real>(all_pull * first / (first_pull * all) * (2 - volume * all));
     });
@@ -57,14 +57,14 @@ namespace {
 /// Motion of a solid within a step: it turns about its centre, so that its points do not follow straight lines.
 struct SolidMotion {
     Vec3 centre, velocity;  ///< m, m/s
-    Mat3 back, turn;        ///< from the axes at the end to those at the start; back - 1
+    Mat3 back, turn;        ///< rotation from the axes at the end to those at the start; back - 1
     bool turns, rests;
     SolidMotion(const Solid& solid, const Pose& pose, Real dt)
         : centre(pose.angular_velocity.isZero(0) ? pose.translation : Vec3(solid.centre().cast<Real>())),
           velocity(pose.velocity_at(centre)),
           back(turn_by(-static_cast<double>(dt) * pose.angular_velocity.cast<double>()).toRotationMatrix().cast<Real>()),
           turn(back - Mat3::Identity()), turns(!pose.angular_velocity.isZero(0)), rests(!turns && pose.velocity.isZero(0)) {}
-    /// Displacement in the solid's axes of a particle at x with velocity v.
+    /// Displacement, in the axes of the solid, of a particle at x with velocity v.
     Vec3 relative(const Vec3& x, const Vec3& v, Real dt) const {
         return turns ? Vec3(dt * (back * (v - velocity)) + turn * (x - centre)) : Vec3(dt * (v - velocity));
     }
@@ -116,7 +116,7 @@ void DensityRate::build(const WallImage& wall, const InteractionContext& context
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Share& share) {
-                    // The solid's velocity at x_i: fluid that moves and turns with a solid keeps its density.
+                    // The solid's velocity at x_i is used, so that fluid that moves and turns with a solid keeps its density.
                     const Pose& pose = context.solids.all[context.boundary.solid[s]].pose;
                     wall_change += share.gradient.dot(u[i] - pose.velocity_at(context.boundary.position[s] + r));
                 });
@@ -125,7 +125,7 @@ void DensityRate::build(const WallImage& wall, const InteractionContext& context
             own[i] = row.own;
             free[i] = role[i] == 0;
             diagonal[i] = role[i] == 0 ? row.own.squaredNorm() + f * f * row.squares : 0;
-            // A surface particle has no pressure to speak of.
+            // The lower bound is for surface particles, which have hardly any pressure.
             virial[i] = std::clamp(f * row.pull / (static_cast<Real>(W.dimensions) * row.density), Real(0.8), Real(1.5));
             rho[i] = row.density;
             rate[i] = f * (change + row.density * row.wall_slope * wall_change);
@@ -142,7 +142,7 @@ void DensityRate::bend(const WallImage& wall, const InteractionContext& context,
     for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(context.solids.all[k], poses[k], dt);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(size(), [&](Index i) {
-            // Change of the fluid's sum, which was rho_i/f_i.
+            // Change of the fluid's kernel sum, which is rho_i/f_i at x.
             Real linear = 0, moved = mass * W.value(0);
             const Real left = 1 - mirrors.part(i);
             const Real* c = slope.data() + first[i];
@@ -185,7 +185,7 @@ void DensityRate::bend(const WallImage& wall, const InteractionContext& context,
     });
 }
 
-/// In four sums side by side: one after the other each would wait for the one before.
+/// Uses four independent sums: in a single one each addition would wait for the previous one.
 template <bool periodic, class F>
 [[gnu::always_inline]] inline Padded DensityRate::sum_over_row(Index i, const F& term) const {
     const Padded xi = x[i];
@@ -210,7 +210,7 @@ template <bool periodic, class F>
 }
 
 void DensityRate::transposed(Span<const Real> q, Span<Padded> v) const {
-    // Beside the positions, so that a neighbour is in one line of the cache.
+    // Stored next to the positions, so that a neighbour needs a single cache line.
     parallel_for(static_cast<Index>(x.size()), [&](Index j) {
         const Index i = j < size() ? j : mirrors.owner(j - size());
         x[j][3] = fill[i] * q[i];

@@ -1,5 +1,5 @@
 #pragma once
-/// The rate at which the density of every particle changes, as a linear function of the velocities, and its transpose (docs/physics.md 3).
+/// Rate of change of every particle's density, as a linear function of the velocities, and its transpose (docs/physics.md 3).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,26 +13,26 @@
 
 namespace whorl {
 
-/// How a fluid particle sees the one layer of a solid. What lies behind the surface is full of fluid as dense as the particle's own
-/// surroundings,
-///   rho_i = (m W_ii + sum_j m W_ij)/(1 - w_i),   w_i = sum_s V_s W(|r'_is|),
-/// and comes nearer `stretch` times as fast as the layer, like an image in a mirror: r'_is = r_is, its part along the normal of s replaced
-/// by d + stretch (r_is.n_s - d). Both are such that on a lattice that touches a flat wall the density is that of the lattice without a
-/// wall, and a uniform pressure pushes nothing.
+/// Contribution of a solid to the density of a fluid particle, through the boundary particles. The space behind the surface is treated as
+/// full of fluid with the density of the particle's surroundings,
+///   rho_i = (m W_ii + sum_j m W_ij)/(1 - w_i),   w_i = sum_s V_s W(|r'_is|).
+/// Like a mirror image, it approaches `stretch` times as fast as the boundary particle: r'_is is r_is, with its part along the normal of s
+/// replaced by d + stretch (r_is.n_s - d). So on a lattice that touches a flat wall the density is that of the lattice without a wall, and
+/// a uniform pressure makes no force.
 struct WallImage {
-    Real factor;   ///< on the solids' volumes
+    Real factor;   ///< factor on the volumes of boundary particles
     Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
-    Real virial;   ///< factor on the layer's part of a particle's virial (DensityRate::virial)
+    Real virial;   ///< factor on the boundary particles' part of a particle's virial (DensityRate::virial)
     Real spacing;  ///< m
-    Real nearest;  ///< m; where an image is closer than this along the normal, w grows linearly
-    /// By solid, 1: w stays as it is at `nearest`; empty: on it goes everywhere. So for free bodies lighter than the fluid: they would
-    /// float 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/simulation/bodies.cpp).
+    Real nearest;  ///< if an image is closer than this along the normal, w grows linearly [m]
+    /// By solid, 1: w stays constant for images closer than `nearest`. Empty: w grows at all solids. 1 for free bodies lighter than the
+    /// fluid, which would else float 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/simulation/bodies.cpp).
     std::vector<char> constant_when_near;
-    SolidGate gate;  ///< w_i counts as w_i times its weight, in the density and in its derivative
+    SolidGate gate;  ///< its weight multiplies w_i, in the density and in its derivative
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
     WallImage(const InteractionContext& context, SolidGate gate);
 
-    /// Contribution of a solid particle to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
+    /// Contribution of a boundary particle to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
     struct Share {
         Real value, pull;
         Vec3 gradient;
@@ -44,7 +44,7 @@ struct WallImage {
         const Real V = factor * boundary.volume[s] * boundary.behind[s], height = r.dot(normal);
         Vec3 g = r;
         Real beyond = 0;   // how much closer than `nearest`
-        if (height > 0) {  // else s belongs to a face that does not face i
+        if (height > 0) {  // else i is behind the face of s
             const Real wanted = spacing + stretch * (height - spacing), image = std::max(wanted, nearest);
             beyond = image - wanted;
             g += (stretch * image - height) * normal;
@@ -55,8 +55,8 @@ struct WallImage {
         if (!constant_when_near.empty() && constant_when_near[boundary.solid[s]]) beyond = 0;
         return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
     }
-    /// A convex edge is seen as an image before each face that i is in front of, h -> h [1 + (stretch - 1)(h/d - 1)], other edges at their
-    /// positions.
+    /// Share of a boundary particle on an edge. A convex edge has an image before each face that i is in front of,
+    /// h -> h [1 + (stretch - 1)(h/d - 1)]; other edges are used at their positions.
     template <class Kernel>
     [[gnu::noinline]] Share edge_share(const Kernel& W, const Vec3& r, const BoundaryParticles& boundary, Index s) const {
         const Vec3 &normal = boundary.normal[s], &one = boundary.face[s];
@@ -77,8 +77,8 @@ struct WallImage {
         const Real V = factor * boundary.volume[s], distance = image.norm(), slope = W.slope(distance);
         return {V * W.value(distance), -V * slope * distance * distance * virial, V * slope * g};
     }
-    /// The share of the volume around i that solids, which fill w of it, leave to the fluid: 1 - w, but never 0, and how much it shrinks
-    /// with w.
+    /// Fraction `left` of the volume around i that solids leave to the fluid, if they fill w of it: 1 - w, but always positive. `slope` is
+    /// -d left/dw.
     struct FreeVolume {
         Real left, slope;
     };
@@ -94,12 +94,12 @@ struct WallImage {
 struct DensityRow {
     Real density, fill;  ///< rho_i, f_i
     Vec3 own;            ///< kg/m^4
-    Real wall_slope;     ///< rho_i's change with w_i over f_i rho_i
+    Real wall_slope;     ///< (d rho_i/d w_i)/(f_i rho_i)
     Real squares;        ///< sum_j |g_ij|^2
-    Real pull;           ///< -sum_j m W' r + rho_i times the solids' [kg/m^3]
+    Real pull;           ///< -sum_j m W' r + rho_i times the sum of Share::pull [kg/m^3]
 };
 
-/// @param fluid_neighbours called as <image>(group, c) with g_ij = c r @param solid_neighbour as (s, r, Share)
+/// @param fluid_neighbours called as f<image>(group, c) with g_ij = c r @param solid_neighbour called as f(s, r, Share)
 template <class Kernel, class Fluid, class SolidPart>
 DensityRow density_row(const WallImage& wall, const Kernel& W, const InteractionContext& context, const Mirrors& mirrors, Index i,
                        Fluid&& fluid_neighbours, SolidPart&& solid_neighbour) {
@@ -164,34 +164,34 @@ Real density_at(const WallImage& wall, const Kernel& W, const InteractionContext
 using Padded = Eigen::Matrix<Real, 4, 1>;
 inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
 
-/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i        with g_ij = m grad W_ij = c_ij r_ij, f_i = 1/(1 - w_i), wall_i:
-/// what moving solids do It is the exact derivative of the density above, so that what holds the densities also has an energy: the work of
-/// D^T q on the fluid.
+/// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i,   g_ij = m grad W_ij = c_ij r_ij,   f_i = 1/(1 - w_i)
+/// wall_i is the part of moving solids. D is the exact derivative of the density above, so the forces D^T q that limit the densities derive
+/// from an energy.
 struct DensityRate {
-    Span<const std::size_t> first;  ///< rows of the pairs that it was built from, each followed by its images
+    Span<const std::size_t> first;  ///< rows of the pairs that D was built from, each followed by its images
     Span<const Index> other;        ///< particles; images from size() on
-    Column<Real> slope;        ///< c_ij, a pair [kg/m^5]: with the positions a third of the memory of g_ij, and as little to read a product
-    mutable Column<Padded> x;  ///< m, of the particles and of their images; the last component is f_i q_i in a product
-    Vec3 period = Vec3::Zero();  ///< Domain::period()
-    Column<Real> fill;           ///< f_i
-    Column<Vec3> own;            ///< own_i [kg/m^4]
-    Column<Real> diagonal;       ///< of D D^T [kg^2/m^8]; 0 if the density cannot change
-    /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for a perfect gradient, 1.02 on a lattice with R = 2 d, up to 1.05 once
-    /// it has melted. The pressure that the pair forces of q exert (their virial) is q times this.
+    Column<Real> slope;             ///< c_ij by pair [kg/m^5]; with x a third of the memory and of the reads per product of g_ij
+    mutable Column<Padded> x;       ///< positions of the particles and of their images [m]; the last component is f_i q_i in a product
+    Vec3 period = Vec3::Zero();     ///< Domain::period()
+    Column<Real> fill;              ///< f_i
+    Column<Vec3> own;               ///< own_i [kg/m^4]
+    Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 if the density cannot change
+    /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for an exact gradient, 1.02 on a lattice with R = 2 d, up to 1.05 after
+    /// the lattice has melted. The pressure that the pair forces of q exert (their virial) is q times this.
     Column<Real> virial;
-    Mirrors mirrors;         ///< whose images are neighbours, too
-    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle): it does not react and has no pressure
+    Mirrors mirrors;         ///< their images are neighbours, too
+    std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle), so the particle has no pressure and does not react
 
     Index size() const { return static_cast<Index>(own.size()); }
 
-    /// @param rho written @param rate D u with prescribed and solid velocities included
+    /// @param rho written @param rate written: D u, including prescribed particles and solids
     void build(const WallImage& wall, const InteractionContext& context, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                Span<Real> rate);
-    /// rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], the error of D for a straight move, with fixed neighbours; solids turn
-    /// as they do within a step. @param rho at x @param poses of the solids: free bodies move with the velocities in them
+    /// Writes rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], the error of D for a straight move, with fixed neighbours. Solids turn as
+    /// they do within a step. @param rho at x @param poses of the solids; free bodies move with the velocities in them
     void bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> v,
               const std::vector<Pose>& poses, Span<Real> change) const;
-    /// Calls f(j, g) for row i: neighbours, or owners of images that are, and g_ij.
+    /// Calls f(j, g_ij) for row i: j is a neighbour, or the owner of an image that is a neighbour.
     template <class F>
     void row(Index i, const F& f) const {
         for (std::size_t k = first[i]; k < first[i + 1]; ++k)
@@ -199,9 +199,9 @@ struct DensityRate {
     }
     /// c_ij of the images of i.
     const Real* image_slopes(Index i) const { return slope.data() + first[i + 1] - mirrors.count(i); }
-    /// v = D^T q where free, 0 elsewhere; from size() on that of the images.
+    /// v = D^T q of free particles, 0 of others; elements from size() on are those of the images.
     void transposed(Span<const Real> q, Span<Padded> v) const;
-    /// rate_i = (D v)_i without the solids, where wanted[i]; 0 elsewhere.
+    /// rate_i = (D v)_i without the solids if wanted[i], else 0.
     void apply(Span<const Padded> v, Span<const char> wanted, Span<Real> rate) const;
 
 private:
@@ -212,7 +212,7 @@ private:
             if (period[a] > 0) r[a] -= period[a] * std::nearbyint(r[a] / period[a]);
         return c * r;
     }
-    /// sum over neighbours j of i, images from size() on, of term(c_ij, j, r_ij).
+    /// Sum of term(c_ij, j, r_ij) over the neighbours j of i; images have numbers from size() on.
     template <bool periodic, class F>
     Padded sum_over_row(Index i, const F& term) const;
 

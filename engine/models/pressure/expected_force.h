@@ -1,5 +1,5 @@
 #pragma once
-/// The last step's pressure force before an implicit viscosity (docs/physics.md 3).
+/// Use of the last step's pressure force before an implicit viscosity (docs/physics.md 3).
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
@@ -13,14 +13,14 @@ struct pressure_force {
 };
 }  // namespace field
 
-/// u += dt a, a the last step's pressure force over the mass: viscosity then acts on a flow whose weight is held up. Without it fluid at
-/// rest slips along sticking walls by about dt/rho times the pressure's gradient. Free bodies the same: without it a plate that presses
-/// fluid out of a gap h sinks faster by a factor of about 1 + 12 nu dt/h^2.
+/// u += dt a, with a the last step's pressure force over the mass, so that viscosity acts on a flow whose weight is supported. Without
+/// this, fluid at rest slips along sticking walls by about dt/rho times the pressure's gradient. Free bodies are treated likewise: without
+/// it, a plate that presses fluid out of a gap h sinks faster by a factor of about 1 + 12 nu dt/h^2.
 struct ExpectForce {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
                     Update<field::velocity> u) const {
         const StepContext& step = context.step;
-        const Real most = step.spacing / (10 * step.dt * step.dt);  // an impact's pressure is not expected again
+        const Real most = step.spacing / (10 * step.dt * step.dt);  // the pressure of an impact is not expected again
         parallel_for(u.size(), [&](Index i) {
             if (role[i] != 0 || !(a[i].norm() < most)) a[i].setZero();
             u[i] += step.dt * a[i];
@@ -41,7 +41,7 @@ struct ExpectForce {
     }
 };
 
-/// Before the pressure's solve: u -= dt a. Keeps u, for TakeForce.
+/// Runs before the pressure's solve: u -= dt a. Stores u in a, for TakeForce.
 struct ForgetForce {
     void operator()(const InteractionContext& context, Update<field::pressure_force> a, Update<field::velocity> u) const {
         const StepContext& step = context.step;
@@ -53,7 +53,7 @@ struct ForgetForce {
     }
 };
 
-/// After it: a = du/dt.
+/// Runs after the pressure's solve: a = du/dt.
 struct TakeForce {
     void operator()(const InteractionContext& context, Update<field::pressure_force> a, Read<field::velocity> u) const {
         const StepContext& step = context.step;

@@ -31,7 +31,7 @@ void Mirrors::find(const InteractionContext& context, bool none) {
     find_pairs(context.pairs);
 }
 
-/// BoundaryParticles::flat, reduced near solids that move against it, and 0 on solids that turn.
+/// BoundaryParticles::flat, reduced near solids that move relative to the wall; 0 on solids that turn.
 Column<Real> Mirrors::flat_now(const InteractionContext& context) {
     const BoundaryParticles& boundary = context.boundary;
     Column<Real> flat = boundary.flat;
@@ -46,7 +46,7 @@ Column<Real> Mirrors::flat_now(const InteractionContext& context) {
     return flat;
 }
 
-/// The walls that the solid neighbours of i belong to.
+/// Finds the walls that the solid neighbours of i belong to.
 void Mirrors::look(const InteractionContext& context, Span<const Real> flat, Index i) {
     const Real d = context.step.spacing, reach = context.step.support;
     Seen& seen = seen_[i];
@@ -58,7 +58,7 @@ void Mirrors::look(const InteractionContext& context, Span<const Real> flat, Ind
         if (flat[s] < 0 || !(distance < reach)) return;
         const Vec3& normal = context.boundary.normal[s];
         const Real height = r.dot(normal) - d / 2;
-        if (height < d / 2 - reach) return;  // the far side of a wall whose fluid is out of reach
+        if (height < d / 2 - reach) return;  // the far side of a wall, whose fluid is out of reach
         const Real weight = (reach - distance) * (reach - distance);
         all += weight, mirrors += flat[s] * weight;
         lowest = std::min(lowest, height);
@@ -71,7 +71,9 @@ void Mirrors::look(const InteractionContext& context, Span<const Real> flat, Ind
         else seen.wall[seen.count++] = {normal, context.pairs.x_own[i].dot(normal) - height, context.boundary.solid[s]};
     });
     if (skew || mirrors == 0) seen.count = 0;
-    else part_[i] = mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // on the wall its own image pushes nothing
+    else
+        part_[i] =
+            mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // 0 on the wall: its own image pushes nothing
 }
 
 void Mirrors::find_images(Index particles) {

@@ -7,22 +7,22 @@
 
 namespace whorl {
 
-/// The space behind a flat wall is full of images of the fluid. They are neighbours like others,
-///   rho_i = (m W_ii + sum_j m W_ij + sum_g (a_i + a_j)/2 m W(x_i - x_g))/(1 - (1 - a_i) w_i),   x_g = x_j - 2 h_j n,
-/// with j the particle (also i) whose image is g; near two or three walls at right angles there are images of images. a_i is 1 where the
-/// walls about i are flat and 0 elsewhere (BoundaryParticles::flat), and nearer than d/10 to a wall, which an impact alone reaches. As W
-/// depends on r_ij^2 + 4 h_i h_j, g pushes i as the image of i pushes j.
+/// The space behind a flat wall is full of images of the fluid, which are neighbours like particles:
+///   rho_i = (m W_ii + sum_j m W_ij + sum_g (a_i + a_j)/2 m W(x_i - x_g))/(1 - (1 - a_i) w_i),   x_g = x_j - 2 h_j n.
+/// j is the particle whose image is g (also i itself). Near two or three walls at right angles there are images of images. a_i is 1 if the
+/// walls around i are flat, and 0 at others (BoundaryParticles::flat) and nearer than d/10 to a wall, a distance that only impacts reach. W
+/// depends on r_ij^2 + 4 h_i h_j, so g pushes i as the image of i pushes j.
 class Mirrors {
 public:
-    /// @param none no wall shows images
+    /// @param none true: no wall has images
     void find(const InteractionContext& context, bool none = false);
-    /// Images.
+    /// Number of images.
     Index size() const { return static_cast<Index>(images_.size()); }
-    /// Rows of images: row i names those near the particle i.
+    /// Rows of images: row i contains those that are neighbours of particle i.
     const Pairs& pairs() const { return pairs_; }
-    /// Images that are neighbours of i.
+    /// Number of images that are neighbours of i.
     Index count(Index i) const { return images_.empty() ? 0 : pairs_.count(i); }
-    /// Factors of the pairs of i in the density; readable up to a whole group.
+    /// Weights (a_i + a_j)/2 of the images of i; readable up to a whole group.
     const Real* weights(Index i) const { return &weight_[pairs_.first[i]]; }
     /// Calls f(g, r, distance, weight) for each image g that is a neighbour of i.
     template <class F>
@@ -48,20 +48,20 @@ public:
     /// A flat wall before a particle.
     struct Wall {
         Vec3 normal;  ///< into the fluid
-        Real offset;  ///< of the surface along it [m]
+        Real offset;  ///< position of the surface along the normal [m]
         Index solid;
         Real height(const Vec3& x) const { return x.dot(normal) - offset; }
     };
     struct Image {
         Index owner;
-        int count;  ///< of walls
+        int count;  ///< number of walls
         Wall wall[3];
     };
     const Image& image(Index g) const { return images_[g]; }
-    /// Lets images follow the particles.
+    /// Updates the positions of the images from those of the particles.
     void place(Span<const Vec3> x);
     Span<const Vec3> places() const { return places_; }
-    /// of_images[g] = v of the owner, mirrored: the part along each wall's normal becomes twice `middle` less it. @param middle of a Wall
+    /// of_images[g] = v of the owner, mirrored: v.n becomes 2 middle(wall) - v.n for each wall. @param middle Wall -> value on the wall
     template <class Vector, class Middle>
     void reflect(const Vector* v, Vector* of_images, const Middle& middle) const {
         parallel_for(size(), [&](Index g) {
@@ -74,7 +74,7 @@ public:
             of_images[g] = there;
         });
     }
-    /// Velocities of the images. @param of_solid by solid [m/s]
+    /// Velocities of the images. @param of_solid solid -> velocity [m/s]
     template <class OfSolid>
     Span<const Vec3> velocities(Span<const Vec3> v, const OfSolid& of_solid) const {
         velocities_.resize(images_.size());
@@ -84,7 +84,7 @@ public:
 
 private:
     struct Seen {
-        int count = 0;  ///< of walls
+        int count = 0;  ///< number of walls
         Wall wall[3];
         bool knows(const Vec3& normal) const {
             for (int m = 0; m < count; ++m)
@@ -102,7 +102,7 @@ private:
     Column<Vec3> places_;
     mutable Column<Vec3> velocities_;
     std::vector<Seen> seen_;
-    std::vector<Index> first_;  ///< by particle, into images_
+    std::vector<Index> first_;  ///< index into images_, by particle
     std::vector<Image> images_;
 };
 

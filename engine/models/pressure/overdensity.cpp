@@ -47,14 +47,14 @@ std::string RelaxOverdensity::relieve(const WallImage& wall, const Kernel& W, co
     Scratch of(n);
     const auto density = [&](Index i) { return density_at(wall, W, context, mirrors, i); };
     parallel_for(n, [&](Index i) { rho[i] = density(i); });
-    const auto densest = [&] {  // over rho_0, less 1
+    const auto densest = [&] {  // largest density over rho_0, minus 1
         const auto denser = [&](Index a, Index b) { return rho[a] < rho[b]; };
         return static_cast<double>(rho[*std::max_element(of.dense.begin(), of.dense.end(), denser)] / rho_0) - 1;
     };
-    Real moved = 0;  // at most, since the neighbours were found
+    Real moved = 0;  // bound for the displacements since the neighbours were found
     for (int sweep = 0;; ++sweep) {
         of.dense.clear();
-        const auto beside_light_body = [&](Index i) {  // which would have to give way
+        const auto beside_light_body = [&](Index i) {  // the body would have to give way
             bool near_light = false;
             if (!wall.constant_when_near.empty())
                 context.solid_pairs.of(
@@ -95,7 +95,7 @@ std::string RelaxOverdensity::relieve(const WallImage& wall, const Kernel& W, co
                 slower += both * slope * (apart - apart.dot(r) / std::max(r.squaredNorm(), std::numeric_limits<Real>::min()) * r);
             });
             mirrors.of(i, [&](Index g, const Vec3& r, Real distance, Real weight) {
-                move += of.share[mirrors.owner(g)] * weight * m * W.slope(distance) * r;  // images take up nothing
+                move += of.share[mirrors.owner(g)] * weight * m * W.slope(distance) * r;  // images receive no reaction
             });
             of.kicks[c] = role[i] != 0 ? Vec3(Vec3::Zero()) : slower;
             const Real length = move.norm();
@@ -127,10 +127,10 @@ void RelaxOverdensity::operator()(const InteractionContext& context, FluidPairs&
                                   Update<field::velocity> u) {
     const StepContext& step = context.step;
     const Index n = x.size();
-    if (fills_periodic_domain(context, n)) return;                    // there densities are held equal, not below rho_0
-    if (context.solids.any_free() && step.gravity.isZero(0)) return;  // there bodies would have to take up the reaction
-    // A fifth of a spacing more than the kernel's reach: who comes into it while particles move is seen. A periodic axis may be too short
-    // for that.
+    if (fills_periodic_domain(context, n)) return;                    // there the constraint keeps densities equal, not below rho_0
+    if (context.solids.any_free() && step.gravity.isZero(0)) return;  // the bodies would have to give way
+    // A fifth of a spacing more than the kernel's support, to include particles that come within it while others move. A periodic axis may
+    // be too short for that.
     Real reach = step.support + step.spacing / 5;
     for (const Real length : step.domain.period())
         if (length > 0) reach = std::min(reach, length / 2);

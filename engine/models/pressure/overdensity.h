@@ -8,23 +8,21 @@
 
 namespace whorl {
 
-/// The constraint holds rho_i + dt (D u)_i; where a particle hits a wall or another one within a step, the density itself has gone far
-/// beyond that line. While any density exceeds rho_0 by `most`, those that do, and their neighbours that exceed it by half of that share,
-/// move their surroundings and themselves,
+/// The constraint limits rho_i + dt (D u)_i. If a particle hits a wall or another particle within a step, its density rises far above this
+/// linear prediction. While any density exceeds rho_0 (1 + 0.9 most), these particles, and their neighbours denser than
+/// rho_0 (1 + most/2), move their surroundings and themselves,
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
-/// with the densities and their derivative of the positions reached. Two that are moved apart turn about each other as much more slowly: a
-/// pair that moves by -a r_ij and a r_ij takes +a and -a of its relative velocity across r_ij, so that the angular momentum stays and no
-/// energy of motion is gained; the centre of mass is fixed except for pushes by solids and moves that are cut off. Up to a hundred
-/// sweeps; if they are not enough, the step reports a solve of the kind `crowding` that says so. Full periodic domains
-/// are left alone, and so are particles near bodies lighter than the fluid, and scenes with bodies and without weight: there the bodies
-/// would have to give way. Writes the densities
-/// of the places where the step ends.
+/// with the densities and their derivative at the current positions. A pair that is moved apart by -a r_ij and a r_ij gets +a and -a times
+/// its relative velocity across r_ij, so that it turns more slowly: angular momentum is conserved and kinetic energy does not grow. The
+/// centre of mass is fixed except for pushes by solids and moves that are cut off. At most a hundred sweeps; if they are not enough, the
+/// step reports a solve of the kind `crowding`. Not done in full periodic domains, near bodies lighter than the fluid, and in scenes with
+/// bodies and without gravity: there the bodies would have to give way. Writes the densities at the positions at the end of the step.
 class RelaxOverdensity {
 public:
-    /// @param most relative density error that is left
+    /// @param most tolerated relative density error
     RelaxOverdensity(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
-    /// @param pairs, solid_pairs those of `context`, which become the neighbours of the places where the step ends, found with `search` a
-    /// fifth of a spacing farther than the models need
+    /// @param pairs, solid_pairs those of `context`; they become the neighbours at the end of the step, found with `search` up to a fifth
+    /// of a spacing farther than the models need
     void operator()(const InteractionContext& context, FluidPairs& pairs, SolidPairs& solid_pairs, NeighbourSearch& search,
                     StepReport& report, Read<field::role> role, Update<field::density> rho, Update<field::position> x,
                     Update<field::velocity> u);
@@ -41,7 +39,7 @@ private:
         /// The particles of `from` and their neighbours.
         void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
     };
-    /// @returns a text about particles that stay too dense; empty: none
+    /// @returns a text about particles that stay too dense; empty if there are none
     template <class Kernel>
     std::string relieve(const WallImage& wall, const Kernel& W, const InteractionContext& context, Read<field::role> role, Span<Real> rho,
                         Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) const;

@@ -11,19 +11,20 @@
 namespace whorl {
 namespace {
 
-/// alpha of a full box comes from uneven neighbours; it is a hundredth of the diagonal once a lattice has melted. Of a few particles on a
-/// floor it is as large as the diagonal.
+/// A region is singular if its pins are less than this fraction of its diagonals. In a full box alpha comes from uneven neighbours; it is
+/// a hundredth of the diagonal after a lattice has melted. For a few particles on a floor it is as large as the diagonal.
 constexpr double weakly_tied = 0.05;
-/// As printed, only a drop without surface particles that no solid touches has an undetermined level of pressure.
+/// The fraction as printed: the pressure level is undetermined only for a drop that has no surface particles and touches no solid.
 constexpr double untied = 1e-6;
 
-/// Threshold of the divergence of the position over the dimensions: smaller values mark a free surface.
+/// Threshold of the divergence of the position over D; smaller values mark a free surface.
 constexpr Real full_enough = Real(0.85);
 
 }  // namespace
 
-/// Free surface: the divergence of the position, 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24 in the outermost layer of a flat
-/// lattice; solids count as fluid does. A particle that is compressed is no surface, however few its neighbours: it needs a pressure.
+/// A particle is on the free surface if the divergence of the position is small: 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24
+/// in the outermost layer of a flat lattice. Solids count like fluid. A compressed particle is never on the surface, even if it has few
+/// neighbours, because it needs a pressure.
 template <class Kernel>
 void PoissonPressure::classify(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Read<field::density> rho) {
     const auto D = static_cast<Real>(context.step.dimensions());
@@ -53,7 +54,7 @@ void PoissonPressure::classify(const Kernel& kernel, const InteractionContext& c
 
 template <class Kernel>
 void PoissonPressure::weigh(const Kernel& kernel, const InteractionContext& context, Read<field::density> rho) {
-    constexpr Real least = Real(0.25);  // of the space that solids leave: between two walls
+    constexpr Real least = Real(0.25);  // lower bound for the space that solids leave, for particles between two walls
     const bool walls = context.boundary.size() > 0;
     const Real lacking =
         walls && !options_.printed ? lacking_along_wall(context.step.kernel, context.step.support, context.step.spacing) : 0;
@@ -72,7 +73,7 @@ Real PoissonPressure::solid_slope(const Kernel& kernel, const InteractionContext
     return gate_[i] * options_.solid_factor * context.boundary.volume[s] / spread_[i] * kernel.slope(distance);
 }
 
-/// Contribution of solid particle s to D_i, without the weight of i.
+/// Contribution of boundary particle s to D_i, without the weight of i.
 template <class Kernel>
 Vec3 PoissonPressure::of_solid(const Kernel& kernel, const InteractionContext& context, Index i, Index s, const Vec3& r,
                                Real distance) const {
@@ -82,9 +83,9 @@ Vec3 PoissonPressure::of_solid(const Kernel& kernel, const InteractionContext& c
     return solid_slope(kernel, context, i, s, distance) * (r + (stretch - 1) * r.dot(normal) * normal);
 }
 
-/// The pressure of solid particle s is p_i and the weight of the fluid between them, rho_0 g.(x_s - x_i) along the normal. That part is
-/// known before the solve. Without it the lowest layer's pressure is too high by that of its weight, and the topmost layer of a full box
-/// falls.
+/// The pressure of boundary particle s is p_i plus the weight of the fluid between them, rho_0 g.(x_s - x_i) along the normal. This part is
+/// known before the solve. Without it the pressure of the lowest layer is too high by the pressure of its own weight, and the topmost
+/// layer of a full box falls.
 template <class Kernel>
 void PoissonPressure::carry(const Kernel& kernel, const InteractionContext& context, Read<field::role> role,
                             Update<field::velocity> u) const {
@@ -106,13 +107,13 @@ void PoissonPressure::carry(const Kernel& kernel, const InteractionContext& cont
     });
 }
 
-/// Right-hand side of a row. @param factor of the row @param error of the density over rho_0 @param rate of the relative density [1/s]
+/// Right-hand side of a row. @param factor of the row @param error relative density error @param rate of the relative density [1/s]
 Real PoissonPressure::source(const StepContext& step, Real factor, Real error, Real rate) const {
     const Real share = static_cast<Real>(options_.correction.value_or(0.1));
     return step.rest_density * step.volume * factor * (share * error + step.dt * rate) / (step.dt * step.dt);
 }
 
-/// Row i is multiplied by w_i V; as printed by V_i = V sqrt(w_i), which makes the matrix symmetric.
+/// Row i is multiplied by w_i V, in the printed form by V_i = V sqrt(w_i), which makes the matrix symmetric.
 template <bool printed, class Kernel>
 void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& context, Read<field::density> rho, Update<field::velocity> u,
                                Update<field::pressure> p) {
@@ -165,7 +166,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& c
             matrix_.diagonal[i] = std::max(row + pin, min_positive);
             touches_surface_[i] = surface;
         } else {
-            // Between two facing walls the gradients cancel: no pressure pushes anywhere.
+            // Between two facing walls the gradients cancel, so a pressure would push nothing.
             p[i] = alpha > enough ? b_[i] / alpha : 0;
             if (options_.clamp) p[i] = std::max(Real(0), p[i]);
             b_[i] = 0;
@@ -173,9 +174,9 @@ void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& c
     });
 }
 
-/// |r| is held against that of a residual of rho_0/dt^2 everywhere: the tolerance is a relative density error. At small time steps that
-/// alone would leave the pressure unsolved (a density error of 1e-4 in the longest wave of 40 layers is several times their weight), so it
-/// is also a share of the source.
+/// The tolerance is a relative density error: |r| is compared with the norm of a residual of rho_0/dt^2 at every particle. At small time
+/// steps that alone would leave the pressure unsolved (a density error of 1e-4 in the longest wave of 40 layers is several times their
+/// weight), so |r| is also compared with the right-hand side.
 SolveReport PoissonPressure::solve_rows(const StepContext& step, double unknowns, Span<Real> x) {
     SolveReport solved;
     solved.converged = true;
@@ -195,7 +196,7 @@ SolveReport PoissonPressure::solve_rows(const StepContext& step, double unknowns
     return solved;
 }
 
-/// Nothing can take the mean density error of a full box away: it is no error of the flow.
+/// Removes the mean density error of a full box from the right-hand side, because no flow can correct it.
 void PoissonPressure::take_mean_errors_away(const StepContext& step, Read<field::density> rho) {
     for (const ClosedRegion& region : closed_.all) {
         if (!region.singular) continue;
@@ -206,8 +207,8 @@ void PoissonPressure::take_mean_errors_away(const StepContext& step, Read<field:
     }
 }
 
-/// Without a surface the pressure has no natural zero. Its lowest value is made the weight of a layer, so that the clamp takes nothing
-/// away.
+/// Without a surface the pressure has no natural zero. Its lowest value is set to the weight of a layer, so that the clamp changes no
+/// pressure.
 void PoissonPressure::choose_zero(const StepContext& step, Span<Real> x) const {
     const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
     for (const ClosedRegion& region : closed_.all) {

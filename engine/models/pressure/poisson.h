@@ -1,5 +1,5 @@
 #pragma once
-/// Incompressible pressure: a Poisson equation for the density that the step would end with (docs/physics.md 3; Takahashi et al. 2016).
+/// Incompressible pressure: a Poisson equation for the density at the end of the step (docs/physics.md 3; Takahashi et al. 2016).
 ///
 /// Stages of a step, in order: Density (sph/density.h), Gravity, (forces), Kick, (viscosity), DampUnresolved,
 /// PoissonPressure, Move, PushOutOfSolids.
@@ -16,8 +16,8 @@ namespace whorl {
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
 
 /// Solves L p = rho_0 D u*/dt + the share of the density error, then u = u* - dt M^-1 D^T p (docs/physics.md 3). The force is the transpose
-/// of the divergence D, walls included, and L >= D M^-1 D^T/2: a solve gains no energy. Prescribed particles (emitter) mirror the pressure
-/// of i.
+/// of the divergence D, walls included, and L >= D M^-1 D^T/2, so a solve adds no energy. A prescribed particle (emitter) has the pressure
+/// of its neighbour i.
 class PoissonPressure {
 public:
     explicit PoissonPressure(const PressureOptions& options, PressurePreconditionerSetup preconditioner = jacobi)
@@ -58,9 +58,9 @@ private:
     std::vector<PressureClass> class_;
     std::vector<char> touches_surface_;
     ClosedRegions closed_;
-    Column<Real> gate_;    ///< weight of the solids by particle
+    Column<Real> gate_;    ///< weight of the solids, by particle
     Column<Real> weight_;  ///< w_i = (rho_0/rho_i)^2
-    Column<Real> fill_;    ///< f_i: weight by which fluid replaces the part of its neighbourhood in solids
+    Column<Real> fill_;    ///< f_i: weight by which fluid neighbours replace the part of the neighbourhood that is in solids
     Column<Real> spread_;  ///< s_i = sum V |W'| r/D over fluid and solids: 1 where sums over neighbours are exact for linear fields
     Column<Real> b_;       ///< right-hand side
 };

@@ -34,8 +34,8 @@ PressurePreconditioner jacobi(const PressureMatrix& matrix) {
 
 PressurePreconditioner poisson_unpreconditioned(const PressureMatrix&) { return {NoPreconditioner{}}; }
 
-/// Flood fill from the unknowns next to the surface. What it does not reach is closed: a full box, a pocket. It takes one pass over the
-/// pairs, in order, so the result does not depend on threads.
+/// Flood fill from the unknowns next to the surface. Components that it does not reach are closed (a full box, a pocket). It visits the
+/// pairs in order, so the result does not depend on the number of threads.
 void ClosedRegions::find(const PressureMatrix& matrix, Span<const char> touches_surface, double tied) {
     const Index n = matrix.size();
     all.clear();

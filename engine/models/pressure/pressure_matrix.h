@@ -9,18 +9,18 @@
 
 namespace whorl {
 
-/// z is near A^-1 r, symmetric and positive definite on the unknowns; z = 0 elsewhere.
+/// z approximates A^-1 r, with a symmetric positive definite operator on the unknowns; z = 0 elsewhere.
 struct PressurePreconditioner {
     std::function<void(Span<const Real> r, Span<Real> z)> apply;
     int levels = 1;
-    std::size_t bytes = 0;  ///< its memory
+    std::size_t bytes = 0;  ///< memory of the preconditioner
 
     void operator()(Span<const Real> r, Span<Real> z) const { apply(r, z); }
 };
 
 /// Rows of the pressure equation over the unknown (Poisson) particles, made symmetric by the factor V_i:
 ///   (A p)_i = sum_j c_ij (p_i - p_j) + d_i p_i,  c_ij = V_i a_ij = c_ji,  d_i = V_i (alpha_i + sum over Dirichlet neighbours a_ij).
-/// Entries of particles that are not unknown have an empty row and a unit diagonal.
+/// Particles that are not unknown have an empty row and a unit diagonal.
 struct PressureMatrix {
     std::vector<std::size_t> first;  ///< n + 1
     Column<Index> other;             ///< unknown neighbours
@@ -32,12 +32,12 @@ struct PressureMatrix {
     Real spacing = 0;
 
     Index size() const { return static_cast<Index>(diagonal.size()); }
-    /// Rows with a unit diagonal, with room for the unknown neighbours of each unknown; `unknown` is given. @param d spacing [m]
+    /// Sets rows with a unit diagonal and with room for the unknown neighbours of each unknown. `unknown` must be set. @param d spacing [m]
     void lay_out(const FluidPairs& pairs, Real d);
     void multiply(Span<const Real> p, Span<Real> Ap) const;
 };
 
-/// Set up once a step from the matrix.
+/// Called once per step with the matrix.
 using PressurePreconditionerSetup = std::function<PressurePreconditioner(const PressureMatrix&)>;
 /// z = r/diagonal.
 PressurePreconditioner jacobi(const PressureMatrix& matrix);
@@ -47,15 +47,15 @@ PressurePreconditioner poisson_unpreconditioned(const PressureMatrix& matrix);
 /// A connected component of unknowns that touches no surface particle.
 struct ClosedRegion {
     std::vector<Index> members;
-    bool singular = false;  ///< nothing else ties it either: p is defined up to a constant, or nearly so
+    bool singular = false;  ///< p is determined only up to a constant, or nearly so
 };
 
 struct ClosedRegions {
     std::vector<ClosedRegion> all;
-    /// @param touches_surface by particle @param tied a region counts as singular where its pins are less than this share of its diagonals
+    /// @param touches_surface by particle @param tied a region is singular if its pins are less than this fraction of its diagonals
     void find(const PressureMatrix& matrix, Span<const char> touches_surface, double tied);
-    /// The small alpha of a full box comes from uneven neighbours: it would turn the right-hand side's mean into a huge uniform
-    /// pressure.
+    /// Sets the pins of singular regions to 0. The small alpha of a full box comes from uneven neighbours; it would turn the mean of the
+    /// right-hand side into a huge uniform pressure.
     void take_pins_away(PressureMatrix& matrix) const;
     /// Subtracts the mean of b over each singular region, so that it is solvable; the walls absorb the residual.
     void subtract_means(Span<Real> b) const;

@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// The particles above the first coarse level.
+/// Transfer between the particles and the first coarse level.
 struct Levels {
     IndexGroups groups;
     Multigrid coarse;
@@ -47,8 +47,8 @@ struct Levels {
     }
 };
 
-/// Joins the diagonal and the coarse levels, in sum or one after the other.
-/// @param multiply A on vectors that are 0 where not unknown @param unknown may change afterwards, as long as no particle's number does
+/// Combines the diagonal and the coarse levels, additively or as a V-cycle.
+/// @param multiply A on vectors that are 0 at particles not unknown @param unknown may change later, if the numbers of the particles stay
 template <class Multiply>
 PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<char>& unknown, const ParticleMultigrid& options,
                               const Multiply& multiply) {
@@ -65,7 +65,7 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
         levels->left.resize(n);
         levels->product.resize(n);
         bytes += 2 * static_cast<std::size_t>(n) * sizeof(Real);
-        // w/D with w = 4/3 over the largest eigenvalue of D^-1 A, as on the coarse levels.
+        // The weight is w/D with w = 4/3 over the largest eigenvalue of D^-1 A, as on the coarse levels.
         Column<Real>&x = levels->left, &y = levels->product;
         parallel_for(n, [&](Index i) { x[i] = unknown[i] ? static_cast<Real>(std::sin(12.9898 * (i + 1))) : 0; });
         double largest = 0;
@@ -98,8 +98,8 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
     return made;
 }
 
-/// A'_IJ = sum_i F_iI . F_iJ with F_iI = sum of row i of D^T over the members of I: the effect of a pressure of 1 in cell I on particle i.
-/// Inside a cell the sum is next to nothing; particles near a face have two cells, near an edge four.
+/// A'_IJ = sum_i F_iI . F_iJ. F_iI, the sum of row i of D^T over the members of I, is the effect on particle i of a pressure of 1 in cell
+/// I. It is about 0 inside a cell; particles near a face have two cells, near an edge four.
 SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     constexpr Index block = 1024;
     struct Entry {
@@ -116,7 +116,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     parallel_tasks(blocks, [&](Index b) {
         std::vector<Index> known;                               // groups that this block touches
         std::vector<std::vector<std::pair<Index, Real>>> sums;  // their rows
-        thread_local std::vector<Index> number;                 // of a group in `known`
+        thread_local std::vector<Index> number;                 // index of a group in `known`
         if (number.size() < static_cast<std::size_t>(groups.groups())) number.resize(groups.groups(), 0);
         const auto row_of = [&](Index group) -> std::vector<std::pair<Index, Real>>& {
             const std::size_t k = static_cast<std::size_t>(number[group]);
@@ -166,7 +166,7 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     });
 }
 
-/// A'_IJ = sum of the entries between members of I and of J: couplings add up, and so do the members' ties to surface and solids.
+/// A'_IJ = sum of the entries between members of I and of J. Couplings add up, and so do the members' couplings to surface and solids.
 SparseRows coarse_matrix(const PressureMatrix& A, const IndexGroups& groups) {
     return gather_rows(groups.groups(), groups.groups(), [&](Index g, const auto& add) {
         for (Index m = groups.first[g]; m < groups.first[g + 1]; ++m) {
