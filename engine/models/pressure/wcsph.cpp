@@ -150,7 +150,7 @@ void PressureAcceleration::operator()(const InteractionContext& context, Read<fi
             const Real both = std::max(least, even - step.rest_density * step.gravity.dot(r));
             return Vec3(both * context.boundary.volume[s] * kernel.slope(distance) * r);
         };
-        // rho_s = rho_0, and rho_i near it; both halves of the symmetric form.
+        // Uses rho_s = rho_0; the factor includes both halves of the symmetric form.
         const auto share = [&](Index i) {
             return options.gate.weight(kernel, i, context.solid_pairs, context.boundary.volume, options.solid_factor) * step.rest_density *
                    options.solid_factor / (rho[i] * rho[i]);

@@ -2,8 +2,8 @@
 /// Weakly compressible pressure: an equation of state, explicit in time.
 ///
 /// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity,
-/// Kick, Move, PushOutOfSolids. Without the two dampers nothing is lost but by the time step: sound goes to and fro for ever, and a lattice
-/// that melts stays warm.
+/// Kick, Move, PushOutOfSolids. Without the two dampers only the time step dissipates energy: sound persists, and the particles of a
+/// melted lattice keep moving.
 #include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
@@ -16,24 +16,24 @@ struct TaitPressure {
     void operator()(const StepContext& step, Read<field::density> rho, Write<field::pressure> p) const;
 };
 
-/// A particle in a nozzle, whose velocity is prescribed, has the rest density and the pressure of the free fluid near it, like a solid
-/// (Adami, Hu, Adams 2012): p_j = max(0, sum_i W_ji (p_i + rho_0 g . r_ji)/sum_i W_ji) over the free i. Its own density reflects the
-/// packing within the nozzle, which must not push on the fluid in front.
+/// Gives particles in a nozzle, whose velocity is prescribed, the rest density and the pressure of the free fluid near them, like a solid
+/// (Adami, Hu, Adams 2012): p_j = max(0, sum_i W_ji (p_i + rho_0 g . r_ji)/sum_i W_ji) over the free i. Their own density depends on the
+/// packing within the nozzle, which must not push the fluid in front of it.
 struct NozzlePressure {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::density> rho, Update<field::pressure> p) const;
 };
 
 /// p_i = max(0, p_i + b c0 R/2 (D rho/D t)_i),   (D rho/D t)_i = sum_j m u_ij . grad W_ij + rho_0 sum_s f V_s u_is . grad W_is
-/// A bulk viscosity: its force is the transpose of the divergence that it is made of, so it only ever takes energy away; it conserves
-/// momentum and angular momentum, and does nothing to a flow that keeps its density (free fall, rotation, shear).
+/// A bulk viscosity. Its force is the transpose of its divergence, so it only removes energy. It conserves momentum and angular momentum,
+/// and does not act on flows of constant density (free fall, rotation, shear).
 struct SoundDamping {
     PressureOptions options;
     void operator()(const InteractionContext& context, Read<field::velocity> u, Update<field::pressure> p) const;
 };
 
-/// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij, h = R/2, rho_ij the mean     (Monaghan 1992, for receding
-/// pairs too) A viscosity of nu = alpha c0 h/(2 (D + 2)). Conserves momentum and angular momentum. Solids that the fluid sticks to act with
-/// their volumes.
+/// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij,   h = R/2, rho_ij the mean
+/// (Monaghan 1992, for receding pairs too). A viscosity of nu = alpha c0 h/(2 (D + 2)). It conserves momentum and angular momentum. No-slip
+/// solids act with their volumes.
 struct ArtificialViscosity {
     PressureOptions options;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
@@ -41,14 +41,14 @@ struct ArtificialViscosity {
 };
 
 /// a_i -= grad p_i/rho_i, with
-///   symmetric:   grad p_i = rho_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij     conserves momentum: use it where there is a free
-///   surface difference:  grad p_i = sum_j m/rho_j (p_j - p_i) grad W_ij                     exact for constant p, does not conserve
-///   momentum
-/// A solid neighbour has the pressure of i and the weight of the fluid between them (as the solids of Adami, Hu, Adams 2012, a pair at a
-/// time), and never pulls:
+///   symmetric:   grad p_i = rho_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij
+///   difference:  grad p_i = sum_j m/rho_j (p_j - p_i) grad W_ij
+/// The symmetric form conserves momentum; use it if there is a free surface. The difference form is exact for constant p and does not
+/// conserve momentum. A solid neighbour has the pressure of i plus the weight of the fluid between them (as the solids of Adami, Hu, Adams
+/// 2012, but pair by pair), and never pulls:
 ///   p_i + p_s = max(0, 2 p_i + rho_0 g . (x_s - x_i)).
-/// Also along the wall: without that, fluid at a vertical wall feels half the gradient that carries it, sinks, and stirs the whole
-/// basin. In the difference form it is p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only that weight pushes.
+/// The weight also acts along the wall. Otherwise fluid at a vertical wall has only half of the gradient that carries it, sinks, and stirs
+/// the whole basin. In the difference form p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only the weight pushes.
 struct PressureAcceleration {
     PressureOptions options;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,

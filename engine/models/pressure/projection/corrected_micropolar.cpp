@@ -12,13 +12,13 @@ Vec3 curl_of(const Mat3& G) { return {G(2, 1) - G(1, 2), G(0, 2) - G(2, 0), G(1,
 }  // namespace
 
 struct CorrectedMicropolar::Rates {
-    Vec3 viscous, push, smoothing;        ///< of the velocity [m/s^2]
-    Vec3 curl, diffused, spin_smoothing;  ///< curl u [1/s], gamma lap w/rho [m^2/s^2]; of the spin [1/s^2]
+    Vec3 viscous, push, smoothing;        ///< rates of the velocity [m/s^2]
+    Vec3 curl, diffused, spin_smoothing;  ///< curl u [1/s], gamma lap w/rho [m^2/s^2], rate of the spin [1/s^2]
     Vec3 velocity() const { return viscous + push + smoothing; }
 };
 
-/// Mutual forces of velocities u and spins w at particle i.
-/// @param whole the kernel of the smoothing
+/// Interaction forces on particle i for the velocities u and spins w.
+/// @param whole kernel of the smoothing
 template <class Kernel>
 CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Kernel& whole, const InteractionContext& context,
                                                       const Terms& terms, Index i, Span<const Vec3> u, Span<const Vec3> w) const {
@@ -65,7 +65,7 @@ CorrectedMicropolar::Terms CorrectedMicropolar::terms(const InteractionContext& 
             .slip = slips(context.solids)};
 }
 
-/// (1 - exp(-z))/z: mean effect over a step of a constant force with decay.
+/// (1 - exp(-z))/z: mean effect over a step of a constant force on a decaying value.
 Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
 
 template <class Kernel>
@@ -102,7 +102,7 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Kernel& whole, co
         a[i] += r.velocity();
         change[i] = dt * (ahead * over_theta * (exchanged + r.diffused + tau) + r.spin_smoothing);
 
-        // Each force at the mean of the velocities before and after the kick: their works then add up to that of the kick.
+        // Each force does work on the mean of the velocities before and after the kick, so the works add up to that of the kick.
         const Vec3 u_mid = u[i] + dt / 2 * a[i], w_mid = w[i] + change[i] / 2;
         EnergyWork work;
         work.gravity = energy * static_cast<double>(before.dot(u_mid));

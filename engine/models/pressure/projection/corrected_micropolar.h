@@ -8,8 +8,8 @@ namespace whorl {
 
 /// The system of MicropolarOptions with the gradients G of projection_system.h and the Laplacian of corrected_viscosity.h:
 ///   du/dt += (mu lap u + lambda curl w)/rho,   theta dw/dt = (gamma lap w + lambda (curl u - 2 w))/rho + tau
-/// At solids that the fluid sticks to, velocity and spin are continued behind the wall. The forms of the curls do not apply, and there is
-/// no central viscosity. The exchange is implicit in the spin's own decay where implicit_exchange.
+/// At no-slip solids velocity and spin are continued behind the wall. Options for the forms of the curls do not apply, and there is no
+/// central viscosity. If implicit_exchange, the spin's own decay is implicit.
 class CorrectedMicropolar {
 public:
     CorrectedMicropolar(std::shared_ptr<ProjectionSystem> system, MicropolarOptions options)
@@ -20,10 +20,10 @@ public:
 private:
     struct Rates;
     struct Terms {
-        Real nu, kappa, g;                        ///< over the density [m^2/s, m^2/s, m^4/s]
+        Real nu, kappa, g;                        ///< mu, lambda and gamma over the density [m^2/s, m^2/s, m^4/s]
         Real smoothing_velocity, smoothing_spin;  ///< 1/s
         Real of_layer, over_lattice;
-        std::vector<char> slip;  ///< of each solid
+        std::vector<char> slip;  ///< by solid
     };
     Terms terms(const InteractionContext& context) const;
     template <class Kernel>
@@ -39,10 +39,10 @@ private:
     std::shared_ptr<ProjectionSystem> system_;
     MicropolarOptions options_;
     ExpressionField torque_;
-    Column<Vec3> middle_velocity_, middle_spin_;  ///< of the step
+    Column<Vec3> middle_velocity_, middle_spin_;  ///< values in the middle of the step
 };
 
-/// After ProjectionMove: the shift carries the spin along, as it does the velocity.
+/// Runs after ProjectionMove: gives each particle the spin of its shifted position, as for the velocity.
 struct CarrySpin {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Write<field::spin_change> change, Update<field::spin> w) const {

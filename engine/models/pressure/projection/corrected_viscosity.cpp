@@ -12,7 +12,7 @@ struct CorrectedViscosity::Flow {
     Read<field::viscosity> mu;
     Span<const Vec3> u;
     Real of_layer, over_lattice;
-    const std::vector<char>& slip;  ///< of each solid
+    const std::vector<char>& slip;  ///< by solid
 };
 
 /// Viscous acceleration of particle i.

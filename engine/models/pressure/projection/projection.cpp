@@ -11,7 +11,7 @@
 
 namespace whorl {
 
-/// c_ij = V 2 V |W'|/r among the unknowns; neighbours on the surface have p = 0; prescribed ones go with the particle, as walls do.
+/// c_ij = V 2 V |W'|/r among the unknowns. Neighbours on the surface have the pressure outside; prescribed ones have that of the particle.
 template <class Kernel>
 void Projection::build(const Kernel& W, const Fields& f) {
     const ProjectionSystem& s = *system_;
@@ -68,8 +68,8 @@ void Projection::set_source(const Kernel& W, const Fields& f, Real dt) {
     });
 }
 
-/// Damps the deviation from a linear flow of the velocities between particles near the surface, which no pressure resolves, at eight times
-/// the frequency of the shortest waves. With half of that gaps that a stretching surface opens grow, and a steep slosh diverges.
+/// Damps the part of the velocities between particles near the surface that deviates from a linear flow, which no pressure resolves. The
+/// rate is eight times the frequency of the shortest waves. With half of it gaps in a stretching surface grow, and a steep slosh diverges.
 void Projection::damp_surface(const Fields& f) const {
     const ProjectionSystem& s = *system_;
     const auto& [context, step, role, u, p, solved, a] = f;
@@ -93,8 +93,8 @@ void Projection::damp_surface(const Fields& f) const {
     parallel_for(u.size(), [&](Index i) { u[i] += change[i]; });
 }
 
-/// u -= share dt g, g the last step's grad p/rho; p begins with the share of the last one. What an impact does in a step must not be done
-/// again in the next.
+/// u -= share dt g, with g the last step's grad p/rho; p starts with that share of the last pressure. The pressure of an impact must not
+/// act again in the next step, so large g are dropped.
 void Projection::take_old_share(const Fields& f, Real share) {
     const auto& [context, step, role, u, p, solved, a] = f;
     const Real most = system_->most_carried(step);
@@ -108,7 +108,7 @@ void Projection::take_old_share(const Fields& f, Real share) {
     on_bodies_.push(phi_, static_cast<double>(share * step.dt), context);
 }
 
-/// grad phi/rho_0 at i. Held particles have no pressure: near them over the free ones alone, as near walls.
+/// grad phi/rho_0 at i. Particles in a nozzle have no pressure; near them the gradient uses the free particles alone, as near walls.
 template <class Kernel>
 Vec3 Projection::push_of(const Kernel& W, const Fields& f, Index i) const {
     const InteractionContext& context = f.context;
@@ -133,8 +133,8 @@ Vec3 Projection::push_of(const Kernel& W, const Fields& f, Index i) const {
     return pseudo_inverse(moment, step.dimensions()).template cast<Real>() * sum / step.rest_density;
 }
 
-/// One solve: p and g for the divergence of u.
-/// @param M of matrix_
+/// One solve: adds to p and g for the remaining divergence of u.
+/// @param M preconditioner of matrix_
 template <class Kernel>
 SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, const Fields& f, Real dt, bool first) {
     const ProjectionSystem& s = *system_;
@@ -147,7 +147,7 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     if (first && !s.surface_pressure.empty()) parallel_for(u.size(), [&](Index i) { b_[i] += of_air_[i]; });
     closed_.subtract_means(b_);
     SolveLimits limits = s.options.limits;
-    // A residual that is small for the fluid moves a light body.
+    // With bodies the tolerance stays tight, because a residual that is small for the fluid moves a light body.
     if (!first && !on_bodies_.any()) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
     parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? solved[i] : 0; });
     const double began = wall_seconds();
@@ -175,7 +175,7 @@ void Projection::operator()(const InteractionContext& context, StepReport& repor
     const StepContext& step = context.step;
     const Fields f{context, step, role, u, p, solved, a};
     const Index n = u.size();
-    // The first step has no earlier pressure.
+    // In the first step there is no earlier pressure.
     const bool any_before = parallel_sum(n, [&](Index i) { return a[i] != Vec3::Zero() ? 1 : 0; }) > 0;
     const Real theta = any_before ? static_cast<Real>(s.options.theta) : Real(1);
     b_.resize(n), phi_.resize(n);
@@ -207,7 +207,7 @@ void Projection::operator()(const InteractionContext& context, StepReport& repor
     report.solves.push_back({SolveKind::pressure, all});
 }
 
-/// Velocities without the last step's pressure, which ExpectPressure may have taken already.
+/// Records the velocities without any pressure; ExpectPressure may already have applied the last step's.
 void Projection::begin_ledgers(const Fields& f) {
     ProjectionSystem& s = *system_;
     const auto& [context, step, role, u, p, solved, a] = f;
@@ -221,12 +221,12 @@ void Projection::begin_ledgers(const Fields& f) {
     });
 }
 
-/// A particle at the pressure p pushes each wall by V flux p n.
+/// A particle with the pressure p pushes each wall by V flux p n.
 void Projection::write_ledgers(const Fields& f) {
     ProjectionSystem& s = *system_;
     const auto& [context, step, role, u, p, solved, a] = f;
     if (s.before.empty() || !s.any_walls) return;
-    // The surface is half a spacing above the particles that have its pressure.
+    // The surface lies half a spacing above the particles that have its pressure.
     const Real above = s.options.free_surface ? step.rest_density * step.spacing / 2 : 0, g = step.gravity.norm();
     react(
         context, Push::pressure, role, step.volume * step.dt,
@@ -242,7 +242,7 @@ void Projection::write_ledgers(const Fields& f) {
     s.closed = on_bodies_.write_closed(s, context, role, p.values);
 }
 
-/// Largest speed relative to the mean velocity [m/s]: equal in any moving frame.
+/// Largest speed relative to the mean velocity [m/s], independent of the frame of reference.
 Real max_speed_of(Span<const Vec3> u) {
     struct Sum {
         Vec3d sum = Vec3d::Zero();
@@ -254,9 +254,9 @@ Real max_speed_of(Span<const Vec3> u) {
     return static_cast<Real>(std::sqrt(parallel_max(n, 0, [&](Index i) { return (u[i] - mean).squaredNorm(); })));
 }
 
-/// The pressure of a smooth curvature does not hold a particle that sticks out of the surface. So
+/// Moves particles that protrude from the surface, which the pressure of a smooth curvature does not hold back:
 ///   dx_i += .1 dt f n_i sum_j W (n_i + n_j)/2.(x_j - x_i)/sum W of a flat layer,   f the frequency of the shortest waves,
-/// over particles on the surface: 0 on a sphere, and opposite for j.
+/// over particles on the surface. The sum is 0 on a sphere, and opposite for j.
 void ProjectionShift::level_surface(const InteractionContext& context, Read<field::role> role) const {
     ProjectionSystem& s = *system;
     const StepContext& step = context.step;
@@ -302,7 +302,7 @@ void ProjectionShift::operator()(const InteractionContext& context, Read<field::
         }
         const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
         if (length > most) move *= most / length;
-        s.walls_of(i, [&](const WallTouch& touch) {  // velocity transported by a move that a wall then reverts would add up
+        s.walls_of(i, [&](const WallTouch& touch) {  // a wall reverts a move into it, but not the transported velocity
             const Vec3& normal = context.boundary.normal[touch.s];
             move += std::max(Real(0), -move.dot(normal) - std::max(Real(0), touch.height)) * normal;
         });

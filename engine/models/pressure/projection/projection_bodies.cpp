@@ -8,8 +8,8 @@
 
 namespace whorl {
 
-/// A_s = a_s (n_s + c + E q_s), q_s from the centre, a_s the particle's share of a flat layer; c and E are such that a uniform pressure
-/// makes no force and a linear one the weight of the fluid that the body takes the place of:  sum A = 0,  sum A q^T = volume 1.
+/// Area vectors A_s = a_s (n_s + c + E q_s), with q_s relative to the centre and a_s the particle's area in a flat layer. c and E are such
+/// that a uniform pressure makes no force and a linear one the weight of the displaced fluid:  sum A = 0,  sum A q^T = volume 1.
 PressureOnBodies::Surface PressureOnBodies::surface_of(const InteractionContext& context, std::size_t solid, double volume,
                                                        const Vec3d& own_centre, bool& closed) {
     const BoundaryParticles& boundary = context.boundary;
@@ -37,7 +37,7 @@ PressureOnBodies::Surface PressureOnBodies::surface_of(const InteractionContext&
     return surface;
 }
 
-/// Before the slant.
+/// Adds the rows of a body before slant().
 void PressureOnBodies::add_rows(const ProjectionSystem& walls, std::size_t solid, const InteractionContext& context,
                                 const std::vector<Index>& near, Read<field::role> role, Body& body) {
     const BoundaryParticles& boundary = context.boundary;
@@ -56,13 +56,13 @@ void PressureOnBodies::add_rows(const ProjectionSystem& walls, std::size_t solid
     }
 }
 
-/// Moments of the surface that fluid touches.
+/// Moments of the wetted part of the surface.
 PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surface, const InteractionContext& context,
                                                             const std::vector<Index>& near, const Body& body) {
     const BoundaryParticles& boundary = context.boundary;
     const Real d = context.step.spacing;
-    // Between the particles of a lattice over the surface a place is sqrt(1 + 1/4) d off them in 2D, sqrt(1 + 2/4) d in 3D. One
-    // dry place in a body's wetted surface would let a uniform pressure push it.
+    // A point of the surface is at most sqrt(1 + 1/4) d in 2D, sqrt(1 + 2/4) d in 3D, from the nearest particle of a lattice over it. One
+    // dry point in the wetted surface of a body would let a uniform pressure push it.
     const Real reach = Real(0.85) * std::sqrt(static_cast<Real>(context.step.dimensions())) * d;
     std::vector<char> wet(boundary.size(), 0);
     for (const Index i : near)
@@ -84,7 +84,7 @@ PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surfa
     return moments;
 }
 
-/// Q_i += flux_i X^T (1, x_i) such that sum (1, x_i) Q_i^T = `of_surface`, x from the centre.
+/// Q_i += flux_i X^T (1, x_i) such that sum (1, x_i) Q_i^T = `of_surface`, with x relative to the centre.
 void PressureOnBodies::slant(const InteractionContext& context, const Moments& of_surface, Body& body) {
     Moments wanted = of_surface;
     const auto terms_of = [&](const Row& row) -> Eigen::Vector4d {
@@ -97,7 +97,7 @@ void PressureOnBodies::slant(const InteractionContext& context, const Moments& o
         moments += row.flux * t * t.transpose();
         wanted -= t * row.Q.transpose();
     }
-    // Scaled by their lengths, so that the cut does not depend on the unit.
+    // Scaled to a unit diagonal, so that the cutoff of the eigenvalues does not depend on the unit of length.
     Eigen::Vector4d scale = Eigen::Vector4d::Zero();
     for (int m = 0; m < 4; ++m)
         if (moments(m, m) > 0) scale[m] = 1 / std::sqrt(moments(m, m));

@@ -31,7 +31,7 @@ LatticeSums lattice_sums(const Kernel& W, const StepContext& step) {
     return {static_cast<Real>(V * trace), static_cast<Real>(V * slopes), static_cast<Real>(V * one_sided)};
 }
 
-/// Fluid's share of the sums of particle i.
+/// Sums over the fluid neighbours of particle i.
 struct OwnSums {
     Real kernel = 0, slopes = 0;
     Mat3d moment = Mat3d::Zero();
@@ -88,8 +88,8 @@ void set_linear_sums(const Kernel& W, const InteractionContext& context, Index i
     sums.imbalance[i] = context.step.volume * imbalance;
 }
 
-/// Scales the fluxes of the walls around i to the deficit of the fluid's sums there, so that with them the matrix is exact for a linear
-/// pressure: behind a round wall the columns of layers of a flat one are too full, by a third behind a ball of four spacings.
+/// Scales the fluxes of the walls around i to the deficit of the fluid's sums there, so that the matrix is exact for a linear pressure.
+/// Behind a curved wall the columns of layers of a flat wall are too full: by a third behind a ball of four spacings.
 void match_fluxes(const InteractionContext& context, Index i, const Vec3& imbalance, ProjectionSystem& s) {
     Vec3 total = Vec3::Zero();
     s.walls_of(i, [&](const WallTouch& touch) { total += touch.flux * context.boundary.normal[touch.s]; });
@@ -111,13 +111,13 @@ void set_viscous_sums(const InteractionContext& context, ProjectionSystem& s) {
     });
 }
 
-/// @param fullness share of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids @param full of a lattice
+/// @param fullness fraction of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids @param full sums of a lattice
 void find_surface(const InteractionContext& context, Read<field::role> role, const std::vector<Real>& fullness,
                   const std::vector<Real>& slopes, const LatticeSums& full, ProjectionSystem& s) {
     const Real d = context.step.spacing;
     const Index n = context.pairs.size();
-    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9; where a surface has contracted, the outermost has
-    // more.
+    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9. After a surface has contracted, the outermost layer
+    // has more.
     constexpr Real certainly = Real(0.725), loosely = Real(0.85), densely = Real(1.2), inside = Real(0.95);
     constexpr Real cone = std::numbers::sqrt2_v<Real> / 2;
     parallel_for(n, [&](Index i) {

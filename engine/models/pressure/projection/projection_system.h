@@ -1,7 +1,7 @@
 #pragma once
-/// Shared data of the stages of the divergence-free projection within a step (docs/physics.md).
+/// Data that the stages of the divergence-free projection share within a step (docs/physics.md).
 ///
-/// Order of a step, with the neighbours found where the flow takes the particles:
+/// Order of a step; the neighbours are found at the positions to which the flow takes the particles:
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, PushOutOfSolids.
 #include <algorithm>
 #include <cmath>
@@ -36,39 +36,39 @@ struct solved_pressure {
 struct ProjectionOptions {
     /// tolerance: residual of the first solve over the norm of its right-hand side
     SolveLimits limits{1e-3, 200};
-    double later_tolerance = 0.1;  ///< tolerance of the later solves, for the remainder of the first
+    double later_tolerance = 0.1;  ///< tolerance of the later solves, which correct the remainder of the first
     int solves = 2;                ///< 3 near walls and free surfaces: with 2 a column in a slot creeps down
-    /// Weight of the new pressure in a step; the old one has the rest. 1/2 is of second order and oscillates near walls.
+    /// Weight of the new pressure in a step; the old pressure has 1 - theta. 1/2 is of second order and oscillates near walls.
     double theta = 0.5;
     bool free_surface = false;
-    /// No weight and no surface tension calms the free surface: particles near it push each other by both their pressures.
+    /// true: neither weight nor surface tension calms the free surface; near it the force of a pair contains the pressures of both.
     bool bare_surface = false;
-    double tension = 0;      ///< of a free surface [N/m]
-    bool sharp = true;       ///< SharpKernel inside the fluid; with it spins are noisy
-    Real shift_rate = 1.25;  ///< more makes energy, with less a lattice melts into clumps
+    double tension = 0;      ///< surface tension of a free surface [N/m]
+    bool sharp = true;       ///< use the SharpKernel inside the fluid; it makes spins noisy
+    Real shift_rate = 1.25;  ///< a larger rate adds energy; with a smaller one a lattice melts into clumps
     SolidGate gate;
     PressurePreconditionerSetup preconditioner;
 };
 
-/// A solid particle as fluid particle i sees it: the column of lattice layers behind it.
+/// A boundary particle near fluid particle i, with the column of lattice layers behind it.
 struct WallTouch {
     Index s;
     Real flux;    ///< sum_l 2 V W'(r_l)/r_l (r_l.n), <= 0 [1/m]: weight of the normal velocity at the wall in the divergence
-    Real height;  ///< m, of i above the wall
+    Real height;  ///< height of i above the wall [m]
 };
 
-/// Sums of a kernel for a linear field, over the fluid.
+/// Sums of a kernel over the fluid neighbours, which make gradients and Laplacians exact for linear fields.
 struct LinearSums {
     Column<Mat3> correction;  ///< (-sum_j V W'/r r r^T)^-1
-    Column<Real> trace;       ///< of its inverse
+    Column<Real> trace;       ///< trace of the inverse of `correction`
     Column<Vec3> imbalance;   ///< sum_j V W'/r r [1/m]
     void resize(Index n) { correction.resize(n), trace.resize(n), imbalance.resize(n); }
 };
 
-/// Slopes W'/r (1 - b r^2) whose fourth moment on a lattice is 0, for Laplacians and gradients of fourth order there. With W itself, R = 3
-/// d and 32 particles a wave they are 1.2 and 2.4 % short, where waves cross. The largest eigenvalue of the Laplacian is 6.5/d^2 in the
-/// plane and 6.9/d^2 in 3D: two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower kernels b
-/// stops where that would end.
+/// Slopes norm W'/r (1 - b r^2) whose fourth moment on a lattice is 0, so that Laplacians and gradients are of fourth order there. With W
+/// itself, R = 3 d and 32 particles per wave, they are 1.2 and 2.4 % too small where waves cross. The largest eigenvalue of the Laplacian
+/// is 6.5/d^2 in 2D and 6.9/d^2 in 3D, so two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower
+/// kernels b is limited so that this holds.
 template <class Kernel>
 struct SharpKernel {
     Kernel W;
@@ -89,10 +89,10 @@ struct SharpKernel {
     Real slope(Real r) const { return norm * (1 - b * r * r) * W.slope(r); }
 };
 
-/// Support, over the full one, of the kernel of viscosity, spin and curls near walls and free surfaces.
+/// Fraction of the support that the kernel of viscosity, spin and curls has near walls and free surfaces.
 inline constexpr Real one_sided_support = Real(0.8);
 
-/// Calls f(sharp, narrow): the kernels of viscosity, spin and curls inside the fluid and elsewhere.
+/// Calls f(sharp, narrow) with the kernels of viscosity, spin and curls inside the fluid and elsewhere.
 template <class F>
 void with_viscous_kernels(const StepContext& step, F&& f) {
     with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& W) {
@@ -104,25 +104,25 @@ struct ProjectionSystem {
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
     ProjectionOptions options;
 
-    Remainder remainder;              ///< of pressure and move
-    std::vector<std::size_t> closed;  ///< solids whose pressure is known better than the remainder
-    Column<Vec3> before;              ///< velocities where the remainder begins; empty: no probe reads a ledger
-    bool expected = false;            ///< ExpectPressure took the whole of the last step's pressure
+    Remainder remainder;              ///< of the momentum, from the pressure to the move
+    std::vector<std::size_t> closed;  ///< solids with an exact pressure (PressureOnBodies::write_closed())
+    Column<Vec3> before;              ///< velocities at the start of the remainder; empty: no probe reads a ledger
+    bool expected = false;            ///< ExpectPressure applied the whole of the last step's pressure
     Column<Vec3> start_velocity;      ///< at the start of the step
     struct BodyVelocity {
         Vec3d velocity, turning;
     };
-    std::vector<BodyVelocity> body_start;  ///< of the free bodies, at the start of the step
+    std::vector<BodyVelocity> body_start;  ///< velocities of the free bodies at the start of the step
 
-    LinearSums whole;               ///< of the kernel
-    LinearSums viscous;             ///< of the SharpKernel for particles inside, of the kernel of one_sided_support for others
-    std::vector<char> inside;       ///< not near a wall or a free surface, where one-sided sums would be worse
+    LinearSums whole;               ///< sums of the kernel itself
+    LinearSums viscous;             ///< sums of the SharpKernel for particles inside, of the kernel with one_sided_support for others
+    std::vector<char> inside;       ///< 1: not near a wall or a free surface, where the SharpKernel would be less accurate
     Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
-    Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: into the fluid, at a free surface
+    Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: points into the fluid at a free surface
     Column<Real> gate;              ///< weight of the solids
-    Column<Vec3> shift;             ///< m, of ProjectionShift
-    Column<Real> surface_pressure;  ///< of a free surface, near it [Pa]; empty: 0
-    Column<Vec3> surface_normal;    ///< outwards, where there is a surface_pressure
+    Column<Vec3> shift;             ///< displacement by ProjectionShift [m]
+    Column<Real> surface_pressure;  ///< pressure of the free surface, for particles near it [Pa]; empty: 0
+    Column<Vec3> surface_normal;    ///< outward normal of particles with a surface_pressure
     Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
@@ -131,11 +131,11 @@ struct ProjectionSystem {
 
     Index size() const { return static_cast<Index>(inside.size()); }
     Real pressure_outside(Index i) const { return surface_pressure.empty() ? Real(0) : surface_pressure[i]; }
-    /// m/s^2: a stronger grad p/rho is an impact's, and must not be done again in the next step.
+    /// Largest grad p/rho that the next step uses again [m/s^2]. A larger one comes from an impact, which must not act twice.
     Real most_carried(const StepContext& step) const {
         return options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
     }
-    /// 1/s: how fast the shortest waves of a free surface are, by weight and surface tension.
+    /// Frequency of the shortest waves of a free surface, from gravity and surface tension [1/s].
     Real shortest_waves(const StepContext& step) const {
         const Real d = step.spacing;
         return std::sqrt(step.gravity.norm() / d + static_cast<Real>(options.tension) / (step.rest_density * d * d * d));
@@ -148,16 +148,16 @@ struct ProjectionSystem {
     }
 };
 
-/// Velocity on the wall's surface in front of particle q of the layer.
+/// Velocity of the wall's surface in front of boundary particle q.
 inline Vec3 surface_velocity(const InteractionContext& context, Index q) {
     const BoundaryParticles& boundary = context.boundary;
     return boundary.velocity[q] +
            context.step.spacing / 2 * context.solids.all[boundary.solid[q]].pose.angular_velocity.cross(boundary.normal[q]);
 }
 
-/// Calls f(q, F, continued, to, distance) for each lattice layer behind each particle q of the walls around i that the fluid sticks to: F =
-/// V W'/r [1/m^2], `to` from the layer to i, and the factor of u_i - u_wall that continues the shear into the layer, at most 12.
-/// @param of_layer layer_factor() @param slip slips() of the solids
+/// Calls f(q, F, continued, to, distance) for each lattice layer behind each boundary particle q near i of the solids that the fluid sticks
+/// to. F = V W'/r [1/m^2]; `continued` is the factor of u_i - u_wall that continues the shear into the layer, at most 12; `to` points from
+/// the layer to i. @param of_layer layer_factor() @param slip slips() of the solids
 template <class Kernel, class Visit>
 void each_layer_of(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Real of_layer, Index q,
                    const Vec3& r, Visit&& f) {
@@ -177,9 +177,9 @@ void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const Inter
     });
 }
 
-/// Writes the viscous force on what sticks to the ledgers: on a rigid surface the stress is mu d/dn of the velocity over that of the
-/// solid's own motion, continued into the fluid.
-/// @param mu of a particle [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
+/// Writes the viscous force on no-slip solids to the ledgers. On a rigid surface the stress is mu d/dn of the velocity relative to the
+/// motion of the solid continued into the fluid.
+/// @param mu i -> viscosity [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
 template <class Kernel, class Viscosity>
 void write_sticking(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Read<field::role> role,
                     Span<const Vec3> u, const Viscosity& mu, Real of_layer, Real over_lattice, const std::vector<char>& slip) {
@@ -202,7 +202,7 @@ void write_sticking(const Kernel& W, const ProjectionSystem& s, const Interactio
     });
 }
 
-/// sum_j V (f_j - f_i) W'/r r^T: times L_i the gradient, row: component of f. Over the fluid.
+/// sum_j V (f_j - f_i) W'/r r^T over the fluid. Multiplied by L_i it is the gradient; rows are the components of f.
 template <class Kernel>
 Mat3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f) {
     Real sum[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
@@ -242,7 +242,7 @@ Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volu
     return volume * sum;
 }
 
-/// Over the neighbours of one particle, of a vector f.
+/// Sums over the neighbours of one particle, of a vector f.
 struct DifferenceSums {
     Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
     Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
@@ -280,9 +280,9 @@ DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i
     return all;
 }
 
-/// Change of a vector f from x_i to x_i + move: the gradient's part, and |move|^2/(2 D) of the Laplacian's for the curvature. The
-/// gradient alone cuts corners the wrong way: crests would grow with every move.
-/// @param sums with W
+/// Change of a vector f from x_i to x_i + move: gradient times move, plus |move|^2/(2 D) times the Laplacian for the curvature. With the
+/// gradient alone crests would grow with every move.
+/// @param sums of the kernel W
 template <class Kernel>
 Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, Real volume, const Vec3* f, const Vec3& move) {
     const DifferenceSums of_f = difference_sums(W, pairs, i, volume, f);
@@ -290,8 +290,9 @@ Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, I
     return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * (of_f.laplacian - G * sums.imbalance[i]);
 }
 
-/// u -= dt g, g = grad p/rho of the last step, before an implicit viscosity: the viscosity then resists strain alone. Of what the pressure
-/// does anyway, as to keep a body together that turns, it would else take the first part. Projection gives the rest of g back.
+/// u -= dt g, with g = grad p/rho of the last step, before an implicit viscosity, so that the viscosity resists only strain. Otherwise it
+/// would first remove a part of the motion that the pressure corrects anyway, as in a rotating body. Projection takes back what exceeds the
+/// share of the old pressure.
 struct ExpectPressure {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
@@ -304,7 +305,7 @@ struct ExpectPressure {
     }
 };
 
-/// x* = x + dt u: the projection takes the step's forces where the particles come to.
+/// x* = x + dt u, so that the projection uses the forces of the step at the new positions.
 struct ProjectionDrift {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
@@ -313,7 +314,8 @@ struct ProjectionDrift {
     }
 };
 
-/// Moments of the neighbourhoods, walls, free surface; the density is the kernel sum, which measures how even the particles are.
+/// Finds moments of the neighbourhoods, walls and the free surface. The density is the kernel sum, which measures how even the particles
+/// are.
 struct ProjectionGeometry {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Read<field::role> role, Write<field::density> rho) const;

@@ -7,7 +7,7 @@
 
 namespace whorl {
 
-/// Unit normals with their weights |S| d; 0 off the surface.
+/// Finds unit normals and their weights |S| d; both are 0 off the surface.
 template <class Kernel>
 void SurfacePressure::find_normals(const Kernel& W, const InteractionContext& context) {
     constexpr Real least = Real(0.02);  // of |S| d; a flat face has .6
@@ -30,7 +30,7 @@ void SurfacePressure::find_normals(const Kernel& W, const InteractionContext& co
         std::swap(normal, next_normal_);
     }
     parallel_for(n, [&](Index i) {
-        Vec3 across = Vec3::Zero();  // of the walls around i
+        Vec3 across = Vec3::Zero();  // normal of the walls around i
         s.walls_of(i, [&](const WallTouch& touch) { across += touch.flux * context.boundary.normal[touch.s]; });
         Vec3 S = normal[i];
         if (across != Vec3::Zero()) S -= S.dot(across) / across.squaredNorm() * across;

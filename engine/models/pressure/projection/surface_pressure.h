@@ -1,18 +1,18 @@
 #pragma once
-/// Surface tension of the projection: the pressure on the surface, sigma times its curvature (docs/physics.md 10).
+/// Surface tension of the projection: a pressure on the surface, sigma times the curvature (docs/physics.md 10).
 #include "engine/models/pressure/projection/projection_system.h"
 
 namespace whorl {
 
-/// p_s = sigma kappa near a free surface, for the rows of the pressure and its gradient. Stage after ProjectionGeometry.
+/// p_s = sigma kappa near a free surface, for the rows of the pressure and its gradient. Runs after ProjectionGeometry.
 ///
 ///   n = -S/|S|,  S = sum V grad W smoothed twice;   kappa = tr(P G P (P B P)^-1),  P = 1 - n n^T, across the normal,
 ///   B_i = sum_j w r r^T,  G_i = sum_j w (n_i - n_j) r^T,  w = V |W'|/r |S_j| d
 ///
-/// Neighbours of i are below the surface, where a sphere's curvature is larger: with e their mean depth, kappa becomes
-/// kappa/(1 + kappa e/(D - 1)). Particles on the surface are d/2 under it, where the pressure is higher by -d/2 dp/dn, of the last step.
-/// Then the mean M over particles on the surface is taken `means` times; 2 the result is 2 M - M M, for M alone flattens waves that are
-/// resolved. At solids n has no part along the wall's normal: the contact angle is 90 degrees.
+/// The neighbours of i lie below the surface. With their mean depth e, kappa becomes kappa/(1 + kappa e/(D - 1)), as on a sphere, whose
+/// curvature is larger below its surface. Particles on the surface are d/2 below it, where the pressure is higher by -d/2 dp/dn, of the
+/// last step. Then the mean M over particles on the surface is taken `means` times. The result is 2 M - M M, because M alone flattens
+/// resolved waves. At solids n has no component along the wall's normal: the contact angle is 90 degrees.
 class SurfacePressure {
 public:
     SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)
