@@ -69,8 +69,8 @@ void SurfaceTension::find_shares(const Cohesion& cohesion, Index count, double s
     parallel_for(count, [&](Index i) { share_[i] = SurfaceIndicator::share(potential(cohesion, i) * over_inside); });
 }
 
-/// The pulls are the gradient of -phi: where the surface is flat a pressure n (phi(surface) - phi) balances them, and half of the bulk's
-/// phi is left there.
+/// The pulls are the gradient of -phi. At a flat surface a pressure n (phi(surface) - phi) balances them, and phi at the surface is half of
+/// that inside.
 void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x) {
     const auto half = static_cast<Real>(cohesion.bulk_energy(spacing) / 2);
     std::vector<Real>& P = *options_.internal_pressure;
@@ -88,7 +88,7 @@ void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solid
 
 void SurfaceTension::spread_pulls(const Cohesion& cohesion, Read<field::role> role) {
     constexpr int times = 5;
-    constexpr double part = 0.2;  // that a full neighbourhood takes of a difference, the mean over its directions (1/3) and distances
+    constexpr double part = 0.2;  // removed fraction of a difference, mean over directions (1/3) and distances
     constexpr double weights = 4 * pi * Cohesion::range * Cohesion::range * Cohesion::range / 30;
     constexpr Real K = static_cast<Real>(3 * part / weights / 2);
     const Real over_length = 1 / cohesion.length;
