@@ -10,7 +10,7 @@ namespace {
 using Mat6 = Eigen::Matrix<Real, 6, 6>;
 using Mat36 = Eigen::Matrix<Real, 3, 6>;
 
-/// E with v + omega x arm = E (v, omega).
+/// E with v + omega x a = E (v, omega).
 Mat36 motion(const Vec3& a) {
     Mat36 E;
     E << 1, 0, 0, 0, a[2], -a[1],  //
@@ -19,14 +19,14 @@ Mat36 motion(const Vec3& a) {
     return E;
 }
 
-/// The numbers of a pair that all sums over a row's pairs are made of: w, w r, w r r^T, w/r^2 r r^T, and w/r^2 times the ten cubes of r.
-/// The last six are spare.
+/// Monomials of a pair, from which all sums over a row's pairs are formed: w, w r, w r r^T, w/r^2 r r^T, and w/r^2 times the ten cubes of
+/// r. The last six entries are unused.
 struct alignas(64) Monomials {
     static constexpr int count = 32, first = 1, second = 4, along = 10, cubes = 16;
     Real v[count] = {};
 };
 
-/// The cube x_a q_k by its place among the distinct ones, with q = (xx, yy, zz, xy, xz, yz).
+/// Index of the cube x_a q_k among the distinct ones, with q = (xx, yy, zz, xy, xz, yz).
 constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}};
 
 [[gnu::always_inline]] inline void add_monomials(Real x, Real y, Real z, Real w, Real* __restrict sum) {
@@ -46,7 +46,7 @@ Mat3 symmetric_of(const Real* m) {
     return W;
 }
 
-/// a with b in its columns: a x b.
+/// Matrix of the cross product: crossing(a) b = a x b.
 Mat3 crossing(const Vec3& a) {
     Mat3 m;
     m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
@@ -56,7 +56,7 @@ Mat3 crossing(const Vec3& a) {
 /// Contribution of the members of one aggregate to the sums of one row, by unit rigid motion. A member's arm is `arm` + r: `arm` is the
 /// position of the row's particle relative to the aggregate's centre.
 struct Share {
-    int aggregate;  ///< its number in GroupSums; -1: those in none
+    int aggregate;  ///< its number in GroupSums; -1: members without an aggregate
     Vec3 arm;
     Monomials sums{};
     Vec3 s = Vec3::Zero();         ///< sum w r
@@ -78,7 +78,7 @@ struct Share {
     }
 };
 
-/// For each of the six motions of each share a column. Rows 0 to 8: A = sum w u r^T, row by row; rows 9 to 14: sum w/r^2 (u.r) q.
+/// Columns: the six motions of each share. Rows 0 to 8: A = sum w u r^T, row by row; rows 9 to 14: sum w/r^2 (u.r) q.
 class Features {
 public:
     static constexpr int rows = 15;
@@ -109,7 +109,7 @@ public:
             }
         }
     }
-    /// F^T dE/dF, E the row's energy without the springs' own sum w |u_ij|^2 parts.
+    /// Computes F^T dE/dF, with E the row's energy without the springs' own parts, sum w |u_ij|^2.
     void multiply(const RowSlice& slice, Index lane, const StrainCoefficients& of_row, bool resolved, const Mat3& P);
     /// Product of two shares.
     Mat6 product(std::size_t k, std::size_t l) const {
@@ -160,7 +160,7 @@ class CoarseRows {
 public:
     CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums);
     void add_rows(const RowSlice& slice);
-    /// The springs' part of u_j.u_j, once all rows are added; with it mass and friction.
+    /// Adds the springs' part of u_j.u_j, mass and friction. Call it after all add_rows().
     void add_springs();
 
 private:
@@ -175,11 +175,11 @@ private:
     const RowBlock& block_;
     const Vec4* at_;  ///< positions of the block's touched particles
     GroupSums<BlockSum>& sums_;
-    Column<Lanes> pairs_;               ///< x, y, z of r and w of each pair of a slice
-    Column<Vec4> springs_;              ///< sum of W over all pairs of a particle that the block touches: xx yy zz, xy xz yz
-    std::vector<int> number_;           ///< of its aggregate in sums_, -1: in none
-    std::vector<Share> shares_;         ///< of one row, that of the row's own particle first
-    std::vector<std::size_t> counted_;  ///< those of an aggregate
+    Column<Lanes> pairs_;               ///< x, y, z of r, and w, of each pair of a slice
+    Column<Vec4> springs_;              ///< sum of W over the pairs of each particle that the block touches: xx yy zz, xy xz yz
+    std::vector<int> number_;           ///< number in sums_ of each particle's aggregate, -1: none
+    std::vector<Share> shares_;         ///< shares of one row, that of the row's own particle first
+    std::vector<std::size_t> counted_;  ///< indices of the shares that belong to an aggregate
     Features features_;
 };
 
@@ -247,7 +247,7 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
         add_monomials(r[0], r[1], r[2], pair[3][lane], shares_[k].sums.v);
         pair += 4;
     });
-    // Walls are in no aggregate.
+    // Walls belong to no aggregate.
     for (Index k = slice.plain(); slice.walls > 0 && k < slice.width; ++k) {
         const Lanes* wall = pairs_.data() + 4 * static_cast<std::size_t>(k);
         if (!(wall[3][lane] > 0)) continue;
@@ -259,7 +259,7 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
     for (Share& share : shares_) share.unpack(c);
 }
 
-/// The row's own particle is in each of its pairs: the springs' part of u_i.u_j, and its share of the sums.
+/// Adds the part of the row's own particle, which is in each of the row's pairs: the springs' part of u_i.u_j, and its share of the sums.
 void CoarseRows::add_coupling(Index row) {
     const Vec3& a = aggregates_.arm(block_.begin + row);
     const Mat36 E = motion(a);

@@ -5,15 +5,15 @@
 namespace whorl {
 namespace {
 
-/// Position of a point that moves with the solid after a time dt (before, for dt < 0): the midpoint rule keeps its distance on a turning
-/// solid.
+/// Position after a time dt of a point that moves with the solid (dt < 0: before). The midpoint rule keeps its distance from the surface
+/// of a turning solid.
 Vec3 carried(const Solid& solid, const Vec3& x, Real dt) { return x + dt * velocity_over(solid, x, dt); }
 
 }  // namespace
 
 void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
                              const StepContext& step) const {
-    system->form.release(), system->preconditioner.release();  // the step needs them no longer
+    system->form.release(), system->preconditioner.release();  // the rest of the step does not need them
     parallel_for(x.size(), [&](Index i) {
         if (role[i] > 0) x[i] = carried(solids.all[role[i] - 1], x[i], step.dt);
         else x[i] += step.dt * u[i];
@@ -22,17 +22,17 @@ void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u,
 
 namespace {
 
-/// In spacings. With r_ij = x_j - x_i here:
+/// Lengths in spacings, r_ij = x_j - x_i:
 /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate
 /// (strain_i + strain_j)
 ///
-/// The first keeps particles apart; repulsion only, any attraction clumps. A stretched thread widens every gap along its axis e in
-/// proportion, and once it is thin no particle is close enough to be pushed into it: the second fills gaps along the axis, and along the
-/// axis alone, so that a longer range does not fatten the thread.
+/// The first term keeps particles apart. It only repels, because any attraction makes clumps. A stretched thread widens every gap along its
+/// axis e in proportion, and in a thin thread no particle is close enough to be pushed into the gap. The second term fills gaps along the
+/// axis, and acts only along it, so that its longer range does not thicken the thread.
 struct Shifting {
     const CoupledSystem& system;
 
-    /// @param moved of each particle that the block touches, how far it has moved in this step, and dt |D - T|/2
+    /// @param moved by entry of the block: displacement in this step, and dt |D - T|/2
     Lanes3 of(const RowBlock& block, const RowSlice& slice, const SliceView<false>& pairs, const Vec4* moved) const {
         const CoupledOptions& o = system.options;
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
@@ -49,7 +49,7 @@ struct Shifting {
             weights += p.w, strains += p.w * strain;
         });
         const Lanes context = strains / at_least(weights, Real(1e-6));
-        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // as from its mirror image, as strained as the fluid around
+        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // repelled by its own mirror image, with the mean strain of the neighbours
             const Lanes3 r = lanes_of(2) * moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
             const Lanes push = at_most(rate * (own_strain + context), strongest) * at_least(range - distance, 0) / distance;
@@ -75,7 +75,7 @@ struct Shifting {
         return dx + thin * along * axis;
     }
 
-    /// No longer than allowed, and at the surface without its outward part, which nothing balances there: it would fatten the thread.
+    /// Limits the length of dx. At the surface also removes its outward part, which has no counterpart there and would thicken the thread.
     Vec3 bounded(Vec3 dx, const Neighbourhood& context) const {
         const Real length = dx.norm(), longest = static_cast<Real>(system.options.longest_shift);
         if (length > longest) dx *= longest / length;
@@ -92,7 +92,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
     Column<Vec4> moved(x.size());
-    parallel_for(x.size(), [&](Index i) {  // the strain in the middle of the move: a rigid rotation has none
+    parallel_for(x.size(), [&](Index i) {  // strain in the middle of the move, which is 0 for a rigid rotation
         const Mat3 D = Real(0.5) * (G[i] + G[i].transpose());
         const Vec3 path = (x[i] - s.rows.position(i)) / d;
         moved[i] = {{path[0], path[1], path[2], step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm()}};
@@ -118,8 +118,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     });
     lift_nothing(step.gravity, shift);
 
-    // The velocity of the place that a particle comes to: u += G dx. The sum of these changes goes back to the neighbours, so that the
-    // linear momentum stays.
+    // The velocity at the new position: u += G dx. The sum of these changes is subtracted from the neighbours, so that momentum is
+    // conserved.
     Column<Vec4> spread(s.rows.entries());
     parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
@@ -150,19 +150,19 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
 }
 
-// In the solid's own frame: the path from where the rows found it to x minus the solid's motion. Distances are Lipschitz, so a particle
-// that ends farther away than its path is long has met nothing; the others are followed along their path, thin plates included.
+// The path in the solid's own frame runs from the position in the rows to x minus the solid's motion. Distances are Lipschitz, so a
+// particle that ends farther from the solid than its path is long has met none; others are followed along the path, also at thin plates.
 void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role,
                                 Update<field::contact_normal> slip, Solids& solids, const StepContext& step) const {
     if (solids.all.empty()) return;
     const CoupledSystem& s = *system;
     const Real d = step.spacing, dt = step.dt;
-    Real fastest = 0;  // of any point of a solid in the domain
+    Real fastest = 0;  // bound for the speed of any point of a solid in the domain
     for (const Solid& solid : solids.all)
         fastest = std::max(
             fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
     const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
-    // By particle, if probes ask: the solid that stopped it, and its velocity before.
+    // By particle, if probes need it: the solid that stopped it, and its velocity before.
     const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);
     std::vector<int> stopper(recorded, -1);
     Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));
@@ -175,7 +175,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
-            // A sliding particle rests at its closest distance: it must count as touching there despite rounding.
+            // A sliding particle rests at its closest distance; the margin makes it count as touching despite rounding.
             const Real touching = closest + Real(0.05) * d;
             const Vec3 to = carried(solid, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
@@ -199,7 +199,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             if (stopped) x[i] = there;
             const Vec3 solid_velocity = velocity_over(solid, there, -dt);
             const Real approach = normal.dot(u[i] - solid_velocity);
-            if (solid.sticks()) {  // a neighbour of the fluid (CoupledRows): here it keeps out particles that come too close
+            if (solid.sticks()) {  // the rows model its stress (CoupledRows); contact only keeps particles out
                 if (stopped && approach < 0) {
                     u[i] -= approach * normal;
                     if (recorded > 0) stopper[i] = static_cast<int>(k);

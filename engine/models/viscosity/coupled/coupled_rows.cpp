@@ -16,7 +16,8 @@
 namespace whorl {
 namespace {
 
-/// (1 - q^2)^3 of q^2: as wide in its second moment as a Wendland kernel of 1.17 times the radius, which has 1.6 times the pairs.
+/// (1 - q^2)^3 as a function of q^2. Its second moment is that of a Wendland kernel of 1.17 times the radius, which has 1.6 times the
+/// pairs.
 Real weight_at(Real q2) {
     const Real p = std::max(Real(0), 1 - q2);
     return p * p * p;
@@ -51,7 +52,7 @@ MomentShape shape_of(const Mat3& M, const CoupledOptions& o, int dimensions, Nei
     return shape;
 }
 
-/// Adds the walls, which resolve directions but do not make a thread. @param M including them
+/// Adds the walls, which resolve directions but do not make a thread. @param M includes the walls
 void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o, int dimensions, Neighbourhood& n, MomentShape& shape) {
     bool any = false;
     for (const WallPoint& wall : block.walls)
@@ -68,11 +69,11 @@ void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o
 
 }  // namespace
 
-/// Input of the rows.
+/// Result of the neighbour search, input of the rows.
 struct CoupledRows::Found {
     static constexpr Index most_close = 48;
     struct CloseRow {
-        std::uint16_t first = 0, count = 0;  ///< in the list of its block
+        std::uint16_t first = 0, count = 0;  ///< range in the list of its block
     };
     Real spacing = 0;
     int dimensions = 3;
@@ -80,11 +81,11 @@ struct CoupledRows::Found {
     std::vector<Pairs> near;          ///< neighbours within the usual support: the rows of part_size particles each
     Pairs far;                        ///< of sparse particles, within the widest support
     std::vector<Vec3> sparse;         ///< positions of particles with few neighbours
-    std::vector<Index> sparse_place;  ///< of each particle among them, -1: it has enough
+    std::vector<Index> sparse_place;  ///< index of each particle in `sparse`, -1: it has enough
     std::vector<CloseRow> close_row;
-    std::vector<std::vector<Index>> close_list;  ///< of each block
+    std::vector<std::vector<Index>> close_list;  ///< by block
 
-    /// Neighbours within the bridge's reach, at most most_close.
+    /// Neighbours closer than `bridge`, at most most_close.
     Span<const Index> close(Index i) const {
         const CloseRow row = close_row[i];
         return Span<const Index>(close_list[i / block_size]).subspan(row.first, row.count);
@@ -94,15 +95,15 @@ struct CoupledRows::Found {
     void list_close(Real reach);
 };
 
-/// The solids about the particles.
+/// The solids near the particles.
 struct CoupledRows::Walls {
     const Solids& solids;
     int dimensions = 3;
     Real dt = 0;
     Span<std::int32_t> held;
     Column<Real>& nearest;                 ///< CoupledRows::nearest_solid
-    Column<Real> height{};                 ///< distance of the solids that the fluid sticks to [m]
-    std::vector<std::int32_t> touching{};  ///< field::held, as each particle knows by itself
+    Column<Real> height{};                 ///< distance from the nearest no-slip solid [m]
+    std::vector<std::int32_t> touching{};  ///< field::held by each particle's own distance, without its neighbours
 
     void find(Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o);
     /// Writes field::held. @returns whether walls hold the particle
@@ -111,21 +112,21 @@ struct CoupledRows::Walls {
 
 /// Candidates of one row: all particles within the widest support in use, lengths in spacings.
 struct CoupledRows::Scratch {
-    static constexpr Index most_walls = 6;  ///< that a particle feels
-    Column<Real> x, y, z, r2, w;            ///< w: 0 of those that do not count
+    static constexpr Index most_walls = 6;  ///< limit per particle
+    Column<Real> x, y, z, r2, w;            ///< w: 0 if the candidate does not count
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
-    std::vector<RowBlock::FileLocation> row_other;  ///< pairs of the block's rows, one row after the other
+    std::vector<RowBlock::FileLocation> row_other;  ///< pairs of the block's rows, row after row
     std::vector<std::size_t> row_first;
     std::vector<Real> row_h;
     std::vector<Index> touched;
-    std::vector<std::int32_t> place;  ///< of each particle in the block's touched list, -1: not in it. All -1 between two blocks
-    std::vector<Index> reached;       ///< the particle whose close neighbours' close neighbours were marked last, this one among them
+    std::vector<std::int32_t> place;  ///< index of each particle in the block's touched list, -1: not in it; all -1 between two blocks
+    std::vector<Index> reached;       ///< by particle j: the last i of which j is a close neighbour's close neighbour
 
-    unsigned long build = 0;  ///< for which `reached` was cleared
+    unsigned long build = 0;  ///< build for which `reached` was cleared
 
-    /// -1: a block names no more. Only fluid compressed forty-fold has that many neighbours.
+    /// Index of j in `touched`; -1 if the block is full, which happens only if fluid is compressed forty-fold.
     std::int32_t place_of(Index j) {
         if (place[j] < 0 && touched.size() + most_walls * block_size <= std::numeric_limits<RowBlock::FileLocation>::max()) {
             place[j] = static_cast<std::int32_t>(touched.size());
@@ -144,7 +145,7 @@ struct CoupledRows::Scratch {
         for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
         index.resize(n);
     }
-    /// All neighbours of i, r = (x_j - x_i)/d. @param itself its own number among them, which is left out
+    /// Takes all neighbours of i, r = (x_j - x_i)/d. @param itself index of i among the neighbours, which is left out
     void take(const Pairs& pairs, Index i, Real inverse_spacing, Index itself) {
         resize(static_cast<std::size_t>(pairs.count(i)));
         Index end = 0;
@@ -163,7 +164,7 @@ struct CoupledRows::Scratch {
         index[at] = index[last];
         resize(last);
     }
-    /// Is there a candidate closer than `reach` to both the particle and candidate k? `bridges` lists those close to the particle.
+    /// Whether a candidate is closer than `reach` to both the particle and candidate k. `bridges` lists those close to the particle.
     bool bridged(std::size_t k, Real reach2) const {
         for (const std::size_t l : bridges) {
             const Real dx = x[l] - x[k], dy = y[l] - y[k], dz = z[l] - z[k];
@@ -175,7 +176,7 @@ struct CoupledRows::Scratch {
 
 namespace {
 
-/// Sum of the weights of radius h on a lattice, n0: an integral in its place has 0.5 % more in 2D.
+/// n0, the sum of the weights of radius h on a lattice; an integral instead would be 0.5 % larger in 2D.
 Real lattice_sum(int dimensions, Real h) {
     Real sum = 0;
     each_lattice_point(dimensions, static_cast<int>(h),
@@ -183,7 +184,7 @@ Real lattice_sum(int dimensions, Real h) {
     return sum;
 }
 
-/// The weights of all candidates, 0 beyond h; returns n.
+/// Computes the weights of all candidates, 0 beyond h. @returns n
 Real weigh(Index count, const Real* __restrict r2, Real h0, Real h, Real* __restrict w) {
     const Real of_h0 = 1 / (h0 * h0), of_h = 1 / (h * h);
     Real density = 1;
@@ -203,8 +204,8 @@ void CoupledRows::Found::search(Span<const Vec3> x, const Domain& domain, const 
     search.start(x, support, domain);
     for (Index begin = 0; begin < n; begin += part_size)
         search.rows(x, begin, std::min(n, begin + part_size), support, domain, near.emplace_back());
-    // h = the distance of the 16th neighbour, within [support, widest_support]: only particles without 16 neighbours in support need to
-    // look further.
+    // h is the distance of the 16th neighbour, within [support, widest_support], so only particles with fewer than 16 neighbours in
+    // `support` need a wider search.
     sparse_place.assign(x.size(), -1);
     for (Index i = 0; i < n; ++i)
         if (near_of(i).count(i % part_size) < options.enough(dimensions)) {
@@ -271,7 +272,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     for (int a = 0; a < 3; ++a) period_.of_length[a] = period_.length[a] > 0 ? 1 / period_.length[a] : 0;
     x_.resize(x.size());
     parallel_for(n, [&](Index i) { x_[i] = with_spare(x[i]); });
-    blocks.clear();  // before the search, which takes as much
+    blocks.clear();  // before the search, which needs as much memory
     std::vector<std::uint32_t>().swap(slot_);
     Found found;
     found.spacing = spacing;
@@ -331,7 +332,7 @@ void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const st
     find_moments(block, o);
 }
 
-/// @returns the kernel radius in spacings: the distance of the 16th neighbour where few are near
+/// @returns the kernel radius in spacings; the distance of the 16th neighbour if the usual support contains fewer
 Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const CoupledOptions& o) {
     const Real inverse_spacing = 1 / found.spacing;
     const Index sparse = found.sparse_place[i];
@@ -349,7 +350,7 @@ Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const Co
     return std::clamp(std::sqrt(*enough), usual, widest);
 }
 
-/// Finds the bridges that pairs longer than the gate need. In the usual support: candidates that are close to one that is close to i.
+/// Finds the bridges for pairs longer than the gate; with the usual support, marks the close neighbours of i's close neighbours.
 void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support);
     if (h == usual) {
@@ -363,7 +364,7 @@ void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, con
         if (r2[k] < reach * reach) bridges.push_back(k);
 }
 
-/// Appends the candidates that count.
+/// Appends the candidates that count to the row.
 void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
@@ -381,7 +382,7 @@ void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> 
 
 namespace {
 
-/// Part of the volume of the weight of radius 1 that lies beyond a plane at distance q.
+/// Fraction of the integral of the weight of radius 1 that lies beyond a plane at distance q.
 Real beyond(int dimensions, Real q) {
     if (q >= 1) return 0;
     if (dimensions == 2) {  // 128/(35 pi) times the integral of (1 - t^2)^(7/2) = cos^8 a da, t = sin a
@@ -393,7 +394,7 @@ Real beyond(int dimensions, Real q) {
     return Real(0.5) - Real(315.0 / 256) * q * (1 - t * (Real(4.0 / 3) - t * (Real(1.2) - t * (Real(4.0 / 7) - t / 9))));
 }
 
-/// Part of that volume that a solid, which may be thin, fills. @param h distance of its surface [m] @param R the weight's radius [m]
+/// Fraction of that integral in a solid, which may be thin. @param h distance of its surface [m] @param R the weight's radius [m]
 Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real R) {
     h = std::max(h, Real(0));
     if (!(h < R)) return 0;
@@ -409,8 +410,8 @@ Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& norma
 
 }  // namespace
 
-/// Part of the wall behind the particle that no other particle covers: 1 minus sum K of those below, K a bump whose sum is about 1
-/// over a layer with one particle per spacing.
+/// Fraction of the wall behind the particle that no other particle covers: 1 minus sum K over particles below it, with K a bump whose sum
+/// is about 1 over a layer with one particle per spacing.
 Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
     const Real of_radius2 = dimensions == 2 ? Real(1.138) : Real(std::numbers::pi / 3);
     Real open = 1;
@@ -423,7 +424,7 @@ Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
     return std::max(Real(0), open);
 }
 
-/// Solids near the particle: their part of its density, and those that hold it.
+/// Finds the solids near the particle: their part of its density, and the wall points that hold it.
 void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held,
                                       const CoupledOptions& o, Neighbourhood& n) const {
     const Solids& solids = walls.solids;
@@ -434,7 +435,7 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
                                                    : Real(2 * std::numbers::pi / 3 * 16 / 1155) * h * h * h * h * h;
     const Real few = walls.dimensions == 2 ? 1 : 2;  // sum w is 1.2 for particles in a row along the wall, 3.5 in a layer
     const std::size_t before = block.walls.size();
-    constexpr Real no_lattice = Real(0.0119);  // so much less has a lattice that touches a flat wall, in each of its layers
+    constexpr Real no_lattice = Real(0.0119);  // deficit of each layer of a lattice that touches a flat wall
     Real open = 1;
     const auto count = [&](const Solid& solid, const Vec3& normal, Real height) {
         open *= 1 - std::max(Real(0), filled(walls.dimensions, solid, at, normal, height, support) - no_lattice);
@@ -467,8 +468,8 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
             continue;
         }
         add(solid, static_cast<Index>(k), normal, height);
-        Real bend = 0;  // of a curved surface: how much farther than `height` it is a reach away to the sides
-        // Other faces of the same solid that meet the nearest one in a hollow edge.
+        Real bend = 0;  // excess of the distance over `height` at points a reach to the sides, for curved surfaces
+        // Also finds other faces of the same solid that meet the nearest one in a concave edge.
         int along = 0;
         const Vec3 in_own_axes = solid.pose.rotation.transpose() * normal;
         in_own_axes.cwiseAbs().minCoeff(&along);
@@ -479,7 +480,7 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
             if (std::abs(beyond_it - height) > Real(1e-3) * d && (walls.dimensions == 3 || way.z() == 0) &&
                 solid.normal(there).dot(normal) > Real(0.7))
                 bend += beyond_it - height;
-            if (!(beyond_it < 0)) beyond_it = solid.distance(there = at + reach / 2 * way);  // it may be thin
+            if (!(beyond_it < 0)) beyond_it = solid.distance(there = at + reach / 2 * way);  // the solid may be thin
             if (!(beyond_it < 0)) continue;
             const Vec3 face = solid.normal(there);
             if (face.dot(normal) > Real(0.7)) continue;
@@ -487,14 +488,14 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
             add(solid, static_cast<Index>(k), face, face_height);
             count(solid, face, face_height);
         }
-        // Over the kernel's section by the wall the squares of lengths along it have the mean (R^2 - h^2)/10, in the plane (R^2 - h^2)/9.
+        // Over the kernel's cross-section by the wall, squared lengths along the wall have the mean (R^2 - h^2)/10, in 2D (R^2 - h^2)/9.
         const Real section = (support * support - height * height) / (reach * reach);
         count(solid, normal, height + bend * section / (walls.dimensions == 2 ? 18 : 20));
     }
     n.density += 1 - open;
 }
 
-/// Puts rows of about the same length side by side.
+/// Arranges rows of similar length next to each other.
 void CoupledRows::Scratch::arrange(RowBlock& block) const {
     const Index rows = block.size();
     block.count.resize(rows), block.lane.resize(rows);
@@ -564,7 +565,7 @@ const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u, bool mo
 const Vec4* CoupledRows::positions(const RowBlock& block) const { return take<false>(block, {}, false); }
 const Vec4* CoupledRows::positions(const RowBlock& block, Span<const Vec3> u, bool moving) const { return take<true>(block, u, moving); }
 
-/// Sums over the finished rows: M, its inverse, the surface indicator, and the fourth moment.
+/// Computes sums over the finished rows: M, its inverse, the surface indicator, and the fourth moment.
 void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
     const Vec4* at = positions(block);
     block.directions.clear();
@@ -619,7 +620,7 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
     }
 }
 
-/// Lists for every particle the places, in the blocks' order, at which blocks hold something for it.
+/// Lists, for every particle and in the order of the blocks, the entries that blocks have for it.
 void CoupledRows::number_slots() {
     first_slot_.assign(neighbourhood.size() + 1, 0);
     std::size_t place = 0;

@@ -1,6 +1,6 @@
 #pragma once
-/// Rows of neighbours as the coupled solve wants them: support that grows in thin places, no pairs through the air between two turns of a
-/// coil, and a layout that the products run through at the speed of memory.
+/// Rows of neighbours for the coupled solve: support that grows in thin places, no pairs through the air between two turns of a coil, and a
+/// layout that lets products run at the speed of memory.
 #include <array>
 
 #include "engine/geometry/solids.h"
@@ -12,104 +12,104 @@ namespace whorl {
 
 /// Properties of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
 struct Neighbourhood {
-    Real unresolved = 0;  ///< k = sum (1 - pi^2), pi: how far a direction is resolved. 0 in a volume, 1 in a sheet, 2 in a single file
-    Real thin = 0;        ///< 0 in a thick thread, 1 in a thin one
-    Real weights = 0;     ///< sum w
-    Real spread = 0;      ///< sum w r^2
-    Real density = 0;     ///< n/n0 with the weight of radius `support`, all neighbours, and solids as if they were fluid
-    Real volume = 1;      ///< of the fluid whose strain the row represents: up to a wall that holds it, at any distance
-    Vec3 outward = Vec3::Zero();   ///< unit, away from the neighbours' centre
-    Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
-    std::int32_t directions = -1;  ///< its place in RowBlock::directions; -1: all are resolved, and no thread is thin
+    Real unresolved = 0;          ///< k = sum (1 - pi^2), pi the resolution of a direction: 0 in a volume, 1 in a sheet, 2 in a single file
+    Real thin = 0;                ///< 0 in a thick thread, 1 in a thin one
+    Real weights = 0;             ///< sum w
+    Real spread = 0;              ///< sum w r^2
+    Real density = 0;             ///< n/n0 with the weight of radius `support` over all neighbours, solids counted as fluid
+    Real volume = 1;              ///< volume of the fluid whose strain the row represents, up to a wall that holds it
+    Vec3 outward = Vec3::Zero();  ///< unit vector away from the neighbours' centre
+    Real surface = 0;             ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
+    std::int32_t directions = -1;  ///< index in RowBlock::directions; -1: all directions are resolved, and no thread is thin
 };
 
-/// For neighbourhoods that are a volume in some directions only.
+/// For neighbourhoods in which not all directions are resolved, or a thread is thin.
 struct Directions {
     Mat3 resolved = Mat3::Identity();  ///< P = Q diag(pi) Q^T
-    Vec3 along = Vec3::Zero();         ///< unit, the thread's direction; zero in a thick one
+    Vec3 along = Vec3::Zero();         ///< direction of a thin thread, unit vector; zero in a thick one
 };
 
-/// sum w/r^2 r r r r of a row a lane. A symmetric matrix counts as the six numbers (xx, yy, zz, xy, xz, yz); the sum takes one to another.
+/// sum w/r^2 r r r r of one row per lane. A symmetric matrix has the six entries (xx, yy, zz, xy, xz, yz); the sum maps one to another.
 struct FourthMoment {
     Lanes v[15];  ///< xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz
-    /// Position of the entry of components k and l of the six.
+    /// Index in v of the entry for components k and l of the six.
     static constexpr int place[6][6] = {{0, 3, 5, 1, 2, 4}, {3, 10, 12, 6, 7, 11}, {5, 12, 14, 8, 9, 13},
                                         {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8},    {4, 11, 13, 7, 8, 12}};
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
-/// Mean velocity over a step of dt [s] of the solid's point that is at x when it begins; dt < 0: over the step before [m/s].
+/// Mean velocity [m/s], over a step of dt [s], of the solid's point that is at x at the start of the step; dt < 0: at its end.
 inline Vec3 velocity_over(const Solid& solid, const Vec3& x, Real dt) { return solid.velocity_at(x + dt / 2 * solid.velocity_at(x)); }
 
-/// The point of a wall that is nearest to a particle that it holds: a neighbour that moves with the wall (docs/physics.md 5).
+/// Point of a wall that is nearest to a particle that the wall holds: a neighbour that moves with the wall (docs/physics.md 5).
 struct WallPoint {
-    Vec3 position, velocity;  ///< m, on the surface; m/s, of the straight way to where the wall takes it in this step
+    Vec3 position, velocity;  ///< position on the surface [m]; mean velocity over this step, along a straight line [m/s]
     Vec3 normal;              ///< into the fluid
-    Index row = 0;            ///< of the particle in its block
+    Index row = 0;            ///< row of the particle in its block
     Index solid = 0;
     Real weight = 0;
     Mat3 lateral = Mat3::Zero();  ///< its part of M along the wall
 };
 
-/// As many rows as there are lanes, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`.
+/// One row per lane, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`.
 /// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves. Pairs with walls come last.
 struct RowSlice {
     std::size_t begin = 0;
-    Index width = 0;             ///< pairs of the longest row and `walls`
-    Index walls = 0;             ///< most pairs of a row with walls
-    std::size_t first_wall = 0;  ///< place of their weights in RowBlock::wall_weight
+    Index width = 0;             ///< pairs of the longest row plus `walls`
+    Index walls = 0;             ///< largest number of pairs with walls in a row
+    std::size_t first_wall = 0;  ///< index of their weights in RowBlock::wall_weight
     Index plain() const { return width - walls; }
     Index rows = 0;                      ///< lanes that have a row
-    std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without one names the first lane's row
-    bool resolved = true;                ///< all directions of all its rows
-    Lanes of_h2{};                       ///< 1/h^2, h: the weight's radius in spacings
+    std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without a row has that of the first lane
+    bool resolved = true;                ///< all directions are resolved in all its rows
+    Lanes of_h2{};                       ///< 1/h^2, with h the radius of the weight in spacings
     SymmetricLanes inverse_moment;       ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T
     FourthMoment fourth;
 };
 
-/// The rows of `block_size` particles that are near each other in the store. Neighbours are named by their place in `touched`, so that a
-/// product gathers each velocity once per block and adds up forces in its own memory: no thread waits, and the sums' order is fixed.
-/// Only this index of a pair is stored: r and the weight follow from the positions, which are fewer bytes to read.
+/// The rows of `block_size` particles that are near each other in memory. Pairs refer to neighbours by their index in `touched`, so a
+/// product gathers each velocity once per block and adds forces in the block's own memory: no thread waits, and sums have a fixed order.
+/// Only this index is stored per pair. r and the weight follow from the positions, which are fewer bytes to read.
 struct RowBlock {
     using FileLocation = std::uint16_t;
     Index begin = 0, end = 0;     ///< particles whose rows these are
-    std::vector<Index> touched;   ///< the particles named; the first end - begin are the rows' own
-    std::size_t place = 0;        ///< where the block's entries begin in arrays over all blocks' touched particles
-    std::size_t first_slice = 0;  ///< where its slices begin in arrays over all blocks' slices
+    std::vector<Index> touched;   ///< particles that the pairs refer to; the first end - begin are the rows' own
+    std::size_t place = 0;        ///< start of the block's entries in arrays over all blocks' touched particles
+    std::size_t first_slice = 0;  ///< start of its slices in arrays over all blocks' slices
     std::vector<RowSlice> slices;
-    std::vector<std::uint16_t> lane;   ///< of each row, counted through all slices
+    std::vector<std::uint16_t> lane;   ///< lane of each row, counted through all slices
     std::vector<std::uint16_t> count;  ///< pairs of each row
     std::vector<Directions> directions;
-    Column<FileLocation> other;    ///< place of j in touched; of walls, behind them all
+    Column<FileLocation> other;    ///< index of j in `touched`; walls follow the particles
     std::vector<WallPoint> walls;  ///< by row
     std::vector<Lanes> wall_weight;
 
     Index size() const { return end - begin; }
-    std::size_t entries() const { return touched.size() + walls.size(); }  ///< places that pairs name
+    std::size_t entries() const { return touched.size() + walls.size(); }  ///< indices that pairs use
     const RowSlice& slice_of(Index row) const { return slices[lane[row] / lane_count]; }
     Index lane_in_slice(Index row) const { return lane[row] % lane_count; }
-    /// Calls f(place in touched) for each pair of a row with a particle, or every `step`-th.
+    /// Calls f(index in touched) for each pair of a row with a particle, or for every `step`-th.
     template <class F>
     void each_pair(Index row, const F& f, Index step = 1) const {
         const FileLocation* at = other.data() + slice_of(row).begin + lane_in_slice(row);
         for (Index k = 0; k < count[row]; k += step) f(at[k * lane_count]);
     }
-    /// P of the particle with that neighbourhood.
+    /// P of the particle with neighbourhood n.
     Mat3 resolved(const Neighbourhood& n) const { return n.directions < 0 ? Mat3(Mat3::Identity()) : directions[n.directions].resolved; }
     Vec3 along(const Neighbourhood& n) const { return n.directions < 0 ? Vec3(Vec3::Zero()) : directions[n.directions].along; }
 };
 
 /// One pair of each row in a slice.
 struct PairLanes {
-    Lanes3 r, v;                          ///< v: value stored with the positions, that of j minus that of i
+    Lanes3 r, v;                          ///< v: difference of the vectors stored with the positions, j minus i
     Lanes r2, w;                          ///< r2: never 0
-    const RowBlock::FileLocation* other;  ///< places of j
+    const RowBlock::FileLocation* other;  ///< indices of j in `touched`
 };
 
-/// The periodic axes, in spacings. 0 for the others.
+/// Lengths of the periodic axes in spacings; 0 for other axes.
 struct PairPeriod {
     bool any = false;
-    Vec3 length = Vec3::Zero(), of_length = Vec3::Zero();  ///< and 1/length
+    Vec3 length = Vec3::Zero(), of_length = Vec3::Zero();  ///< of_length: 1/length
 
     [[gnu::always_inline]] Lanes3 shortest(const Lanes3& r) const { return any ? Lanes3{along(r.x, 0), along(r.y, 1), along(r.z, 2)} : r; }
 
@@ -117,7 +117,7 @@ private:
     Lanes along(Lanes r, int axis) const { return r - length[axis] * rounded(r * of_length[axis]); }
 };
 
-/// The pairs of a slice. @tparam with a vector goes along with each position (CoupledRows::positions)
+/// The pairs of a slice. @tparam with whether a vector is stored with each position (CoupledRows::positions)
 template <bool with>
 class SliceView {
 public:
@@ -138,7 +138,7 @@ public:
         for (Index k = 0; k < slice_.plain(); ++k) {
             PairLanes p = pair(own, k);
             const Lanes q = one - p.r2 * slice_.of_h2;
-            p.w = p.r2 > 2 * coincident ? q * q * q : none;  // a pair with itself has none
+            p.w = p.r2 > 2 * coincident ? q * q * q : none;  // a pair with itself has no weight
             f(static_cast<std::size_t>(k), p);
         }
     }
@@ -168,7 +168,7 @@ private:
         if constexpr (with) return gather_two(at_, place);
         else return {gather(at_, place), {}};
     }
-    static constexpr Real coincident = Real(1e-12);  ///< r^2 up to which two particles are in one place and no pair
+    static constexpr Real coincident = Real(1e-12);  ///< r^2 up to which two particles coincide and are not a pair
 
     const PairPeriod& period_;
     const RowSlice& slice_;
@@ -181,11 +181,11 @@ class CoupledRows {
 public:
     static constexpr Index block_size = 256;
 
-    /// @param spacing d [m] @param role field::role: pairs of two prescribed particles pass the gate
+    /// @param spacing d [m] @param role field::role; the gate does not apply to pairs of two prescribed particles
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options) {
         build(x, role, domain, spacing, options, {}, 0, {});
     }
-    /// @param solids those that the fluid sticks to become neighbours @param dt [s], for their velocities @param held field::held
+    /// @param solids the no-slip ones become neighbours @param dt [s], for their velocities @param held field::held
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options,
                const Solids& solids, Real dt, Span<std::int32_t> held);
 
@@ -193,17 +193,17 @@ public:
     int dimensions() const { return dimensions_; }
     const RowBlock& block_of(Index i) const { return blocks[i / block_size]; }
     std::vector<RowBlock> blocks;
-    std::vector<Neighbourhood> neighbourhood;  ///< one a particle
+    std::vector<Neighbourhood> neighbourhood;  ///< one per particle
     Column<Real> nearest_solid;                ///< distance of each free particle to any solid [m]; empty: there are no solids
     std::size_t pairs = 0;                     ///< in all rows, without padding
-    std::size_t slices = 0;                    ///< of all blocks
+    std::size_t slices = 0;                    ///< slices in all blocks
     std::size_t walls = 0;                     ///< pairs with walls
     Index widest_slice = 0;
 
     /// Position of the particle when the rows were built [m].
     Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
-    /// Positions of the particles that the block touches, in spacings relative to the block's first particle; in memory of the calling
-    /// thread until its next call. @param u stored with each position @param moving whether walls have their velocities
+    /// Positions of the particles that the block touches, in spacings relative to the block's first particle. They are in memory of the
+    /// calling thread, valid until its next call. @param u stored with each position @param moving whether walls have their velocities
     const Vec4* positions(const RowBlock& block) const;
     const Vec4* positions(const RowBlock& block, Span<const Vec3> u, bool moving) const;
     SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }
@@ -216,7 +216,8 @@ public:
     }
     Mat3 resolved(Index i) const { return block_of(i).resolved(neighbourhood[i]); }
 
-    /// Sum of the blocks' values for particle i, in the order of the blocks. @param entries `pieces` for a touched particle of each
+    /// Sum of the blocks' values for particle i, in the order of the blocks. @param entries `pieces` values per touched particle of each
+    /// block
     template <std::size_t pieces = 1>
     std::array<Vec4, pieces> gathered(Span<const Vec4> entries, Index i) const {
         std::array<Vec4, pieces> sum{};
@@ -241,7 +242,7 @@ private:
     int dimensions_ = 3;
     Real of_spacing_ = 0;
     Column<Vec4> x_;
-    unsigned long builds_ = 0;  ///< number of this build among all
+    unsigned long builds_ = 0;  ///< number of this build, counted over all CoupledRows
     std::vector<std::uint32_t> first_slot_, slot_;
     std::size_t entries_ = 0;
 };

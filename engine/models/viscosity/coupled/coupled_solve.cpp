@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// The unknown part of a velocity: none of a particle that is stuck or in a nozzle, the tangential part of a sliding one.
+/// The unknown part of a velocity: zero for a particle that is stuck or in a nozzle, the tangential part for a sliding one.
 struct Unknowns {
     Span<const std::int16_t> role;
     Span<const Vec3> slip;
@@ -42,11 +42,11 @@ void CoupledGradient::operator()(Read<field::velocity> u, Write<field::velocity_
     const bool turns =
         std::any_of(solids.all.begin(), solids.all.end(), [](const Solid& s) { return s.pose.angular_velocity != Vec3::Zero(); });
     const auto set_walls = [&](Real dt) {
-        if (!turns) return;  // both ways have the same velocity
+        if (!turns) return;  // the velocity does not depend on the sign of dt
         for (RowBlock& block : rows.blocks)
             for (WallPoint& wall : block.walls) wall.velocity = velocity_over(solids.all[wall.solid], wall.position, dt);
     };
-    set_walls(-step.dt);  // of the last step's straight way, as those of the particles
+    set_walls(-step.dt);  // mean over the last step, like the velocities of the particles
     velocity_gradients(rows, step.spacing, u.values, G.values);
     set_walls(step.dt);
     parallel_for(u.size(), [&](Index i) {
@@ -79,14 +79,14 @@ struct CoupledStep {
 
     Unknowns unknowns{role.values, slip.values};
     Index free_particles = 0;
-    bool nothing_held = false;  ///< no solid and no nozzle takes part: momentum is kept
+    bool nothing_held = false;  ///< no solid and no nozzle acts, so momentum is conserved
     Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
-    Column<Vec3> solved{};      ///< the part that is not: first where the solver starts, then the solution [m/s]
+    Column<Vec3> solved{};      ///< the unknown part: first the initial guess, then the solution [m/s]
     Column<Mat3> curvature{};   ///< T [1/s]
-    Column<Real> divergence{};  ///< s, that the step asks for [1/s]
-    Column<Real> pressure{};    ///< q [m/s]: the multiplier, and the part of the bulk term that does not depend on u
-    Column<Vec3> balancing{};   ///< part of the load that corrects the force of a known pressure, see balance() [m/s]
-    Column<Vec3> load{};        ///< right-hand side, then the residual, to the end of the step [m/s]
+    Column<Real> divergence{};  ///< s, requested by the step [1/s]
+    Column<Real> pressure{};    ///< q [m/s]: the multiplier plus the part of the bulk term that does not depend on u
+    Column<Vec3> balancing{};   ///< part of the load that corrects the force of a known pressure [m/s], see balance()
+    Column<Vec3> load{};        ///< right-hand side, then the residual until the end of the step [m/s]
     Column<Real> held{};        ///< see find_held()
     Column<Vec3> work{};
 
@@ -119,7 +119,7 @@ struct CoupledStep {
         });
     }
 
-    /// Curvature in the directions that the neighbours resolve. Particles that are not free have none: their body moves them.
+    /// Sets the curvature in the directions that the neighbours resolve; 0 for particles that are not free, which their body moves.
     void set_curvature() {
         curvature.resize(n);
         parallel_for(n, [&](Index i) {
@@ -133,20 +133,20 @@ struct CoupledStep {
         });
     }
 
-    /// s_i: compressed particles move apart, loose ones that bear weight meet where they may, and volumes are to be kept in the middle of
-    /// the move, where tr D - tr T is their rate.
+    /// Sets s_i: compressed particles separate; loose particles under pressure approach, where allowed; otherwise volumes are kept in the
+    /// middle of the move, where their rate is tr D - tr T.
     void set_divergence() {
         divergence.resize(n);
         const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
         const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
         const auto loose = [&](const Neighbourhood& context, double lacking) {
             if (options.vessel < 0) return meeting * lacking * std::clamp(2 - context.surface / options.no_surface, 0.0, 1.0);
-            return std::min(0.0, lacking + 0.85 * std::max(0.0, context.surface - options.no_surface));  // less that beyond a surface
+            return std::min(0.0, lacking + 0.85 * std::max(0.0, context.surface - options.no_surface));  // without the deficit of a surface
         };
         parallel_for(n, [&](Index i) {
             const Neighbourhood& context = system.rows.neighbourhood[i];
             double compressed = context.density - 1;
-            // Fluid under tension is never drawn together: a thread would creep without end.
+            // Fluid under tension is never drawn together, or a thread would creep without end.
             if (compressed < 0) compressed = p[i] > 0 ? loose(context, compressed) : 0;
             const double pushed = std::clamp(options.push * compressed / dt, -fastest_push, fastest_push);
             divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
@@ -173,7 +173,7 @@ struct CoupledStep {
         if (!options.diagonal) M.be_identity();
     }
 
-    /// Velocity of a particle with the step's loads. @param before its velocity at the start
+    /// Velocity of a particle after the loads of the step. @param before its velocity at the start
     Vec3 loaded(Index i, const Vec3& before) const {
         Vec3 v = before + dt * step.gravity;
         if (!balancing.empty()) v += balancing[i];
@@ -181,13 +181,14 @@ struct CoupledStep {
         return v;
     }
 
-    /// Fluid in a vessel that turns has the pressure p_0 = rho (level + g.x + rate^2 r^2/2), with the rate of the fluid's own angular
-    /// momentum. Its force -grad p_0 errs in the rows of disordered particles and next to walls, and would drive a vortex that lifts the
-    /// edge. Away from surfaces (c < 0.15, fading to 0.3; a lattice's surface has 0.31) the load gets the exact force in its place.
+    /// Corrects the force of the pressure in a vessel that turns. Its fluid has the pressure p_0 = rho (level + g.x + rate^2 r^2/2), with
+    /// the rate from the fluid's angular momentum. The force -grad p_0 has errors in the rows of disordered particles and next to walls,
+    /// which would drive a vortex that lifts the edge. Away from surfaces (c < 0.15, fading to 0.3; the surface of a lattice has 0.31) the
+    /// load gets the exact force instead.
     void balance() {
         if (options.vessel < 0) return;
         using Eigen::Vector2d;
-        const auto mean = [&](const auto& of) {  // of the first over that of the second
+        const auto mean = [&](const auto& of) {  // sum of the first component over that of the second
             const Vector2d sum = parallel_sum(n, Vector2d(0, 0), [&](Index i) { return role[i] == 0 ? of(i) : Vector2d(0, 0); });
             return static_cast<Real>(sum[1] > 0 ? sum[0] / sum[1] : 0.0);
         };
@@ -207,9 +208,9 @@ struct CoupledStep {
         parallel_for(n, [&](Index i) { balancing[i] *= -inside(i); });
     }
 
-    /// The right-hand side.
-    /// @returns the scale of its residual: the loads on the fluid, not the large forces by which nozzle and solids hold their
-    /// neighbours; these count a little, for a fluid at rest that is only dragged along
+    /// Sets the right-hand side.
+    /// @returns the scale of its residual: the loads on the fluid, without the large forces by which nozzle and solids hold their
+    /// neighbours. These count 3 %, for a fluid at rest that is only dragged along
     double set_load() {
         parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
         form.add_stress(pressure, curvature, load);
@@ -221,7 +222,7 @@ struct CoupledStep {
         return std::max(reference, 0.03 * preconditioned_norm(load));
     }
 
-    /// Frees the arrays that are now part of the load, unless find_held() or a ledger needs them.
+    /// Frees the arrays that the load now includes, unless find_held() or a ledger needs them.
     void let_go() {
         if (!unknowns.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
     }
@@ -231,17 +232,17 @@ struct CoupledStep {
         return form.apply(v, y, [this](Index i, const Vec3& product) { return unknowns.part(i, product); });
     }
 
-    /// sqrt(r.M r), which leaves M r in work.
+    /// sqrt(r.M r); leaves M r in `work`.
     double preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
 
-    /// Errors of slow motions stay from step to step and add up. So the tolerance is for the time in which the fastest fluid moves by 0.4
-    /// d, and shorter steps get their share of it. In slow fluid errors die out: its share is at least 0.03.
+    /// Errors of slow motions persist from step to step and add up. So the tolerance applies to the time in which the fastest fluid moves
+    /// by 0.4 d, and shorter steps have a proportional tolerance, at least 0.03 of it because in slow fluid errors decay.
     SolveLimits limits() const {
         const double share = std::clamp(dt * fastest / (0.4 * d), 0.03, 1.0);
         return {share * options.limits.tolerance, options.limits.max_iterations};
     }
 
-    /// By conjugate gradients, from the last velocity plus most of its last change.
+    /// Solves by conjugate gradients, from the last velocity plus most of its last change.
     SolveReport solve(double reference) {
         const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); };
         const TwoLevel& M = system.preconditioner;
@@ -256,7 +257,7 @@ struct CoupledStep {
         const SolveReport report =
             conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
         if (!unknowns.any_slip) return report;
-        // The residual's momentum: without it fluid that slides lags as a whole behind its load by the tolerance, step after step.
+        // Removes the momentum of the residual; otherwise sliding fluid as a whole would lag behind its load by the tolerance in each step.
         Column<Vec3> rest(n);
         parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, M.coarse(i)); });
         if (!solids.any_probed()) return report;
@@ -279,12 +280,12 @@ struct CoupledStep {
     }
 
     /// If fluid can leave only through a narrow opening (a piston before a slit, the first steps under weight), one update of the
-    /// multiplier per step is far too small a pressure, and the fluid gives way as a whole. While it does: conjugate gradients for the
-    /// multiplier, preconditioned by lambda, with a solve for the velocities each. If they do not halve the error, or only move it about,
-    /// there is no way out, and all stays as it was.
+    /// multiplier per step gives far too little pressure, and the volume of the fluid as a whole changes. In that case runs conjugate
+    /// gradients for the multiplier, preconditioned by lambda, with a solve for the velocities in each iteration. If they do not halve the
+    /// error, or only move it about, the fluid has no way out, and the solution from before is restored.
     void keep_volume(SolveReport& report) {
         constexpr double tolerated = 5e-4;  // mean change of volume in a step
-        constexpr double as_a_whole = 0.5;  // of the root mean square: below it the error is local, and vanishes by itself
+        constexpr double as_a_whole = 0.5;  // mean over root mean square; below it the error is local and vanishes without this
         constexpr int most = 4;
         struct Sums {
             double missing = 0, squares = 0, weighted = 0;
@@ -326,7 +327,7 @@ struct CoupledStep {
             const double before = along();
             form.add_stress(more, {}, push);
             unknowns.restrict_to(push);
-            if (const double size = preconditioned_norm(push); size > 0)  // leaves the residual in push
+            if (const double size = preconditioned_norm(push); size > 0)  // push becomes the residual
                 report.iterations +=
                     conjugate_gradients_from<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); },
                                                    system.preconditioner, push, way, limits(), ResidualNorm::preconditioned, size)
@@ -344,16 +345,17 @@ struct CoupledStep {
         }
     }
 
-    /// If nothing holds the fluid, all forces are internal: removes the momentum error of the unfinished solve as a rigid motion.
+    /// If no solid or nozzle acts, all forces are internal: removes the momentum error of the unfinished solve as a rigid motion.
     void keep_momentum() {
         if (!nothing_held) return;
         parallel_for(n, [&](Index i) { work[i] = loaded(i, u[i]) - solved[i]; });
         RigidMotions(x.values, !step.domain.any_periodic()).add(work, solved);
     }
 
-    /// The new velocity, its gradient, and p - lambda (tr D - s), what the multiplier becomes. It has both signs: what holds a stretched
-    /// thread together and makes it thin is p < 0. Of the weight it forgets less than of what is beyond: fluid at rest sinks with tr D of
-    /// that part of p/lambda. It must forget something: in a room that is too full it would grow without end.
+    /// Stores the new velocity, its gradient, and the new multiplier p - lambda (tr D - s). The multiplier has both signs: p < 0 holds a
+    /// stretched thread together and makes it thin. It forgets a fraction per step, or it would grow without end in a room that is too
+    /// full. The fraction is smaller for the part up to the weight, because fluid at rest sinks with tr D of the forgotten part of
+    /// p/lambda.
     void take_over() {
         const auto depth = [&](Index i) { return static_cast<double>(step.gravity.dot(x[i])); };
         const double infinity = std::numeric_limits<double>::infinity();
@@ -370,7 +372,7 @@ struct CoupledStep {
         });
     }
 
-    /// slip.(A u - b) [m/s]: the part of the velocity that particles keep because a solid that slips holds them.
+    /// Sets held = slip.(A u - b) [m/s]: the normal velocity change by which a slippery solid holds its particles.
     void find_held() {
         if (!unknowns.any_slip) return;
         Column<Vec3> brought(n);
@@ -381,8 +383,8 @@ struct CoupledStep {
         parallel_for(n, [&](Index i) { held[i] = slip[i].dot(work[i] - brought[i]); });
     }
 
-    /// Distributes the momentum that the fluid lost: walls get the forces of their rows, by strain and by pressure; walls with slip the
-    /// friction, and the force on their particles along the normal. The residual of the solve is shared.
+    /// Distributes the momentum that the fluid lost. Walls receive the forces of their rows, by strain and by pressure. Walls with slip
+    /// receive the friction, and the normal force on their particles. The residual of the solve is shared.
     void write_ledgers() {
         if (!solids.any_probed()) return;
         const auto m = static_cast<double>(step.mass);
@@ -396,7 +398,7 @@ struct CoupledStep {
         const Remainder rest(solids, Push::viscous);
         form.find_wall_forces(u.values);
         walls_take(Push::viscous, -1);
-        Column<Real> part(n);  // of the pressure: that of the bulk term, then all
+        Column<Real> part(n);  // part of the pressure: first the bulk term's, then the rest
         parallel_for(n, [&](Index i) { part[i] = form.coefficients(i).bulk * d * form.divergence(i, G[i]); });
         form.find_wall_forces(part, curvature);
         walls_take(Push::viscous, 1);
@@ -417,7 +419,7 @@ struct CoupledStep {
         rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
     }
 
-    /// A solid that slips can push, not pull: where it would have to pull, it lets go.
+    /// A slippery solid can push but not pull: releases the particles that it would have to pull.
     void release_slipping() {
         if (!unknowns.any_slip) return;
         parallel_for(n, [&](Index i) {

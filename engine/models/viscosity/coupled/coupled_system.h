@@ -1,13 +1,13 @@
 #pragma once
-/// Viscosity and incompressibility in one symmetric positive definite solve a step, for fluids so viscous that they coil. The stages of a
-/// step, in this order, share one CoupledSystem:
+/// Viscosity and incompressibility in one symmetric positive definite solve per step, for fluids so viscous that they coil. The stages of
+/// a step, in this order, share one CoupledSystem:
 ///
 ///   CoupledNeighbourhood   rows, contact gate, moments
 ///   CoupledGradient        the gradient of the velocities before any force
 ///   CoupledSolve           the velocity at the end of the step, the multiplier (pressure), the gradient
 ///   CoupledMove            x += dt u
-///   CoupledShift           close particles part, the velocity goes along: u += G dx
-///   CoupledContact         particles that reach a solid stick to it, or slide along it
+///   CoupledShift           separates close particles and adjusts their velocity: u += G dx
+///   CoupledContact         stops particles at solids; they stick, or slide along
 ///
 /// Nozzles: prescribed particles (role -k) must fill at least `support` spacings above the opening.
 #include <memory>
@@ -30,19 +30,19 @@ struct aggregate {
     static constexpr std::string_view name = "aggregate", unit = "",
                                       meaning = "rigid group that the particle belongs to in the coarse level";
 };
-/// 0: the particle is new. -1: no wall holds it. 1: one does, if any is near (CoupledOptions::wall_reach).
+/// 0: the particle is new. -1: no wall holds it. 1: a wall holds it, if any is near (CoupledOptions::wall_reach).
 struct held {
     using type = std::int32_t;
     static constexpr std::string_view name = "held", unit = "", meaning = "whether a wall that the fluid sticks to has been touched";
 };
-/// Zero where no solid that slips is touched: else the solid's unit normal; the velocity along it is the solid's.
+/// Unit normal of the slippery solid that the particle touches; the velocity along it is the solid's. Zero if it touches none.
 struct contact_normal {
     using type = Vec3;
     static constexpr std::string_view name = "contact_normal", unit = "", meaning = "normal of the slippery solid that is touched";
 };
 }  // namespace field
 
-/// Data that the stages share within a step, and lagged set-ups. All of it is rebuilt at a frame time.
+/// Data that the stages share within a step, and set-ups that are reused over several steps. All of it is rebuilt at a frame time.
 struct CoupledSystem {
     explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
     CoupledOptions options;
@@ -50,8 +50,8 @@ struct CoupledSystem {
     StrainForm form;
     ContactFriction friction;
     TwoLevel preconditioner;
-    bool no_way_out = false;  ///< since the last frame time no pressure could keep the volume of fluid that solids enclose
-    /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: none.
+    bool no_way_out = false;  ///< a solve since the last frame time found no pressure that keeps the volume of enclosed fluid
+    /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: there are none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
 };
 

@@ -9,18 +9,18 @@
 ///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        residual of the linear fit
 ///   S'_i = sum_j w/r^2 ((u_j - u_i).r - r.G_i r)^2               the same along the pair
 ///
-/// T_i is the curvature of the move (models/strain/curvature.h), s_i the change of volume that is asked for.
-/// D is exact where all directions are resolved and zero for a rigid rotation even in a single file of particles. The forces are the exact
-/// derivative of E, pair by pair opposite: momentum is conserved to round-off.
+/// T_i is the curvature of the move (models/strain/curvature.h), s_i the requested rate of volume change. D is exact if all directions are
+/// resolved, and zero for a rigid rotation even in a single file of particles. The forces are the exact derivative of E and opposite in
+/// each pair, so momentum is conserved to round-off.
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/viscosity/coupled/coupled_rows.h"
 
 namespace whorl {
 
-/// Coefficients of a particle, in addition to its row.
+/// Coefficients of a particle's energy.
 struct StrainCoefficients {
     Real shear = 0;  ///< 2 K
-    /// K Lambda; an unresolved lateral direction is stress-free, so that a single file has Trouton's 3 mu instead of locking.
+    /// K Lambda; reduced such that an unresolved lateral direction is stress-free: a single file then has Trouton's 3 mu and does not lock.
     Real bulk = 0;
     Real smooth = 0;  ///< 2 c
     Real pair = 0;    ///< 2 c'
@@ -53,8 +53,8 @@ inline SymmetricLanes contract(const FourthMoment& f, const SymmetricLanes& D) {
     return {number(0), number(1), number(2), number(3), number(4), number(5)};
 }
 
-/// P (2 K D + K Lambda tr D), D of the resolved directions: dE/dG of the strain and bulk terms.
-/// @param resolved_of resolved_of(m) is P m of each lane; not called where all directions are resolved
+/// P (2 K D + K Lambda tr D), with D in the resolved directions: dE/dG of the strain and bulk terms.
+/// @param resolved_of resolved_of(m) is P m of each lane; not called if all directions are resolved
 template <class Resolved>
 Lanes33 stress(const Lanes33& G, const CoefficientLanes& c, bool resolved, const Resolved& resolved_of) {
     const auto of = [&](const SymmetricLanes& D) {
@@ -84,27 +84,27 @@ Lanes33 row_force(const Lanes33& G, const SymmetricLanes& along, const Coefficie
     return Q;
 }
 
-/// G d^-1 of every row [1/s] @param spacing d [m]
-void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);  // walls move
+/// G = (velocity gradient in spacings)/d of every row [1/s]. Walls have their velocities. @param spacing d [m]
+void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G);
 
 class StrainForm {
 public:
     /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
-    /// @param counted part of a particle's volume whose shear is the friction's (ContactFriction::counted); empty: none
+    /// @param counted fraction of a particle's volume whose shear is in the friction (ContactFriction::counted); empty: none
     void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
              const CoupledOptions& options);
 
-    /// Gives its memory back until the next set().
+    /// Frees the memory until the next set().
     void release() { Column<CoefficientLanes>().swap(by_slice_), Column<Vec4>().swap(forces_); }
 
-    /// Adds sum_i u_i.F_i u_i/2 to E, F the coefficients; empty: nothing. They must outlive the use.
+    /// Adds sum_i u_i.F_i u_i/2 to E, with F the coefficients; empty: no friction. They must outlive the use.
     void set_friction(Span<const Mat3> coefficient) { friction_ = coefficient; }
     Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[i]; }
 
-    /// y = (1 + K) u: mass, strain and friction, over the mass [m/s].
-    /// @param moving walls have their velocities, else none
+    /// y = (1 + K) u: mass, strain and friction, per mass [m/s].
+    /// @param moving whether walls have their velocities; else they are at rest
     void apply(Span<const Vec3> u, Span<Vec3> y, bool moving = false) const;
-    /// y_i = free(i, ((1 + K) u)_i): free removes prescribed components. @param y not u itself @returns u.y
+    /// y_i = free(i, ((1 + K) u)_i), where free() removes prescribed components. @param y must not be u @returns u.y
     template <class F>
     double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
         find_forces(u);
@@ -116,10 +116,10 @@ public:
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
     void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
-    /// The forces on walls alone, without a y: of apply(u, y, true) and of add_stress().
+    /// The forces on walls alone: those of apply(u, y, true) and of add_stress().
     void find_wall_forces(Span<const Vec3> u) const { find_forces(u, true, true); }
     void find_wall_forces(Span<const Real> q, Span<const Mat3> T) const { find_stress(q, T, true); }
-    /// Calls f(wall, force on it) for the result of the last of these four [m/s].
+    /// Calls f(wall, force on it [m/s]) with the forces of the last apply(), add_stress() or find_wall_forces().
     template <class F>
     void each_wall_force(const F& f) const {
         for (const RowBlock& block : rows_->blocks)
@@ -128,12 +128,12 @@ public:
                 f(block.walls[k], Vec3(v.v[0], v.v[1], v.v[2]));
             }
     }
-    /// velocity_gradients() of its rows.
+    /// velocity_gradients() of these rows.
     void gradient(Span<const Vec3> u, Span<Mat3> G) const { velocity_gradients(*rows_, spacing_, u, G); }
-    /// The 3x3 diagonal blocks of 1 + K (to a few per cent where directions are unresolved).
+    /// 3x3 diagonal blocks of 1 + K (to a few per cent if directions are unresolved).
     void diagonal(Span<Mat3> B) const;
 
-    /// tr D of the particle, given its gradient [1/s].
+    /// tr D of a particle with the gradient G [1/s].
     Real divergence(Index i, const Mat3& G) const;
     StrainCoefficients coefficients(Index i) const {
         const RowBlock& block = rows_->block_of(i);
@@ -145,7 +145,7 @@ public:
     const CoupledRows& rows() const { return *rows_; }
 
 private:
-    /// Forces of the product and of stresses. @param at_walls only those of slices with walls
+    /// Computes the forces of the product and of stresses. @param at_walls only those of slices with walls
     void find_forces(Span<const Vec3> u, bool moving = false, bool at_walls = false) const;
     void find_stress(Span<const Real> q, Span<const Mat3> T, bool at_walls) const;
     /// (1 + K) u of particle i, given the forces.
@@ -161,7 +161,7 @@ private:
     Column<CoefficientLanes> by_slice_;
     Span<const Mat3> friction_;
     Real spacing_ = 1;
-    mutable Column<Vec4> forces_;  ///< one a touched particle of each block
+    mutable Column<Vec4> forces_;  ///< one per touched particle of each block
 };
 
 }  // namespace whorl

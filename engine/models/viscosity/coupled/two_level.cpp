@@ -14,11 +14,11 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = rows.block_of(i);
         const Index row = i - block.begin;
-        // If there are many pairs, a quarter of them finds nearest centres and connections as well as all.
+        // If there are many pairs, a quarter of them is enough to find the nearest centres and the connections.
         block.each_pair(
             row, [&](RowBlock::FileLocation at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
     };
-    // The factor's entries grow faster than the particles.
+    // Larger aggregates in large fluids, because the factor's entries grow faster than the number of particles.
     const int size = static_cast<int>(options.aggregate * std::max(1.0, std::sqrt(static_cast<double>(x.size()) / options.many)));
     aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     const int groups = split_unconnected(neighbours, aggregate);

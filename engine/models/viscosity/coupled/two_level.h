@@ -1,8 +1,8 @@
 #pragma once
 /// Preconditioner of the coupled solve:  z = B^-1 r + R Ac^-1 R^T r.
 ///
-/// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 48 particles, or more in large bodies (fewer where they hang
-/// together in pieces only); Ac = R^T A R, factored exactly. The diagonal handles the interaction of neighbours.
+/// B: the 3x3 diagonal blocks. R: the six rigid motions of every aggregate of 48 particles (more in large bodies, fewer if they are not
+/// connected); Ac = R^T A R, factored exactly. The diagonal handles the interaction of neighbours.
 #include "engine/models/viscosity/coupled/strain_form.h"
 #include "engine/models/viscosity/strain/coarse_level.h"
 
@@ -10,7 +10,7 @@ namespace whorl {
 
 class TwoLevel {
 public:
-    /// Forms new aggregates of the free particles and factors Ac. May be called only every few steps: aggregates travel with their
+    /// Forms new aggregates of the free particles and factors Ac. Calling it every few steps is enough, because aggregates move with their
     /// particles.
     /// @param aggregate field::aggregate, written
     void refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
@@ -19,18 +19,18 @@ public:
     /// Drops the coarse level.
     void clear() { coarse_.clear(); }
 
-    /// The diagonal blocks and the aggregates' places of this step.
+    /// Sets the diagonal blocks and the positions of the aggregates of this step.
     /// @param slip field::contact_normal: the velocity along it is prescribed
     void set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
              Real spacing, Span<const std::int32_t> aggregate);
-    /// z = r from now to the next set(), to compare.
+    /// Sets z = r until the next set(), for comparison.
     void be_identity() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
-    /// Gives the memory of the diagonal blocks back until the next set().
+    /// Frees the memory of the diagonal blocks until the next set().
     void release() { std::vector<Mat3>().swap(inverse_diagonal_); }
     /// @returns r.z
     double operator()(Span<const Vec3> r, Span<Vec3> z) const;
 
-    /// R Ac^-1 R^T r of particle i, r the residual of the last application.
+    /// R Ac^-1 R^T r of particle i, with r from the last application.
     Vec3 coarse(Index i) const { return coarse_.correction(i); }
 
 private:
@@ -39,7 +39,7 @@ private:
     std::vector<Vec3> slip_;  ///< empty if nothing slips
 };
 
-/// Ac = R^T (1 + K) R for the rigid motions of the aggregates. Particles in none are held.
+/// Ac = R^T (1 + K) R for the rigid motions of the aggregates. Particles without an aggregate are fixed.
 SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& aggregates);
 
 }  // namespace whorl
