@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-/// An age is a sum of rounded steps, which may pass the last age with a viscosity: then the value of shortly before is used.
+/// An age is a sum of rounded steps, which may exceed the last age with a valid viscosity; then the value of shortly before is used.
 double viscosity_at(const Expression& f, double age, const Vec3d& x, const StepContext& step) {
     const double value = f(age, x);
     if (is_viscosity(value)) return value;
@@ -21,7 +21,7 @@ double viscosity_at(const Expression& f, double age, const Vec3d& x, const StepC
     return value;
 }
 
-// One after the other: expressions are not thread-safe.
+// Sequential, because expressions are not thread-safe.
 template <class FileLocation>
 void grow_older(const std::vector<Expression>& of_source, const StepContext& step, StepReport& report, Read<field::role> role,
                 Read<field::position> x, Read<field::source> source, const FileLocation& place, Update<field::age> age,

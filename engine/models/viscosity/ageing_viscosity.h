@@ -1,7 +1,7 @@
 #pragma once
-/// Viscosity that depends on how long a particle has been there: honey that stiffens as it lies, lava that freezes.
+/// Viscosity that depends on a particle's age: honey that stiffens as it lies, lava that freezes.
 ///
-/// The first stage of a step, before those that read the viscosity. Where no viscosity depends on age there is none, and no column.
+/// First stage of a step, before those that read the viscosity. If no viscosity depends on age, there is no such stage and no column.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -14,7 +14,7 @@
 namespace whorl {
 
 inline bool is_viscosity(double mu) { return mu >= 0 && std::isfinite(static_cast<Real>(mu)); }
-/// "allowed: ..." for an invalid value; empty if it is not a number.
+/// Text "allowed: ..." for an invalid value; empty if mu is not a number.
 std::string allowed_instead_of(double mu);
 
 namespace field {
@@ -36,22 +36,22 @@ struct birthplace {
 inline bool depends_on_age(const Expression& e) { return e.variables().find('a') != std::string::npos; }
 inline bool depends_on_place(const Expression& e) { return e.variables().find_first_of("xyz") != std::string::npos; }
 
-/// mu_i = f(age_i), f by source; then age_i += dt, but for particles still inside a nozzle. A value that is no viscosity ends the run,
-/// but where it comes of the rounding of ages.
+/// mu_i = f(age_i), with f by source; then age_i += dt, except for particles still inside a nozzle. An invalid value ends the run, unless
+/// it is caused by the rounding of ages.
 struct AgeingViscosity {
     std::vector<Expression> of_source;
     void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::source> source, Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
-/// AgeingViscosity with f also a function of the place at the start.
+/// AgeingViscosity with f that also depends on the position at the start.
 struct AgeingViscosityByPlace {
     std::vector<Expression> of_source;
     void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::source> source, Read<field::birthplace> start, Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
-/// age_i += dt as above, where no viscosity asks for the age but an export does.
+/// age_i += dt as above, for runs in which no viscosity but an export needs the age.
 struct AdvanceAge {
     void operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const {
         parallel_for(age.size(), [&](Index i) {

@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-/// grad W_ij = W'(|r|) r/|r|; zero if the two coincide.
+/// grad W_ij = W'(|r|) r/|r|; zero if the two positions coincide.
 template <class Kernel>
 Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
     return distance > 0 ? Vec3((kernel.derivative(distance) / distance) * r) : Vec3(Vec3::Zero());
@@ -18,10 +18,10 @@ Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
 
 }  // namespace
 
-/// Gradients that make the coefficients.
+/// Gradients from which the coefficients are formed.
 struct AssembledOperator::Gradients {
     Column<Vec3> gradW;         ///< of each pair
-    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times stretch and its volume over that at rest; 0 where the fluid slips
+    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times stretch and its volume over that at rest; 0 if the fluid slips
     Column<Real> stretch;       ///< of each pair with a solid, see models/boundary/wall.h
     Column<Real> spring;        ///< of each pair, V |W'|/r; empty: no penalty
     Column<Vec3> omega, alpha;  ///< sum_j grad W_ij and sum_j a_ij
@@ -29,7 +29,7 @@ struct AssembledOperator::Gradients {
     Column<Real> volume;        ///< m/rho_i
     Real rest_volume = 0;
     bool own_volume = true;
-    /// The penalty's gradient is grad u L; at a wall that of the strain rate, sym(P grad u L), is the same.
+    /// The penalty's gradient is grad u L; at a wall the strain rate, sym(P grad u L), uses the same gradient.
     struct Penalty {
         Mat3 L = Mat3::Zero(), P = Mat3::Identity();
         Real twice = 0, springs = 0;  ///< 2 c, see viscous_operator.h; 2 c sum_s V |W'|/r stretch^2
@@ -40,7 +40,7 @@ struct AssembledOperator::Gradients {
     /// a_ij = V_i grad W_ij, or V_j as printed.
     Vec3 a(Index i, Index j, std::size_t pair) const { return volume[own(i) ? i : j] * gradW[pair]; }
     Vec3 solid_a(Index i, std::size_t pair) const { return (own(i) ? volume[i] : rest_volume) * solid_gradW[pair]; }
-    /// m^ mu^_i times the nine coefficients, of the energy of particle i.
+    /// m^ mu^_i times the nine coefficients, from the energy of particle i.
     Mat3 coefficients(Index i, const Vec3& b, const Vec3& a) const {
         if (penalty.empty()) return stress[i] * nine_coefficients(b, a);
         const Penalty& p = penalty[i];
@@ -50,7 +50,7 @@ struct AssembledOperator::Gradients {
         c.diagonal().array() -= p.twice * rest_volume * b.dot(La);
         return c;
     }
-    /// m^ mu^_i Q_i of A = sum_j (u_i - u_j) a_ij^T.
+    /// m^ mu^_i Q_i for A = sum_j (u_i - u_j) a_ij^T.
     Mat3 stress_of(Index i, const Mat3& A, const Mat3& T = Mat3::Zero()) const {
         Mat3 Q = stress[i] * (2 * T + A + A.transpose());
         if (penalty.empty()) return Q;
@@ -63,7 +63,7 @@ struct AssembledOperator::Gradients {
     Real solid_spring(Index i, std::size_t pair, Real distance) const {
         return at_wall(i) && distance > 0 ? penalty[i].twice * rest_volume * solid_gradW[pair].norm() * stretch[pair] / distance : 0;
     }
-    /// Velocity relative to u_i, with the factor stretch, which continues the shear behind the surface.
+    /// Velocity of a solid as a neighbour, divided by stretch, which continues the shear behind the surface.
     Vec3 velocity(const InteractionContext& context, Index s, const Vec3& r, std::size_t pair) const {
         const Pose& pose = context.solids.all[context.boundary.solid[s]].pose;
         const Vec3 x = context.boundary.position[s];
@@ -149,7 +149,7 @@ void AssembledOperator::set_up(const ViscosityOptions& options, const Interactio
     if (touches_wall_ && context.solids.any_probed()) gradients_ = std::make_shared<const Gradients>(std::move(g));
 }
 
-// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T); a solid particle takes Q_i grad W_is from i, and the penalty's pull.
+// Q_i = m^ mu^_i (2 T_i - grad u_i - (grad u_i)^T). A boundary particle receives Q_i grad W_is and the penalty's pull from i.
 void AssembledOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
     if (!gradients_) return;
     const InteractionContext& context = step.context;
@@ -176,7 +176,7 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
     own_.resize(g.omega.size());
     parallel_blocks(n, rows_size, [&](Index begin, Index end) {
         Rows& rows = rows_[begin / rows_size];
-        std::vector<std::ptrdiff_t> place(g.omega.size(), -1);  // of a particle in the row, -1: not in it
+        std::vector<std::ptrdiff_t> place(g.omega.size(), -1);  // position of a particle in the row, -1: not in it
         const auto add = [&](Index j, const Mat3& c) {
             if (place[j] < 0) {
                 place[j] = static_cast<std::ptrdiff_t>(rows.other.size());
@@ -212,7 +212,7 @@ void AssembledOperator::assemble(const Gradients& g, const FluidPairs& pairs) {
     });
 }
 
-/// m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of T and the velocities of the solids alone.
+/// Sets m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij of T and the velocities of the solids alone.
 void AssembledOperator::set_known_force(const Gradients& g, const InteractionContext& context, Span<const Mat3> before) {
     const Index n = size();
     Column<Mat3> Q(n);

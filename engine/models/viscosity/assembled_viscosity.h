@@ -1,7 +1,7 @@
 #pragma once
 /// Implicit viscosity in its full form, assembled: the 27 coefficients of the note (Takahashi et al. 2015, supplement; corrected as in
-/// docs/physics.md 4) in one sparse matrix. Needs tens of times the memory of the matrix-free operator: for small scenes, and as
-/// its reference.
+/// docs/physics.md 4) in one sparse matrix. It needs tens of times the memory of the matrix-free operator, so it serves small scenes and as
+/// a reference for that operator.
 ///
 /// Stages of a step, in order: Density, VelocityGradient, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include <memory>
@@ -11,10 +11,11 @@
 
 namespace whorl {
 
-/// The nine coefficients that a product of grad W and a gives: row a: equation of u, v, w; column b: coefficient of u, v, w.
+/// The nine coefficients that a product of grad W and a gives. Rows: equations of u, v, w. Columns: coefficients of u, v, w.
 ///   coefficient_ab = (grad W . a) delta_ab + grad W_b a_a
-/// With (omega_i, alpha_i) times m^ mu^_i they are c_{u_i u_i}, c_{v_i u_i} ... c_{w_i w_i} (but for the 1 of the mass); with -(omega_i,
-/// a_ij) mu^_i + (grad W_ij, alpha_j) mu^_j those of j, c_{u_j u_i} ...; with -sum_j (grad W_ij, a_jk) mu^_j those of k, c_{u_k u_i} ...
+/// Times m^ mu^_i, with (omega_i, alpha_i) they are c_{u_i u_i}, c_{v_i u_i} ... c_{w_i w_i} (without the 1 of the mass). Those of j,
+/// c_{u_j u_i} ..., are from -(omega_i, a_ij) mu^_i + (grad W_ij, alpha_j) mu^_j; those of k, c_{u_k u_i} ..., from
+/// -sum_j (grad W_ij, a_jk) mu^_j.
 inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
     Mat3 c = a * gradW.transpose();
     c.diagonal().array() += gradW.dot(a);
@@ -23,11 +24,11 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 
 /// u_i + m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij = u*_i,   Q_i = 2 T_i - grad u_i - (grad u_i)^T,  m^ = m dt,  mu^ = mu/rho^2,
 /// T the curvature of the move (models/strain/curvature.h).
-/// The second ring k holds i itself and i's neighbours: their coefficients add up in one entry. Solids are neighbours with a velocity that
-/// is known. With a penalty they continue the shear and mirror the stress, as in viscous_operator.h; without (as printed) they have none.
+/// The second ring k contains i itself and i's neighbours; their coefficients add up in one entry. Solids are neighbours with a known
+/// velocity. With a penalty they continue the shear and mirror the stress, as in viscous_operator.h; without one (as printed) they do not.
 class AssembledOperator final : public ImplicitOperator {
 public:
-    /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
+    /// @param before gradients of the velocities at the start of the step [1/s], which determine T; empty: T = 0
     void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::density> rho,
                 Read<field::viscosity> mu, Span<const Mat3> before = {});
 
@@ -41,9 +42,9 @@ public:
     void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const override;
 
     Index size() const { return static_cast<Index>(own_.size()); }
-    /// The block of row i and column j; zero where there is none.
+    /// Block of row i and column j; zero if there is none.
     Mat3 block(Index i, Index j) const;
-    /// The note's c_{u_i u_i} ... c_{w_i w_i} alone, with the 1 of the mass and without the second ring's part of the entry.
+    /// The note's c_{u_i u_i} ... c_{w_i w_i}, with the 1 of the mass and without the second ring's part of the entry.
     const Mat3& printed_own(Index i) const { return own_[i]; }
     std::size_t bytes() const;
 
@@ -66,14 +67,14 @@ private:
     BlockDiagonal diagonal_;
     std::vector<char> free_;
     bool touches_wall_ = false, printed_ = false;
-    std::shared_ptr<const Gradients> gradients_;  ///< kept if ledgers are
-    Column<Mat3> known_stress_;                   ///< of T and the solids' velocities alone, as the gradients
+    std::shared_ptr<const Gradients> gradients_;  ///< kept if a probe reads ledgers
+    Column<Mat3> known_stress_;                   ///< stress of T and the solids' velocities alone; kept like the gradients
 };
 
-/// Bytes of the matrix a particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over
+/// Bytes of the matrix per particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over
 /// spacing
 double assembled_bytes(double reach, int dimensions = 3);
-/// More than this is refused: the same operator without a matrix needs a hundredth.
+/// Larger matrices are refused: the same operator without a matrix needs a hundredth.
 inline constexpr double most_assembled_bytes = 4e9;
 
 /// The stage.

@@ -10,12 +10,12 @@ namespace whorl {
 
 namespace {
 
-/// @param u smoothed by the part alpha; `change` written
+/// Smooths u by the fraction alpha. @param change written: the change of u
 void smooth(const InteractionContext& context, Real alpha, bool printed, Read<field::role> role, Read<field::density> rho,
             Span<Vec3> change, Span<Vec3> u) {
     const FluidPairs& pairs = context.pairs;
     const StepContext& step = context.step;
-    const Real densities = printed ? 1 : 2;  // in the mean of the pair
+    const Real densities = printed ? 1 : 2;  // number of densities in the mean of the pair
     with_kernel(step.kernel, step.support, [&](const auto& kernel) {
         parallel_for(static_cast<Index>(u.size()), [&](Index i) {
             Vec3 sum = Vec3::Zero();
@@ -54,10 +54,10 @@ void XsphSpin::operator()(const InteractionContext& context, StepReport& report,
 
 namespace {
 
-/// The pair's share of mu Lap u but for V_j mu_ij: u_ij = u_i - u_j, slope = W'(r)/r <= 0. Either along u_ij or along r_ij.
+/// Share of a pair in mu Lap u, without V_j mu_ij. u_ij = u_i - u_j, slope = W'(r)/r <= 0. Acts either along u_ij or along r_ij.
 struct Brookshaw {
     static constexpr bool along_r = false;
-    Real lattice;  ///< 1/lattice_gradient(): without it every flow is that much too viscous
+    Real lattice;  ///< 1/lattice_gradient(), the factor by which every flow would otherwise be too viscous
     Real operator()(Real, Real, Real slope) const { return 2 * lattice * slope; }
 };
 struct Monaghan {
@@ -83,12 +83,12 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOption
     friction.set(options.without_spin() == LaplacianForm::monaghan ? FrictionForm::along : FrictionForm::central, context, options.gate,
                  options.solid_factor);
     const WallShear shear{step.spacing / 2};
-    // The solids' share in rho_i a_i, but for the weight of all of them at i.
+    // Share of a solid in rho_i a_i, without the factor weight(i) of all solids.
     const auto by_solid = [&](Index i, Index s, const Vec3& r, Real distance) {
         const auto whose = static_cast<std::size_t>(boundary.solid[s]);
         if (slip[whose]) return Vec3(Vec3::Zero());
         const Real stretch = shear.stretch(r, boundary.normal[s]);
-        // The wall's rigid motion, seen from i, plus the shear continued behind the surface.
+        // The wall's rigid motion relative to its motion at i, plus the shear continued behind the surface.
         const Vec3 wall = context.solids.all[whose].pose.velocity_at(boundary.position[s] + r);
         const Vec3 u_is = stretch * (u[i] - wall) + (wall - boundary.velocity[s]);
         return Vec3(boundary.volume[s] * mu[i] * form(u_is.dot(r), distance, kernel.slope(distance)) * (Form::along_r ? r : u_is));
@@ -117,7 +117,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOption
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
-            // The wall's area does not depend on the density of the kernel sums there: the acceleration is mu/rho_0 times that.
+            // The wall's area does not depend on the density of the kernel sums there, so the acceleration is mu/rho_0 times this.
             if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];
@@ -143,8 +143,8 @@ void ExplicitViscosity::operator()(const InteractionContext& context, Read<field
     });
 }
 
-// Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. Exact: 3 mu and mu, so that
-// stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, both are mu. So it is in 2D, too.
+// Stiffness of a lattice with central forces, C_abcd = sum V w r_a r_b r_c r_d/2: C_xxxx and C_xxyy = C_xyxy. The exact values are 3 mu and
+// mu, so that stretching at constant volume, (C_xxxx - C_xxyy)/2, and shear, C_xyxy, are both mu. The same holds in 2D.
 LatticeStiffness monaghan_lattice_stiffness(KernelForm of, double support, double spacing) {
     return with_kernel(of, static_cast<Real>(support), [&](const auto& kernel) {
         const Monaghan form(of, static_cast<Real>(support), static_cast<Real>(spacing));

@@ -1,5 +1,5 @@
 #pragma once
-/// Viscosity that needs no solve: the XSPH smoothing and the explicit Laplacians.
+/// Viscosity without a solve: the XSPH smoothing and the explicit Laplacians.
 ///
 /// Stages of a step: XsphViscosity after Kick; ExplicitViscosity between Gravity and Kick. Both need Density before them.
 #include "engine/models/boundary/wall.h"
@@ -25,7 +25,7 @@ struct XsphViscosity {
                     Update<field::velocity> u) const;
 };
 
-/// Kinematic viscosity of XSPH [m^2/s], about. @param dt s, time in which the share alpha is smoothed
+/// Approximate kinematic viscosity of XSPH [m^2/s]. @param dt time in which the fraction alpha is smoothed [s]
 inline double xsph_viscosity(double alpha, double support, double dt) { return alpha * 0.075 * support * support / (2 * dt); }
 
 /// XSPH of the spin, as printed; its work is added to the report. @param micro_inertia theta [m^2]
@@ -39,27 +39,27 @@ struct XsphSpin {
 /// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:
 ///   brookshaw:  Lap u_i = f sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
 ///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
-/// The factor f, near 1, makes up for the lattice's sums (models/boundary/wall.h). Solids that the fluid sticks to enter with their
-/// velocity, continued behind the surface (models/boundary/wall.h).
+/// The factor f, near 1, corrects for the sums of a lattice (models/boundary/wall.h). No-slip solids act with their velocity, continued
+/// behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ViscosityOptions options;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                     Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 
-/// How stiff `monaghan` is for stretching along the axes of a cubic lattice and for shear between them, over the exact stiffness: 1 and 1
-/// for dense neighbours, 1.45 and 0.70 with the cubic kernel and R = 2 d. Particles without order feel the mean, which is 1 within a few
-/// per cent.
+/// Stiffness of `monaghan` for stretching along the axes of a cubic lattice and for shear between them, over the exact stiffness: 1 and 1
+/// for dense neighbours, 1.45 and 0.70 with the cubic kernel and R = 2 d. For particles without order the mean counts, which is 1 within a
+/// few per cent.
 struct LatticeStiffness {
     double stretching = 1, shear = 1;
 };
 /// @param support, spacing [m]
 LatticeStiffness monaghan_lattice_stiffness(KernelForm kernel, double support, double spacing);
 
-/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), nu times monaghan_stiffness() with `monaghan`. A lattice in 3D is
-/// stable up to 2.7 times that, with `monaghan` 1.9 times, particles 0.25 d off it up to 2.2 and 1.3 times (cubic kernel, R = 2 d).
+/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), for `monaghan` with nu times monaghan_stiffness(). A lattice in 3D
+/// is stable up to 2.7 times this limit (`monaghan`: 1.9 times), particles 0.25 d off it up to 2.2 (1.3) times (cubic kernel, R = 2 d).
 double viscous_step(double support, double kinematic_viscosity);
-/// The stiffness of a particle's own block with `monaghan` over that with `brookshaw`, 2 (D + 2)/D along each axis over 2.
+/// Stiffness of a particle's own block with `monaghan` over that with `brookshaw`: 2 (D + 2)/D along each axis over 2.
 inline double monaghan_stiffness(int dimensions) { return (dimensions + 2.0) / dimensions; }
 
 }  // namespace whorl

@@ -1,7 +1,8 @@
 #pragma once
 /// Implicit viscosity in its full form, variational and matrix-free (viscous_operator.h).
 ///
-/// Stages of a step, in order: VelocityGradient, Gravity, (forces), Kick, FullViscosity, (pressure), Move. Corrected, it needs no density.
+/// Stages of a step, in order: VelocityGradient, Gravity, (forces), Kick, FullViscosity, (pressure), Move. The corrected form needs no
+/// density.
 #include "engine/models/viscosity/strain/curvature.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
@@ -15,7 +16,7 @@ struct viscous_aggregate {
 };
 }  // namespace field
 
-/// The stage of the corrected form: u = argmin E.
+/// Stage of the corrected form: u = argmin E.
 class FullViscosity {
 public:
     explicit FullViscosity(ViscosityOptions options) : options_(options) {}
@@ -31,7 +32,7 @@ private:
     CoarseLevel coarse_;
 };
 
-/// The stage of the uncorrected form, which weights by the density.
+/// Stage of the uncorrected form, whose weights contain the density.
 class UncorrectedViscosity {
 public:
     explicit UncorrectedViscosity(ViscosityOptions options) : options_(options) { options_.correction = false; }

@@ -40,8 +40,8 @@ double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<con
     return std::sqrt(dot<Vec3>(Span<const Vec3>(reference), Span<const Vec3>(z)));
 }
 
-/// Errors of short steps add up. So the tolerance is of the velocities where viscosity takes a hundredth of them in a step, and less where
-/// it takes less, as in the last step. A share below 0.03 would be near round-off.
+/// Errors of short steps add up. So the tolerance is relative to the velocities if viscosity changes them by a hundredth in a step, and
+/// smaller if it changes them less, judged by the last step. A factor below 0.03 would be near round-off.
 double share_of_tolerance(const ImplicitStep& s, Span<const Vec3> last_change) {
     struct Sums {
         Vec3d u = Vec3d::Zero();
@@ -71,7 +71,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     std::copy(s.u.values.begin(), s.u.values.end(), u.begin());
     if (bodies) bodies->read(s.context.solids, Span<Vec3>(u).subspan(n));
 
-    // The first guess may not bring momentum from outside: a force of the last step by a wall that is not in touch any more.
+    // The first guess must not add momentum from outside: a force of the last step by a wall that the fluid does not touch any more.
     Column<Vec3> change(all, Vec3::Zero()), guess(all), b(all), z(all, Vec3::Zero());
     parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.context.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
     rigid.remove(change);
@@ -86,7 +86,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
 
     SolveReport solved;
     solved.converged = true;
-    if (const double size = reference_size(A, s, u, alone, prescribed); size != 0) {  // no number: the solve fails
+    if (const double size = reference_size(A, s, u, alone, prescribed); size != 0) {  // NaN also enters, and the solve fails
         Column<Vec3> projected(all);
         const auto product = [&](Span<const Vec3> in, Span<Vec3> out) { A.multiply(in, out); };
         const auto precondition = [&](Span<const Vec3> r, Span<Vec3> out) {
@@ -110,7 +110,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const Remainder rest(s.context.solids, Push::viscous);
     if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.context.solids);
     if (!s.context.solids.any_probed()) return;
-    // The solve left (dE/du)/m: it contains the forces of solids and prescribed particles; the solver's residual is its distance from 0.
+    // The solve minimised E: (dE/du)/m contains the forces of solids and prescribed particles, and its distance from 0 is the residual.
     for (std::size_t k = 0; k < all; ++k) u[k] += change[k];
     A.force(u, z);
     A.write_ledgers(s, u);
@@ -157,8 +157,8 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
             inverse_inertia_ += axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose() / axes.eigenvalues()[a];
 }
 
-/// Momentum and angular momentum. @param masses the bodies' entries are velocities, which their masses weigh; else they are forces and
-/// torques
+/// Momentum and angular momentum. @param masses true: the bodies' entries are velocities, to be multiplied by their masses; false: they are
+/// forces and torques
 Momenta RigidMotions::sum(Span<const Vec3> u, bool masses) const {
     Momenta all = momenta_of(x_, u, centre_);
     if (bodies_)

@@ -1,5 +1,5 @@
 #pragma once
-/// Solids that the fluid sticks to, as neighbours in the viscous operator.
+/// No-slip solids as neighbours in the viscous operator.
 #include <limits>
 
 #include "engine/models/boundary/wall.h"
@@ -12,13 +12,13 @@ class StickingWalls {
 public:
     StickingWalls(const Kernel& kernel, const InteractionContext& context, const ViscosityOptions& options)
         : kernel_(kernel), context_(context), options_(options), slip_(slips(context.solids)) {}
-    /// On the solids' volumes at particle i, with the gate's weight.
+    /// Factor on the volumes of boundary particles near particle i, including the gate's weight.
     Real factor(Index i) const {
         return options_.solid_factor *
                options_.gate.weight(kernel_, i, context_.solid_pairs, context_.boundary.volume, options_.solid_factor);
     }
     const Solid& solid(Index s) const { return context_.solids.all[context_.boundary.solid[s]]; }
-    /// w = V |W'|/r of particle s of the layer; 0 where the fluid slips.
+    /// w = V |W'|/r of boundary particle s; 0 if the fluid slips on its solid.
     Real weight(Real factor, Index s, Real distance) const {
         if (slip_[context_.boundary.solid[s]]) return 0;
         return -factor * context_.boundary.volume[s] * kernel_.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
@@ -27,7 +27,7 @@ public:
         return options_.stretches() ? WallShear{context_.step.spacing / 2}.stretch(r, context_.boundary.normal[s]) : 1;
     }
     /// V with  stretch u_i - V = stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)),  u_wall the rigid motion of the solid in the
-    /// step's middle [m/s].
+    /// middle of the step [m/s].
     Vec3 velocity(Index s, const Vec3& r, Real stretch) const {
         const Pose& pose = solid(s).pose;
         const Vec3 x = context_.boundary.position[s];

@@ -5,22 +5,22 @@
 
 namespace whorl {
 
-/// A body k has two entries behind the particles': the velocity v of its centre c and its angular velocity w. To particle i its layer
-/// moves, continued behind the surface (models/boundary/wall.h), with
+/// Body k has two entries after the particles': the velocity v of its centre c and its angular velocity w. For particle i its boundary
+/// particles, continued behind the surface (models/boundary/wall.h), have the velocity
 ///   V_s = stretch U_i - w x r,   U_i = v + w x a_i,   a_i = x_i - c,   r = x_i - x_s,
-/// so its part of the sums over pairs is linear in U_i and w, with these sums over its particles near i.
+/// so its part of the sums over pairs is linear in U_i and w, with these sums over its boundary particles near i.
 struct BodyTouch {
     Index particle = 0, body = 0;
     Vec3 arm = Vec3::Zero();                           ///< a_i [m]
     Vec3 g = Vec3::Zero();                             ///< sum stretch w r
     Mat3 N = Mat3::Zero();                             ///< sum w r r^T
     Real h = 0;                                        ///< sum stretch^2 w
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< of the last product: force of i on the body, over m
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< by the last product: force and torque of i on the body, over m
 
     Vec3 at(const Vec3& v, const Vec3& w) const { return v + w.cross(arm); }
 };
 
-/// Touches in the particles' order, and masses over that of a particle.
+/// All touches, in the order of the particles, and the bodies' inertia over the mass of a particle.
 struct ViscousBodies {
     struct Inertia {
         std::size_t solid = 0;
@@ -31,17 +31,17 @@ struct ViscousBodies {
     };
     std::vector<Inertia> body;
     std::vector<BodyTouch> touch;
-    std::vector<std::size_t> first;  ///< n + 1: whose touches
+    std::vector<std::size_t> first;  ///< n + 1, into `touch`, by particle
 
     Index entries() const { return static_cast<Index>(2 * body.size()); }
-    /// @param near particles near a free body's layer, in order @param find (i, k) -> BodyTouch with sums; empty sums (h = 0) are left out
+    /// @param near particles near a free body, in order @param find (i, k) -> BodyTouch with its sums; those with h = 0 are left out
     template <class Find>
     void set_up(const Solids& solids, Real mass, Index particles, const std::vector<Index>& near, const Find& find);
-    /// Velocities of the bodies as they are, behind the particles.
+    /// Writes the current velocities of the bodies to the entries after the particles'.
     void read(const Solids& solids, Span<Vec3> entries) const;
-    /// Adds the changes that the solve made.
+    /// Applies the changes by the solve to the bodies.
     void add_change(Span<const Vec3> change, Solids& solids) const;
-    /// y - M (u - change) over all bodies, about the origin. @param y (dE/du)/m without that
+    /// Sum of y - M (u - change) over all bodies, about the origin. @param y (dE/du)/m without u*
     Wrench residual(Span<const Vec3> y, Span<const Vec3> u, Span<const Vec3> change) const;
     /// y = M u for the bodies' entries.
     void weigh(Span<const Vec3> u, Span<Vec3> y) const;

@@ -1,6 +1,6 @@
 #pragma once
-/// The operator of the full implicit viscosity, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, corrected). Set up
-/// in viscous_operator.cpp, its product in viscous_operator_product.cpp, its coarse level in viscous_operator_coarse.cpp, free bodies in
+/// Operator of the full implicit viscosity, variational and matrix-free (docs/physics.md 4; Takahashi et al. 2015, corrected). The set-up
+/// is in viscous_operator.cpp, the product in viscous_operator_product.cpp, the coarse level in viscous_operator_coarse.cpp, free bodies in
 /// viscous_operator_bodies.cpp.
 #include "engine/models/boundary/friction.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
@@ -10,32 +10,33 @@
 
 namespace whorl {
 
-/// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j, u_ij = u_i -
-/// u_j:
-///   G_i = sum_j w_ij u_ij r_ij^T M_i^+         velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its inverse where it has one
-///   D_i = (P_i G_i + (P_i G_i)^T)/2            strain rate; P_i projects on the directions that the neighbours resolve
-///   E(u) = sum_i m |u_i - u*_i|^2/2 + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij -
-///   G_i r_ij|^2)
-///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)              friction at walls with a slip length, counted = 0 elsewhere:
-///          models/boundary/friction.h
-///   T_i = P_i T P_i                            the curvature of the move: models/strain/curvature.h
-/// and A u = (dE/du)/m, without the terms of u*, solids and prescribed particles, which are the right-hand side. A is symmetric and
-/// positive definite, because the force is the transpose of the gradient; a rigid motion costs no energy, so forces keep momentum and
-/// angular momentum. V is the volume at rest, for an incompressible fluid the true one, also at the surface. Uncorrected (correction =
-/// false): M^+ = V_i/V and P = 1 in D_i, V_i = m/rho_i in the gradient and in the energy; a rotation then costs energy at a free surface.
-/// The penalty keeps its G_i, and within reach of solids that the fluid sticks to D_i has it, too, unless penalty is 0.
+/// The operator of one step at fixed positions. With w_ij = V |W'(r)|/r (so that -w_ij r_ij = V grad W_ij), r_ij = x_i - x_j,
+/// u_ij = u_i - u_j:
+///   G_i = sum_j w_ij u_ij r_ij^T M_i^+    velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its (pseudo-)inverse
+///   D_i = (P_i G_i + (P_i G_i)^T)/2       strain rate; P_i projects on the directions that the neighbours resolve
+///   T_i = P_i T P_i                       curvature of the move (models/strain/curvature.h)
+///   E(u) = sum_i m |u_i - u*_i|^2/2
+///          + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
+///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)
+/// The last sum is the friction at walls with a slip length (models/boundary/friction.h); counted = 0 elsewhere. A u is (dE/du)/m without
+/// the terms of u*, solids and prescribed particles, which form the right-hand side. A is symmetric and positive definite, because the
+/// force is the transpose of the gradient. A rigid motion costs no energy, so the forces conserve momentum and angular momentum. V is the
+/// volume at rest, which for an incompressible fluid is the true one, also at the surface.
+///
+/// Uncorrected (correction = false): M^+ = V_i/V and P = 1 in D_i, and V_i = m/rho_i in the gradient and in the energy; a rotation then
+/// costs energy at a free surface. The penalty still uses the G_i above, and so does D_i near no-slip solids, unless penalty is 0.
 class ViscousOperator final : public ImplicitOperator {
 public:
-    /// Coefficients for these positions.
-    /// @param density [kg/m^3], of the uncorrected form; empty: at rest
-    /// @param before gradients of the velocities at the start of the step [1/s], which T follows from; empty: T = 0
+    /// Computes the coefficients for these positions.
+    /// @param density of the uncorrected form [kg/m^3]; empty: the rest density
+    /// @param before gradients of the velocities at the start of the step [1/s], which determine T; empty: T = 0
     void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
     void force(Span<const Vec3> u, Span<Vec3> y) const override;
-    /// z = B^-1 r, and with use_coarse() + R Ac^-1 R^T r: B the 3x3 diagonal blocks; R the rigid motions of the groups, Ac = R^T A R.
+    /// z = B^-1 r, plus R Ac^-1 R^T r after use_coarse(). B: the 3x3 diagonal blocks; R: the rigid motions of the groups; Ac = R^T A R.
     void precondition(Span<const Vec3> r, Span<Vec3> z) const override;
     void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override;
     bool touches_wall() const override { return touches_wall_; }
@@ -47,14 +48,14 @@ public:
 
     /// R^T A R.
     SymmetricBlocks coarse_matrix(const RigidAggregates& groups) const;
-    /// It must outlive the use; null: the diagonal alone.
+    /// @param coarse must outlive its use; null: only the diagonal preconditions
     void use_coarse(const CoarseLevel* coarse) { coarse_ = coarse; }
 
 private:
-    /// Sixteen numbers side by side, one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
+    /// Sixteen numbers in one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
     struct alignas(64) Sixteen {
         Real lane[16];
-        /// The matrix in lanes 4 a + b, a fourth column in lanes 4 a + 3, zeros in the last four.
+        /// Sets the matrix in lanes 4 a + b, a fourth column in lanes 4 a + 3, and zeros in the last four.
         void set(const Mat3& matrix, const Vec3& beside = Vec3::Zero()) {
             for (int a = 0; a < 4; ++a)
                 for (int b = 0; b < 4; ++b) lane[4 * a + b] = a == 3 ? 0 : b == 3 ? beside[a] : matrix(a, b);
@@ -70,9 +71,9 @@ private:
     /// Effect of the solids near a particle, linear in its velocity.
     struct Wall {
         Pair near{Vec3::Zero(), 0};  ///< sum w stretch r, sum 2 c w stretch^2
-        Sixteen moving{};            ///< the gradient from the solids' own velocities, and their pull as fourth column
+        Sixteen moving{};            ///< gradient by the solids' own velocities; fourth column: their pull
     };
-    /// dt nu times that of walls with a slip length.
+    /// dt nu F_i of walls with a slip length.
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
     void set_up_moments(const ViscosityOptions& options, const StepContext& step, Read<field::role> role, Read<field::viscosity> mu,
                         Span<const Real> density);
@@ -85,7 +86,7 @@ private:
     void set_up_bodies(const ViscosityOptions& options, const InteractionContext& context);
     void set_up_body_blocks();
     struct CoarseRows;
-    /// Subtracts the bodies' velocities from the sums at i; and the forces of i on them, once its stress is known.
+    /// Subtracts the bodies' velocities from the sums at i.
     void subtract_body_velocities(Index i, Span<const Vec3> u, Mat3& A, Vec3& own) const;
     void set_body_forces(Index i, Span<const Vec3> u, const Vec3& own_velocity, const Mat3& Q) const;
     void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;
@@ -93,15 +94,15 @@ private:
     ViscosityOptions options_;
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
-    Column<Pair> wr_;  ///< sum of w r_ij over fluid and solids
+    Column<Pair> wr_;  ///< sums of w r_ij over fluid and solids
     WallFriction friction_;
-    Column<Real> dt_nu_;         ///< dt mu/rho_0; valid where there is friction
+    Column<Real> dt_nu_;         ///< dt mu/rho_0; valid if there is friction
     Column<Wall> wall_;          ///< empty: there are no solids
-    Column<Mat3d> wall_moment_;  ///< the solids' part of M
+    Column<Mat3d> wall_moment_;  ///< part of the solids in M
     Column<Sixteen> M_, P_;      ///< M^+ and P
     Column<Sixteen> curvature_;  ///< 2 P T; empty: none
-    Column<Real> K_, c_;         ///< dt mu/rho_0 without the volume that the friction counts; the penalty's coefficient
-    /// whole: P = 1; 2: and D_i is that of the note, with the penalty's M^+ in the place of P.
+    Column<Real> K_, c_;         ///< K: dt mu/rho_0 without the volume that the friction counts; c: coefficient of the penalty
+    /// whole_: 0: some directions are unresolved. 1: P = 1. 2: P = 1 and D_i is the note's, with the penalty's M^+ stored in P_.
     std::vector<char> free_, whole_;
     BlockDiagonal diagonal_;
     mutable ViscousBodies bodies_;
@@ -109,7 +110,7 @@ private:
     bool touches_wall_ = false;
     const CoarseLevel* coarse_ = nullptr;
     mutable Column<Sixteen> u_, Q_;
-    mutable Column<Sixteen> own_;  ///< the part of y that needs no neighbour's stress, as the sums of four lanes each
+    mutable Column<Sixteen> own_;  ///< part of y that needs no neighbour's stress; a component is the sum of four lanes
 };
 
 }  // namespace whorl

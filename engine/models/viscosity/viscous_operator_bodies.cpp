@@ -1,5 +1,5 @@
-// Solids in the viscous operator: effect of the unknowns of free bodies on the particles' sums, the transpose (viscous_bodies.h), and the
-// ledger entries of the other solids.
+// Solids in the viscous operator: effect of the free bodies' unknowns on the particles' sums and its transpose (viscous_bodies.h), and the
+// ledger entries of other solids.
 #include <Eigen/LU>
 
 #include "engine/models/bodies/reaction.h"
@@ -63,7 +63,7 @@ void ViscousOperator::set_body_forces(Index i, Span<const Vec3> u, const Vec3& o
     }
 }
 
-// F_s as above, of solids whose velocity is known: stretch F_s at x_i - r/stretch.
+// F_s as above, for solids with a known velocity: stretch F_s acts at x_i - r/stretch.
 void ViscousOperator::write_ledgers(const ImplicitStep& step, Span<const Vec3> u) const {
     const InteractionContext& context = step.context;
     if (context.boundary.size() == 0) return;
@@ -94,7 +94,7 @@ void ViscousOperator::sum_bodies(Span<const Vec3> u, Span<Vec3> y) const {
     }
 }
 
-/// Analogue of set_up_blocks() for bodies; rotations by the energy of their velocities at the particles.
+/// Analogue of set_up_blocks() for bodies. The block of a rotation is the energy of its velocities at the particles.
 void ViscousOperator::set_up_body_blocks() {
     body_blocks_.assign(2 * bodies_.body.size(), Mat3d::Zero());
     for (std::size_t b = 0; b < bodies_.body.size(); ++b) {

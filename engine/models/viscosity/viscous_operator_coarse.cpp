@@ -1,4 +1,5 @@
-// R^T A R of the viscous operator, directly from each particle's strain and penalty under the rigid motions around it.
+// R^T A R of the viscous operator, computed directly from each particle's strain and penalty under the rigid motions of the groups around
+// it.
 #include <limits>
 
 #include "engine/core/parallel.h"
@@ -12,10 +13,10 @@ using Mat4 = Eigen::Matrix<double, 4, 4>;
 /// Rows: 1 and the three components of the arm; columns: components of w r.
 using Moments = Eigen::Matrix<Real, 4, 3>;
 using Vec4 = Eigen::Matrix<Real, 4, 1>;
-/// Columns: xx, yy, zz, xy, xz, yz of a strain, the last three times sqrt 2; rows: the six motions and two of nothing, a vector register.
+/// Columns: xx, yy, zz, xy, xz, yz of a strain, the last three times sqrt 2. Rows: the six motions and two unused, for a vector register.
 using Strains = Eigen::Matrix<Real, 8, 6>;
 
-/// Strain rates sym(P G) of the unit motions of one group as one particle sees them: G = A M^+ with A = sum w u r^T of that group.
+/// Strain rates sym(P G) at one particle of the unit motions of one group: G = A M^+ with A = sum w u r^T over that group.
 /// @param P null: 1
 Strains strains(const Moments& T, const Mat3* P) {
     const Real h = Real(0.70710678118654752);
@@ -62,9 +63,9 @@ struct ViscousOperator::CoarseRows {
         Eigen::Matrix<Real, 8, 6> strain = Eigen::Matrix<Real, 8, 6>::Zero();
         Mat4 products = Mat4::Zero();
     };
-    /// One group's part of a particle's sums.
+    /// Part of one group in a particle's sums.
     struct Share {
-        int number;   ///< in sums
+        int number;   ///< number of the group in sums
         Moments S;    ///< sum w (1, arm) r^T, with the sign of u_i - u_j
         Vec4 spring;  ///< sum 2 w (c_i + c_j) (1, arm)
         Moments T;    ///< S M^+
@@ -74,8 +75,8 @@ struct ViscousOperator::CoarseRows {
     const ViscousOperator& A;
     const RigidAggregates& groups;
     GroupSums<PairSum> sums{};
-    std::vector<Share> shares{};  ///< of one particle
-    Real springs = 0;             ///< of the same: the part of u_i.v_i
+    std::vector<Share> shares{};  ///< shares of one particle
+    Real springs = 0;             ///< springs of the same particle: the part of u_i.v_i
 
     void add(Index i) {
         find_shares(i);
@@ -129,8 +130,8 @@ void ViscousOperator::CoarseRows::add_strains(Index i) {
         }
 }
 
-/// Mass and friction, and sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: the part of u_i.v_i, and of -u_i.v_j where i's group comes first
-/// (else the other row's turn).
+/// Adds mass and friction, and the sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: its part in u_i.v_i, and that in -u_i.v_j if i's group
+/// comes first (otherwise row j adds it).
 void ViscousOperator::CoarseRows::add_own_motion(Index i) {
     const Vec3& a = groups.arm(i);
     const Vec4 arm = lever(a);
@@ -140,7 +141,7 @@ void ViscousOperator::CoarseRows::add_own_motion(Index i) {
         motion << Mat3::Identity(), Vec3::UnitX().cross(a), Vec3::UnitY().cross(a), Vec3::UnitZ().cross(a);
         sums.sum(self, self).strain.topRows<6>() += motion.transpose() * A.friction_coefficient(i) * motion;
     }
-    // The rounding of the sums must not make a rigid motion gain energy.
+    // The factor keeps the rounding of the sums from letting a rigid motion gain energy.
     sums.sum(self, self).products += ((1 + 16 * std::numeric_limits<Real>::epsilon()) * springs * arm * arm.transpose()).cast<double>();
     for (const Share& b : shares) {
         if (sums.group(b.number) > own) continue;
@@ -150,7 +151,7 @@ void ViscousOperator::CoarseRows::add_own_motion(Index i) {
 }
 
 SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
-    // A task is a group's members; particles without a group are in blocks of the store.
+    // A task is the members of a group, or a block of 1024 particles, of which it handles those without a group.
     constexpr Index outside = 1024;
     const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
     const auto rows_of = [&](Index task, GroupSums<CoarseRows::PairSum>& sums) {

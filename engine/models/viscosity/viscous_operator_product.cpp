@@ -1,5 +1,5 @@
-// One product with the viscous operator: two passes over the pairs, each a gather of sixteen numbers a neighbour in one vector register,
-// and between them a particle's matrices, which stay in such registers: lane 4 a + b holds the entry (a, b).
+// One product with the viscous operator. Two passes over the pairs each gather sixteen numbers per neighbour in one vector register.
+// Between them the matrices of a particle also stay in such registers: lane 4 a + b contains the entry (a, b).
 #if defined(__AVX512F__)
 #include <immintrin.h>
 #endif
@@ -7,12 +7,12 @@
 #include "engine/core/parallel.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
-#pragma GCC diagnostic ignored "-Wpsabi"  // the functions below that take and give vectors are this file's own
+#pragma GCC diagnostic ignored "-Wpsabi"  // functions below that pass vectors by value are local to this file
 
 namespace whorl {
 namespace {
 
-// The compiler's own vectors: Eigen has no arithmetic between a register of sixteen and a broadcast of four.
+// Vector types of the compiler: Eigen has no arithmetic between a register of sixteen and a broadcast of four.
 using SixteenLanes = Real __attribute__((vector_size(16 * sizeof(Real)), may_alias));
 using Four = Real __attribute__((vector_size(4 * sizeof(Real)), may_alias));
 
@@ -21,13 +21,13 @@ const SixteenLanes& in_register(const T& sixteen) {
     return reinterpret_cast<const SixteenLanes&>(sixteen);
 }
 
-/// Four numbers in each of the four rows.
+/// Repeats four numbers in each of the four rows.
 SixteenLanes in_each_row(const Real* four) {
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
     return reinterpret_cast<SixteenLanes>(_mm512_broadcast_f32x4(_mm_load_ps(four)));
 #else
     const Four w = reinterpret_cast<const Four&>(*four);
-    const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);  // in one step GCC 12 takes the way through memory
+    const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);  // in a single step GCC 12 goes through memory
     return __builtin_shufflevector(twice, twice, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 #endif
 }
@@ -36,14 +36,14 @@ SixteenLanes in_each_row(const Real* four) {
 
 SixteenLanes transposed(const SixteenLanes& X) { return WHORL_PICK(X, 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15); }
 
-/// X times a matrix given as sixteen lanes in memory; of X, the first three columns.
+/// X times a matrix given as sixteen lanes in memory; uses the first three columns of X.
 SixteenLanes times(const SixteenLanes& X, const Real* matrix) {
     return WHORL_PICK(X, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) * in_each_row(matrix) +
            WHORL_PICK(X, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13) * in_each_row(matrix + 4) +
            WHORL_PICK(X, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14) * in_each_row(matrix + 8);
 }
 
-/// P X, column 3 of X kept out.
+/// P X, without column 3 of P.
 SixteenLanes project(const SixteenLanes& P, const SixteenLanes& X) {
     return WHORL_PICK(P, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12) *
                WHORL_PICK(X, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
@@ -53,7 +53,7 @@ SixteenLanes project(const SixteenLanes& P, const SixteenLanes& X) {
                WHORL_PICK(X, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11);
 }
 
-/// Column 3, zeros elsewhere.
+/// Column 3 of X, zeros elsewhere.
 SixteenLanes beside(const SixteenLanes& X) {
     return __builtin_shufflevector(SixteenLanes{}, X, 0, 1, 2, 19, 4, 5, 6, 23, 8, 9, 10, 27, 12, 13, 14, 31);
 }
@@ -68,7 +68,7 @@ SixteenLanes row_sums(const SixteenLanes& X) {
 template <class Pair, class F>
 SixteenLanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
     const Index* other = pairs.other.data();
-    SixteenLanes a{}, b{};  // two, to keep the multiply-adds apart
+    SixteenLanes a{}, b{};  // two independent sums, so that multiply-adds overlap
     std::size_t k = pairs.first[i];
     const std::size_t end = pairs.first[i + 1];
     for (; k + 1 < end; k += 2) {
@@ -90,8 +90,8 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     });
 }
 
-/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G, T and the walls only with_known; the pull of the penalty's springs
-/// is the fourth column of A.
+/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G. T and the walls count only with_known. The fourth column of A is the
+/// pull of the penalty's springs.
 void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The coarse level of a two-level preconditioner: the rigid motions R of groups of particles, and Ac = R^T A R, factored. It carries a
-/// pull through a whole thread in one application, where neighbours pass it on by one spacing.
+/// Coarse level of a two-level preconditioner: the rigid motions R of groups of particles, and Ac = R^T A R, factored. One application
+/// carries a pull through a whole thread; neighbours pass it on by only one spacing.
 #include "engine/core/parallel.h"
 #include "engine/math/block_cholesky.h"
 #include "engine/particles/aggregates.h"
@@ -11,20 +11,20 @@ class CoarseLevel {
 public:
     void clear() { groups_ = 0; }
     int groups() const { return groups_; }
-    /// Whether this step forms new groups: at a frame time, so that a resumed run has the set-up of the uninterrupted one, where there are
-    /// no groups, and every few steps. Called once per step.
+    /// Whether this step forms new groups. This is so at a frame time (a resumed run then has the set-up of the uninterrupted one), if
+    /// there are no groups, and every `every` steps. Call it once per step.
     bool due(bool at_frame_time, int every) {
         const bool now = at_frame_time || groups_ == 0 || steps_ >= every;
         steps_ = now ? 1 : steps_ + 1;
         return now;
     }
-    /// Updates the positions of the groups' members. @param group as aggregate_by() leaves it: groups travel with their particles
+    /// Updates the positions of the groups' members. @param group from aggregate_by(); groups move with their particles
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
     const RigidAggregates& motions() const { return motions_; }
-    /// If Ac is not definite, there is no coarse level.
+    /// Factors Ac. If it is not definite, there is no coarse level.
     void factor(const SymmetricBlocks& Ac);
-    /// z += R Ac^-1 R^T r of the particles; unknowns behind them (free bodies) are in no group
+    /// z += R Ac^-1 R^T r of the particles; unknowns after them (free bodies) are in no group.
     void add(Span<const Vec3> r, Span<Vec3> z) const;
     /// Solves Ac m = R^T r for correction().
     void solve(Span<const Vec3> r) const;
@@ -32,18 +32,18 @@ public:
     Vec3 correction(Index i) const { return groups_ > 0 ? motions_.motion_of(load_, i) : Vec3(Vec3::Zero()); }
 
 private:
-    int groups_ = 0, steps_ = 0;  ///< steps_: since the groups were formed
+    int groups_ = 0, steps_ = 0;  ///< steps_: number since the groups were formed
     RigidAggregates motions_;
     BlockCholesky factor_;
     mutable std::vector<Real> load_;
 };
 
-/// Contribution of some rows of an operator to Ac: a Sum for each pair of groups that they touch. Threads with separate ones need not wait
-/// for each other.
+/// Contribution of some rows of an operator to Ac: a Sum for each pair of groups that the rows touch. Threads use separate objects, so they
+/// need not wait for each other.
 template <class Sum>
 class GroupSums {
 public:
-    /// A group's number here, from 0.
+    /// Number of a group in this object, from 0.
     int number(int group) {
         for (std::size_t k = groups_.size(); k-- > 0;)
             if (groups_[k] == group) return static_cast<int>(k);
@@ -52,7 +52,7 @@ public:
         return static_cast<int>(groups_.size()) - 1;
     }
     int group(int number) const { return groups_[number]; }
-    /// Sum of two groups by their numbers. @param row at least column
+    /// Sum for two groups, given by their numbers. @param row at least column
     Sum& sum(int row, int column) {
         int& place = place_[row * (row + 1) / 2 + column];
         if (place < 0) {
@@ -73,14 +73,15 @@ private:
         Sum sum;
     };
     std::vector<int> groups_;
-    std::vector<int> place_;  ///< of (row, column) in sums_; -1: nothing yet
+    std::vector<int> place_;  ///< index of (row, column) in sums_; -1: none yet
     std::vector<Entry> sums_;
 };
 
-/// A group of a single particle or of a straight file has motions that move nothing: a trace of the largest entry keeps Ac definite.
+/// Adds a small multiple of the largest entry to the diagonal. A group of one particle or a straight file has motions that move no
+/// particle; this keeps Ac definite.
 void keep_definite(SymmetricBlocks& Ac);
 
-/// Ac as the sum over all rows, in the order of the tasks.
+/// Sums Ac over all rows, in the order of the tasks.
 /// @param rows_of rows_of(task, sums) adds the task's rows @param block block(sum) is the 6x6 block of a sum
 template <class Sum, class Rows, class F>
 SymmetricBlocks coarse_blocks(int groups, Index tasks, const Rows& rows_of, const F& block) {

@@ -1,26 +1,26 @@
 #pragma once
-/// Moments of a particle's neighbours, for every model with least-squares gradients.
+/// Moments of a particle's neighbours, for all models with least-squares gradients.
 #include <algorithm>
 
 #include "engine/core/types.h"
 
 namespace whorl {
 
-/// 0 up to t = 0, 1 from t = 1 on, without a kink.
+/// 0 for t <= 0, 1 for t >= 1, smooth between.
 inline double smooth_step(double t) {
     t = std::clamp(t, 0.0, 1.0);
     return t * t * (3 - 2 * t);
 }
 
-/// Ratios of an eigenvalue to the largest: up to the first a direction is not resolved, from the second on it wholly is.
+/// Ratios of an eigenvalue to the largest: a direction is unresolved up to the first and fully resolved from the second.
 inline constexpr double unresolved_at = 0.01, resolved_above = 0.04;
 
-/// Of the moment matrix M = sum w r r^T = Q diag(s) Q^T, s ascending. Neighbours on a line or in a plane, or a single one, do not resolve
-/// the directions across: a direction counts as resolved by a smooth step of ln(s_a/s_max) between these ratios.
+/// Inverse of the moment matrix M = sum w r r^T = Q diag(s) Q^T, s ascending. Neighbours on a line or in a plane, or a single one, do not
+/// resolve the directions across. The resolution pi of a direction is a smooth step of ln(s_a/s_max) between the ratios above.
 struct Moment {
-    Mat3d inverse = Mat3d::Zero();   ///< M+ = Q diag(pi/s) Q^T, pi: how far a direction is resolved
+    Mat3d inverse = Mat3d::Zero();   ///< M+ = Q diag(pi/s) Q^T
     Mat3d resolved = Mat3d::Zero();  ///< P = Q diag(pi) Q^T
-    double unresolved = 3;           ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file; of the plane's two directions
+    double unresolved = 3;           ///< k = sum (1 - pi^2): 0 in a volume, 1 in a sheet, 2 in a single file; in 2D over two directions
     bool whole = false;              ///< all directions are resolved
 };
 
