@@ -71,9 +71,7 @@ void Mirrors::look(const InteractionContext& context, Span<const Real> flat, Ind
         else seen.wall[seen.count++] = {normal, context.pairs.x_own[i].dot(normal) - height, context.boundary.solid[s]};
     });
     if (skew || mirrors == 0) seen.count = 0;
-    else
-        part_[i] =
-            mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // 0 on the wall: its own image pushes nothing
+    else part_[i] = mirrors / all * std::clamp(lowest / (d / 5) - Real(0.5), Real(0), Real(1));  // 0 on the wall: no push by its own image
 }
 
 void Mirrors::find_images(Index particles) {
