@@ -22,9 +22,9 @@ double viscosity_at(const Expression& f, double age, const Vec3d& x, const StepC
 }
 
 // Sequential, because expressions are not thread-safe.
-template <class FileLocation>
+template <class PositionOf>
 void grow_older(const std::vector<Expression>& of_source, const StepContext& step, StepReport& report, Read<field::role> role,
-                Read<field::position> x, Read<field::source> source, const FileLocation& place, Update<field::age> age,
+                Read<field::position> x, Read<field::source> source, const PositionOf& place, Update<field::age> age,
                 Write<field::viscosity> mu) {
     for (Index i = 0; i < mu.size(); ++i) {
         const Expression& f = of_source[source[i]];

@@ -111,7 +111,7 @@ TEST_CASE("the coarse matrix is R^T A R to 1e-5, with a thin thread, held partic
     f.form.set_friction(friction);
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
-        block.each_pair(i - block.begin, [&](RowBlock::FileLocation at) { visit(block.touched[at]); });
+        block.each_pair(i - block.begin, [&](RowBlock::LocalIndex at) { visit(block.touched[at]); });
     };
     std::vector<std::int32_t> group(x.size());
     aggregate_by(neighbours, x, f.role, Domain{}, d / 2, 24, group);
@@ -138,7 +138,7 @@ TEST_CASE("the coarse matrix is R^T A R in a periodic slab whose rows meet both 
         std::vector<std::int32_t> group(x.size());
         const auto neighbours = [&](Index i, const auto& visit) {
             const RowBlock& block = f.rows.blocks[i / CoupledRows::block_size];
-            block.each_pair(i - block.begin, [&](RowBlock::FileLocation at) { visit(block.touched[at]); });
+            block.each_pair(i - block.begin, [&](RowBlock::LocalIndex at) { visit(block.touched[at]); });
         };
         const int groups = aggregate_by(neighbours, x, f.role, domain, d / 2, 64, group);
         RigidAggregates R;

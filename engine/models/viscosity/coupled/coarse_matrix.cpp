@@ -236,7 +236,7 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
     shares_.clear();
     shares_.push_back(Share{number_[row], aggregates_.arm(block_.begin + row)});
     const Lanes* pair = pairs_.data();
-    block_.each_pair(row, [&](RowBlock::FileLocation at) {
+    block_.each_pair(row, [&](RowBlock::LocalIndex at) {
         const int number = number_[at];
         const Vec3 r(pair[0][lane], pair[1][lane], pair[2][lane]), arm = aggregates_.arm(block_.touched[at]) - r;
         // An aggregate's image beyond a periodic border is a separate share.

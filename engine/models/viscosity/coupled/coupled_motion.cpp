@@ -135,7 +135,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
                 share.x[lane] = part[0], share.y[lane] = part[1], share.z[lane] = part[2];
             }
             scatter(du - share, slice.row, out);
-            const RowBlock::FileLocation* other = block.other.data() + slice.begin;
+            const RowBlock::LocalIndex* other = block.other.data() + slice.begin;
             s.rows.pairs_of(block, slice, at).each_plain([&](std::size_t k, const PairLanes& p) {
                 scatter(-p.w * share, other + k * lane_count, out);
             });

@@ -117,7 +117,7 @@ struct CoupledRows::Scratch {
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
-    std::vector<RowBlock::FileLocation> row_other;  ///< pairs of the block's rows, row after row
+    std::vector<RowBlock::LocalIndex> row_other;  ///< pairs of the block's rows, row after row
     std::vector<std::size_t> row_first;
     std::vector<Real> row_h;
     std::vector<Index> touched;
@@ -128,7 +128,7 @@ struct CoupledRows::Scratch {
 
     /// Index of j in `touched`; -1 if the block is full, which happens only if fluid is compressed forty-fold.
     std::int32_t place_of(Index j) {
-        if (place[j] < 0 && touched.size() + most_walls * block_size <= std::numeric_limits<RowBlock::FileLocation>::max()) {
+        if (place[j] < 0 && touched.size() + most_walls * block_size <= std::numeric_limits<RowBlock::LocalIndex>::max()) {
             place[j] = static_cast<std::int32_t>(touched.size());
             touched.push_back(j);
         }
@@ -376,7 +376,7 @@ void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> 
             if (!counts) w[k] = 0;
             if (!counts) continue;
         }
-        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::FileLocation>(at));
+        if (const std::int32_t at = place_of(j); at >= 0) row_other.push_back(static_cast<RowBlock::LocalIndex>(at));
     }
 }
 
@@ -530,7 +530,7 @@ void CoupledRows::Scratch::arrange(RowBlock& block) const {
             std::size_t to = slice.begin + static_cast<std::size_t>(lane), from = row_first[row];
             if (lane < slice.rows) block.lane[row] = static_cast<std::uint16_t>(k * lane_count + static_cast<std::size_t>(lane));
             for (Index e = 0; e < count; ++e, ++from, to += lane_count) block.other[to] = row_other[from];
-            for (Index e = count; e < slice.width; ++e, to += lane_count) block.other[to] = static_cast<RowBlock::FileLocation>(row);
+            for (Index e = count; e < slice.width; ++e, to += lane_count) block.other[to] = static_cast<RowBlock::LocalIndex>(row);
         }
     }
     for (std::size_t k = 0, of_row = 0; k < block.walls.size(); ++k) {
@@ -540,7 +540,7 @@ void CoupledRows::Scratch::arrange(RowBlock& block) const {
         const Index lane = block.lane_in_slice(row);
         block.wall_weight[slice.first_wall + of_row][lane] = block.walls[k].weight;
         block.other[slice.begin + (static_cast<std::size_t>(slice.plain()) + of_row) * lane_count + static_cast<std::size_t>(lane)] =
-            static_cast<RowBlock::FileLocation>(block.touched.size() + k);
+            static_cast<RowBlock::LocalIndex>(block.touched.size() + k);
     }
 }
 

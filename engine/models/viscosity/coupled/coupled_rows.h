@@ -71,7 +71,7 @@ struct RowSlice {
 /// product gathers each velocity once per block and adds forces in the block's own memory: no thread waits, and sums have a fixed order.
 /// Only this index is stored per pair. r and the weight follow from the positions, which are fewer bytes to read.
 struct RowBlock {
-    using FileLocation = std::uint16_t;
+    using LocalIndex = std::uint16_t;
     Index begin = 0, end = 0;     ///< particles whose rows these are
     std::vector<Index> touched;   ///< particles that the pairs refer to; the first end - begin are the rows' own
     std::size_t place = 0;        ///< start of the block's entries in arrays over all blocks' touched particles
@@ -80,7 +80,7 @@ struct RowBlock {
     std::vector<std::uint16_t> lane;   ///< lane of each row, counted through all slices
     std::vector<std::uint16_t> count;  ///< pairs of each row
     std::vector<Directions> directions;
-    Column<FileLocation> other;    ///< index of j in `touched`; walls follow the particles
+    Column<LocalIndex> other;      ///< index of j in `touched`; walls follow the particles
     std::vector<WallPoint> walls;  ///< by row
     std::vector<Lanes> wall_weight;
 
@@ -91,7 +91,7 @@ struct RowBlock {
     /// Calls f(index in touched) for each pair of a row with a particle, or for every `step`-th.
     template <class F>
     void each_pair(Index row, const F& f, Index step = 1) const {
-        const FileLocation* at = other.data() + slice_of(row).begin + lane_in_slice(row);
+        const LocalIndex* at = other.data() + slice_of(row).begin + lane_in_slice(row);
         for (Index k = 0; k < count[row]; k += step) f(at[k * lane_count]);
     }
     /// P of the particle with neighbourhood n.
@@ -101,9 +101,9 @@ struct RowBlock {
 
 /// One pair of each row in a slice.
 struct PairLanes {
-    Lanes3 r, v;                          ///< v: difference of the vectors stored with the positions, j minus i
-    Lanes r2, w;                          ///< r2: never 0
-    const RowBlock::FileLocation* other;  ///< indices of j in `touched`
+    Lanes3 r, v;                        ///< v: difference of the vectors stored with the positions, j minus i
+    Lanes r2, w;                        ///< r2: never 0
+    const RowBlock::LocalIndex* other;  ///< indices of j in `touched`
 };
 
 /// Lengths of the periodic axes in spacings; 0 for other axes.
@@ -164,7 +164,7 @@ private:
         p.r2 = dot(p.r, p.r) + coincident;
         return p;
     }
-    [[gnu::always_inline]] TwoLanes3 taken(const RowBlock::FileLocation* place) const {
+    [[gnu::always_inline]] TwoLanes3 taken(const RowBlock::LocalIndex* place) const {
         if constexpr (with) return gather_two(at_, place);
         else return {gather(at_, place), {}};
     }
@@ -173,7 +173,7 @@ private:
     const PairPeriod& period_;
     const RowSlice& slice_;
     const Vec4* at_;
-    const RowBlock::FileLocation* other_;
+    const RowBlock::LocalIndex* other_;
     const Lanes* wall_weight_;
 };
 

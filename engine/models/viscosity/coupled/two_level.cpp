@@ -16,7 +16,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
         const Index row = i - block.begin;
         // If there are many pairs, a quarter of them is enough to find the nearest centres and the connections.
         block.each_pair(
-            row, [&](RowBlock::FileLocation at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
+            row, [&](RowBlock::LocalIndex at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
     };
     // Larger aggregates in large fluids, because the factor's entries grow faster than the number of particles.
     const int size = static_cast<int>(options.aggregate * std::max(1.0, std::sqrt(static_cast<double>(x.size()) / options.many)));
