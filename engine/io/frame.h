@@ -31,6 +31,13 @@ struct FrameEmitter {
     bool slot = false;                  ///< a rectangle; otherwise a disc
 };
 
+/// Points that carry ink with the flow, several to a particle.
+struct FrameMarkers {
+    float spacing = 0;            ///< m
+    std::vector<Vec3f> position;  ///< m
+    std::vector<Vec3f> ink;       ///< concentrations
+};
+
 struct Frame {
     int number = 0;               ///< 1, 2, ... as in frames/000001.png
     double time = 0;              ///< simulated time [s]
@@ -41,6 +48,7 @@ struct Frame {
     std::map<std::string, std::vector<float>> scalar;
     std::map<std::string, std::vector<Vec3f>> vector;        ///< "spin", "vorticity", ...
     std::map<std::string, std::vector<std::int32_t>> whole;  ///< "id"; "source": 0 for fluid present at the start, k for emitter k - 1
+    FrameMarkers ink_markers;                                ///< if the run has inks and fluid.ink_markers
     std::vector<FrameSolid> solids;
     std::vector<FrameEmitter> emitters;
     Vec3f domain_min = Vec3f::Zero(), domain_max = Vec3f::Zero();  ///< m

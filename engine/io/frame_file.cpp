@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::string_view kind = "WHORLFR2";
+constexpr std::string_view kind = "WHORLFR3";
 
 template <class Archive, class V>
 void each_number(Archive& a, V& values) {
@@ -36,7 +36,7 @@ void emitter_members(Archive& a, E& emitter) {
 template <class Archive, class F>
 void frame_members(Archive& a, F& frame) {
     a(frame.number), a(frame.time), a(frame.spacing), a(frame.position), a(frame.velocity), a(frame.scalar), a(frame.vector),
-        a(frame.whole);
+        a(frame.whole), a(frame.ink_markers.spacing), a(frame.ink_markers.position), a(frame.ink_markers.ink);
     each_number(a, frame.domain_min), each_number(a, frame.domain_max);
     for (auto& periodic : frame.periodic) a(periodic);
     a(frame.dimensions);
@@ -57,6 +57,9 @@ void check(const Frame& frame) {
     const auto one_each = [&](const auto& fields) {
         for (const auto& [name, values] : fields) sound = sound && values.size() == n;
     };
+    const FrameMarkers& markers = frame.ink_markers;
+    sound = sound && markers.ink.size() == markers.position.size() && all_finite(markers.position) && all_finite(markers.ink) &&
+            (markers.position.empty() || (markers.spacing > 0 && std::isfinite(markers.spacing)));
     one_each(frame.scalar), one_each(frame.vector), one_each(frame.whole);
     for (const FrameSolid& solid : frame.solids) {
         sound = sound && solid.rotation.allFinite() && solid.translation.allFinite();

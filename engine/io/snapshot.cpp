@@ -34,6 +34,19 @@ Vec3 drawn_translation(const Solid& solid, const Domain& domain) {
     return solid.pose.translation + solid.repeats.shifts_into(domain).front();
 }
 
+bool contains(const std::vector<std::string>& names, const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void add_ink_markers(const World& world, Frame& frame) {
+    const InkMarkers& markers = world.ink_markers;
+    if (markers.per_spacing == 0) return;
+    FrameMarkers& of = frame.ink_markers;
+    of.spacing = static_cast<float>(world.step.spacing) / static_cast<float>(markers.per_spacing);
+    for (const Vec3& x : markers.store.column<field::position>()) of.position.push_back(x.cast<float>());
+    for (const Vec3& c : markers.store.column<field::ink>()) of.ink.push_back(c.cast<float>());
+}
+
 }  // namespace
 
 Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fields) : fields_(std::move(fields)) {
@@ -68,6 +81,7 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
     const World& world = simulation.world();
     Frame frame = particles_of(world, fields_);
     add_derived_fields(world, fields_, frame);
+    if (contains(fields_, "ink")) add_ink_markers(world, frame);
     frame.number = number;
     frame.time = simulation.time();
     frame.solids = solids_;
@@ -182,14 +196,6 @@ TriangleMesh nozzle_mesh(const EmitterShape& opening, Real spacing, Real length)
     add_band(mesh, shifted(outer, rise), shifted(inner, rise), nullptr);
     return mesh;
 }
-
-namespace {
-
-bool contains(const std::vector<std::string>& names, const char* name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-}  // namespace
 
 Column<Mat3> velocity_gradients(Span<const Vec3> x, Span<const Vec3> u, Real support, const Domain& domain) {
     Pairs pairs;

@@ -95,6 +95,7 @@ struct FluidKeys {
     Expression viscosity{0.0};         ///< Pa s, a function of the initial x, y, z and of age
     double surface_tension = 0;        ///< N/m
     double ink_diffusion = 0;          ///< m^2/s
+    int ink_markers = 2;               ///< per spacing, along each axis
     VectorExpression force;            ///< m/s^2, of t, x, y, z
     std::optional<KernelKind> kernel;  ///< empty: "auto" (Plan::kernel is chosen by the models)
     std::optional<double> support;     ///< kernel radius over spacing; empty: "auto" (Plan::support)
@@ -289,6 +290,7 @@ struct Scene {
         return std::any_of(blocks.begin(), blocks.end(), inked) || std::any_of(emitters.begin(), emitters.end(), inked) ||
                std::any_of(streams.begin(), streams.end(), inked) || std::any_of(vortices.begin(), vortices.end(), inked);
     }
+    bool marks_ink() const { return fluid.ink_markers > 0 && any_ink(); }
     /// Whether any viscosity depends on age; and whether any also depends on position.
     bool viscosity_ages() const;
     bool viscosity_ages_by_place() const;

@@ -76,6 +76,11 @@ KeyTable fluid_keys() {
     t.key("ink_diffusion", &FluidKeys::ink_diffusion, "m^2/s", "diffusion coefficient of inks; 0: each particle keeps its ink")
         .at_least(0)
         .live();
+    t.key("ink_markers", &FluidKeys::ink_markers, "per spacing",
+          "points along each axis that carry the inks of a particle, so that images show filaments thinner than the spacing (2: 8 per "
+          "particle in 3D, 4 in 2D); 0: each particle carries its own")
+        .at_least(0)
+        .at_most(4);
     t.key("force", &FluidKeys::force, "m/s^2",
           "force on every particle over its mass, in addition to gravity; the plan does not predict the speeds that it causes")
         .of("txyz")

@@ -5,7 +5,7 @@
 
 #include "engine/models/bodies/body_motion.h"
 #include "engine/models/boundary/wall.h"
-#include "engine/models/ink/ink.h"
+#include "engine/models/ink/ink_markers.h"
 #include "engine/models/micropolar/micropolar.h"
 #include "engine/models/motion/fickian.h"
 #include "engine/models/motion/motion.h"
@@ -98,6 +98,7 @@ public:
         else if (facts_.pressure.source == PressureSource::velocity) projection();
         else separate();
         ink_sources();
+        if (scene_.marks_ink()) stage("ink markers", "ink", MoveInkMarkers{scene_.fluid.ink_diffusion});
         return std::move(made_);
     }
 

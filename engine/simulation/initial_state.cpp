@@ -9,7 +9,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "engine/models/ink/ink.h"
+#include "engine/models/ink/ink_markers.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/boundary_sampling.h"
 #include "engine/particles/sample.h"
@@ -87,11 +87,18 @@ std::optional<Divergence> set_colours(const Scene& scene, World& world, Index fi
     std::optional<Divergence> wrong;
     if (fluid.has<field::ink>()) {
         const VectorExpression concentration = inks.vector();
-        const auto ink = fluid.column<field::ink>();
-        for (std::size_t i = from; i < ink.size(); ++i) {
-            const Vec3d at = x[i].cast<double>(), c = concentration(time, at);
-            ink[i] = c.cwiseMax(0.0).cwiseMin(1.0).cast<Real>();
-            if (c.hasNaN() && !wrong) wrong = Divergence{"new fluid", "ink", time, at, key + " is not a number"};
+        const auto colour = [&](Span<const Vec3> places, Span<Vec3> ink) {
+            for (std::size_t i = 0; i < ink.size(); ++i) {
+                const Vec3d at = places[i].cast<double>(), c = concentration(time, at);
+                ink[i] = c.cwiseMax(0.0).cwiseMin(1.0).cast<Real>();
+                if (c.hasNaN() && !wrong) wrong = Divergence{"new fluid", "ink", time, at, key + " is not a number"};
+            }
+        };
+        colour(x.subspan(from), fluid.column<field::ink>().subspan(from));
+        if (InkMarkers& markers = world.ink_markers; markers.per_spacing > 0) {
+            std::copy(x.begin() + first, x.end(), fluid.column<field::path_start>().begin() + first);
+            const auto added = static_cast<std::size_t>(markers.add(x.subspan(from), world.step));
+            colour(markers.store.column<field::position>().subspan(added), markers.store.column<field::ink>().subspan(added));
         }
     }
     if (!fluid.has<field::grain>()) return wrong;

@@ -10,7 +10,7 @@
 
 #include "engine/core/binary_io.h"
 #include "engine/core/parallel.h"
-#include "engine/models/ink/ink.h"
+#include "engine/models/ink/ink_markers.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/particles/sort.h"
 #include "engine/particles/step_context.h"
@@ -64,6 +64,26 @@ void each_number(Totals& t, F&& f) {
     f(t.work), f(t.any_work);
 }
 
+void put_columns(std::ostream& out, const ParticleStore& store) {
+    put(out, store.size());
+    for (const ParticleStore::Entry* entry : store.entries())
+        if (entry->lasting)
+            out.write(static_cast<const char*>(std::as_const(*entry->column).data()),
+                      static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(store.size())));
+}
+
+void take_columns(std::istream& in, ParticleStore& store) {
+    const auto size = take<Index>(in);
+    must_be_sound(size >= 0 && size <= bytes_left(in));
+    store.resize(size);
+    for (const ParticleStore::Entry* entry : store.entries())
+        if (entry->lasting) {
+            const auto bytes = static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(size));
+            if (!in.read(static_cast<char*>(entry->column->data()), bytes))
+                throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
+        }
+}
+
 /// Shortens the requested step such that `remaining` is reached exactly and the last two steps are equal.
 /// @param wanted smallest limit of the models [s] @param remaining time until the next frame [s]
 double fitted_step(double wanted, double remaining) {
@@ -108,6 +128,11 @@ struct Simulation::State {
             std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterKeys& e) { return e.viscosity.has_value(); });
         if (own_viscosity && world.fluid.has<field::viscosity>()) world.fluid.declare(field_info<field::source>(), true);
         if (scene.any_ink()) world.fluid.declare(field_info<field::ink>(), true);
+        if (scene.marks_ink()) {
+            world.ink_markers.per_spacing = scene.fluid.ink_markers;
+            world.ink_markers.store.declare(field_info<field::position>(), true);
+            world.ink_markers.store.declare(field_info<field::ink>(), true);
+        }
         if (scene.grains) world.fluid.declare(field_info<field::grain>(), true);
         if (scene.identities) {
             world.fluid.declare(field_info<field::id>(), true);
@@ -421,11 +446,7 @@ void Simulation::save(std::ostream& out) const {
         out.write(limit.data(), static_cast<std::streamsize>(limit.size()));
         put(out, times);
     }
-    put(out, s.world.fluid.size());
-    for (const ParticleStore::Entry* entry : s.world.fluid.entries())
-        if (entry->lasting)
-            out.write(static_cast<const char*>(std::as_const(*entry->column).data()),
-                      static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(s.world.fluid.size())));
+    put_columns(out, s.world.fluid), put_columns(out, s.world.ink_markers.store);
     for (const Emitter& emitter : s.emitters) emitter.save(out);
     for (const Solid& solid : s.world.solids.all)
         if (solid.body) solid.body->save(out);
@@ -444,15 +465,7 @@ void Simulation::load(std::istream& in) {
         in.read(limit.data(), static_cast<std::streamsize>(length));
         s.totals.binding[limit] = take<long>(in);
     }
-    const auto particles = take<Index>(in);
-    must_be_sound(particles >= 0 && particles <= bytes_left(in));
-    s.world.fluid.resize(particles);
-    for (const ParticleStore::Entry* entry : s.world.fluid.entries())
-        if (entry->lasting) {
-            const auto bytes = static_cast<std::streamsize>(entry->info->bytes * static_cast<std::size_t>(s.world.fluid.size()));
-            if (!in.read(static_cast<char*>(entry->column->data()), bytes))
-                throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");
-        }
+    take_columns(in, s.world.fluid), take_columns(in, s.world.ink_markers.store);
     const auto emitters = static_cast<std::int16_t>(s.emitters.size());
     for (const std::int16_t role : s.world.fluid.column<field::role>()) must_be_sound(role >= -emitters);
     if (s.world.fluid.has<field::source>())

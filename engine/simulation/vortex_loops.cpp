@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
-#include "engine/models/ink/ink.h"
+#include "engine/models/ink/ink_markers.h"
 
 namespace whorl {
 namespace {
@@ -75,16 +75,20 @@ void add_vortices(const Scene& scene, World& world) {
         parallel_for(x.size(), [&](Index i) { u[i] += loop.velocity(x[i].cast<double>()).cast<Real>(); });
         if (!keys.ink.any()) continue;
         const VectorExpression concentration = keys.ink.vector();
-        const auto ink = world.fluid.column<field::ink>();
         const double reach = 2.2 * keys.core;  // beyond it, less than 1e-10 of the ink is left
-        std::vector<VortexLoop::Nearest> lines(ink.size());
-        parallel_for(static_cast<Index>(ink.size()), [&](Index i) { lines[i] = loop.nearest(x[i].cast<double>(), reach); });
-        for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel, because an expression has one parser
-            const VortexLoop::Nearest& line = lines[i];
-            if (line.distance > reach) continue;
-            const double inside = std::exp(-std::pow(line.distance / keys.core, 4));
-            ink[i] = ink[i].cwiseMax((inside * concentration(line.t)).cwiseMax(0.0).cwiseMin(1.0).cast<Real>());
-        }
+        const auto colour = [&](Span<const Vec3> place, Span<Vec3> ink) {
+            std::vector<VortexLoop::Nearest> lines(ink.size());
+            parallel_for(static_cast<Index>(ink.size()), [&](Index i) { lines[i] = loop.nearest(place[i].cast<double>(), reach); });
+            for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel, because an expression has one parser
+                const VortexLoop::Nearest& line = lines[i];
+                if (line.distance > reach) continue;
+                const double inside = std::exp(-std::pow(line.distance / keys.core, 4));
+                ink[i] = ink[i].cwiseMax((inside * concentration(line.t)).cwiseMax(0.0).cwiseMin(1.0).cast<Real>());
+            }
+        };
+        colour(x, world.fluid.column<field::ink>());
+        if (ParticleStore& markers = world.ink_markers.store; world.ink_markers.per_spacing > 0)
+            colour(markers.column<field::position>(), markers.column<field::ink>());
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// Data shared by the stages of a run. A stage gets only the parts that its operator() names.
+#include "engine/models/ink/ink_markers.h"
 #include "engine/particles/interaction_context.h"
 #include "engine/particles/search.h"
 
@@ -7,6 +8,7 @@ namespace whorl {
 
 struct World {
     ParticleStore fluid;
+    InkMarkers ink_markers;
     Solids solids;
     BoundaryParticles boundary_particles;
     FluidPairs fluid_pairs;

@@ -62,6 +62,17 @@ SliceMarks marks_of(const PlaneField& field, const LookOptions& look, const std:
     return marks;
 }
 
+/// The inks in the pixels.
+std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& plane) {
+    const Frame points = inked_points(frame);
+    const auto ink = points.vector.find("ink");
+    std::vector<std::vector<float>> value(3);
+    for (int k = 0; k < 3; ++k)
+        for (std::size_t p = 0; p < points.position.size(); ++p)
+            value[k].push_back(ink == points.vector.end() ? 0.0f : ink->second[p][k]);
+    return plane_field(points, value, plane).value;
+}
+
 }  // namespace
 
 float flow_cover(float weight) { return std::clamp((weight - 0.25f) / 0.15f, 0.0f, 1.0f); }
@@ -85,16 +96,10 @@ FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::arr
                      const Vec3f& ground) {
     FlowSlice slice{plane, {}};
     const bool inked = look.field == "ink";
-    std::vector<std::vector<float>> value(inked ? 3 : 1);
-    if (inked) {
-        const auto ink = frame.vector.find("ink");
-        for (int k = 0; k < 3; ++k)
-            for (std::size_t p = 0; p < frame.position.size(); ++p)
-                value[k].push_back(ink == frame.vector.end() ? 0.0f : ink->second[p][k]);
-    } else {
-        value[0] = field_values(frame, look);
-    }
-    const PlaneField field = plane_field(frame, value, plane);
+    std::vector<std::vector<float>> value;
+    if (!inked) value.push_back(field_values(frame, look));
+    PlaneField field = plane_field(frame, value, plane);
+    if (inked) field.value = inks_in(frame, plane);
     const SliceMarks marks = marks_of(field, look, inked ? std::array<float, 2>{0, 1} : range, inked, plane);
     const ColourTable colours(look.colour_map);
     const Pigments pigments(look.inks.of, ground);

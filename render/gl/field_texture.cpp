@@ -6,6 +6,7 @@
 
 #include "engine/core/parallel.h"
 #include "render/flow/flow_grid.h"
+#include "render/look/field_values.h"
 #include "render/look/material.h"
 
 namespace whorl {
@@ -130,12 +131,12 @@ constexpr float colouring_way = 1.0f / 60;
 }  // namespace
 
 void InkField::fill(const Frame& frame, const LookOptions& look, float size, bool drawn) {
-    const auto ink = frame.vector.find("ink");
-    any_ = drawn && ink != frame.vector.end() && !ink->second.empty();
+    any_ = drawn && frame.vector.count("ink") > 0 && !frame.position.empty();
     if (!any_) return;
+    const Frame points = inked_points(frame);
     std::vector<Eigen::Vector4f> value;
-    for (const Vec3f& c : ink->second) value.emplace_back(c.x(), c.y(), c.z(), 1.0f);
-    const FlowGrid grid = flow_grid(frame, {}, value, 2'000'000);
+    for (const Vec3f& c : points.vector.at("ink")) value.emplace_back(c.x(), c.y(), c.z(), 1.0f);
+    const FlowGrid grid = flow_grid(points, {}, value, 4'000'000);
     any_ = !grid.empty();
     if (!any_) return;
     gl::fill_3d(texture_, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);

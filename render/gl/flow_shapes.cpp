@@ -75,7 +75,9 @@ void FlowShapes::fill(SceneGeometry& scene, const Frame& frame, const LookOption
         bounds.add(bounds_of(lines.position));
         return scene.fill(frame, bounds);
     }
-    scene.fill(frame, fill_cloud(flow_grid(frame, {}, glow, 3'000'000, 0.5f), look, view));
+    if (look.field != "ink") return scene.fill(frame, fill_cloud(flow_grid(frame, {}, glow, 3'000'000, 0.5f), look, view));
+    const Frame points = inked_points(frame);
+    scene.fill(frame, fill_cloud(flow_grid(points, {}, glow_of(field_colours(points, look, range)), 3'000'000, 0.5f), look, view));
 }
 
 Bounds FlowShapes::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {

@@ -77,6 +77,17 @@ FieldColours field_colours(const Frame& frame, const LookOptions& look, const st
     return colours;
 }
 
+Frame inked_points(const Frame& frame) {
+    const FrameMarkers& markers = frame.ink_markers;
+    Frame points = frame;
+    points.scalar.clear(), points.whole.clear();
+    if (markers.position.empty()) return points;
+    points.spacing = markers.spacing, points.position = markers.position;
+    points.velocity.assign(markers.position.size(), Vec3f::Zero());
+    points.vector = {{"ink", markers.ink}};
+    return points;
+}
+
 std::vector<std::string> shown_fields(const LookOptions& look) {
     if (look.style == "slice" && look.streaks) return {look.field, "grain"};
     if (draws_lines(look)) return {look.field, "vorticity", "grain"};

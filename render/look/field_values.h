@@ -23,6 +23,9 @@ struct FieldColours {
 };
 FieldColours field_colours(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range);
 
+/// The ink markers as the particles of a frame at rest, or the particles with their own inks if the run has no markers.
+Frame inked_points(const Frame& frame);
+
 /// Fields that an image needs in addition to positions and velocities.
 std::vector<std::string> shown_fields(const LookOptions& look);
 

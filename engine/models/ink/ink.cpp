@@ -1,4 +1,4 @@
-#include "engine/models/ink/ink.h"
+#include "engine/models/ink/ink_markers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,13 +43,17 @@ void InkDiffusion::operator()(const InteractionContext& context, Write<field::in
     });
 }
 
-void InkSources::operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c) {
-    for (InkSource& source : sources) {
+void InkSources::operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c, InkMarkers& markers) {
+    const auto colour = [&](InkSource& source, Span<const Vec3> position, Span<Vec3> inks) {
         std::vector<Index> inside;
         std::vector<Vec3> place;
-        for (Index i = 0; i < x.size(); ++i)
-            if (Vec3 at = x[i]; step.domain.image_in_box(at, source.min, source.max)) inside.push_back(i), place.push_back(x[i]);
-        source.ink.each(step.time, place, [&](Index k, const Vec3& ink) { c[inside[k]] = ink.cwiseMax(Real(0)).cwiseMin(Real(1)); });
+        for (Index i = 0; i < static_cast<Index>(position.size()); ++i)
+            if (Vec3 at = position[i]; step.domain.image_in_box(at, source.min, source.max)) inside.push_back(i), place.push_back(position[i]);
+        source.ink.each(step.time, place, [&](Index k, const Vec3& ink) { inks[inside[k]] = ink.cwiseMax(Real(0)).cwiseMin(Real(1)); });
+    };
+    for (InkSource& source : sources) {
+        colour(source, x.values, c.values);
+        if (markers.per_spacing > 0) colour(source, markers.store.column<field::position>(), markers.store.column<field::ink>());
     }
 }
 

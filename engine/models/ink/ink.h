@@ -34,6 +34,8 @@ struct InkDiffusion {
     void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
 };
 
+struct InkMarkers;
+
 /// Sets the ink of fluid inside a box.
 struct InkSource {
     Vec3 min, max;  ///< m
@@ -41,7 +43,7 @@ struct InkSource {
 };
 struct InkSources {
     std::vector<InkSource> sources;
-    void operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c);
+    void operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c, InkMarkers& markers);
 };
 
 /// Runs after ProjectionMove. The shift moves particles but not the ink in space, so each particle gets the ink of its new position, as it

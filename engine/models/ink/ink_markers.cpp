@@ -1,0 +1,94 @@
+#include "engine/models/ink/ink_markers.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/parallel.h"
+#include "engine/particles/sort.h"
+
+namespace whorl {
+namespace {
+
+/// Sums over the particles near a marker, r = x_j - x_m.
+struct LinearFit {
+    Real weight = 0;
+    Vec3 r = Vec3::Zero(), path = Vec3::Zero(), ink = Vec3::Zero();
+    Mat3 rr = Mat3::Zero(), path_r = Mat3::Zero();
+
+    void add(Real w, const Vec3& to, const Vec3& displacement, const Vec3& c) {
+        weight += w, r += w * to, path += w * displacement, ink += w * c;
+        rr += w * to * to.transpose(), path_r += w * displacement * to.transpose();
+    }
+    /// Value at the marker of the linear function that fits the displacements; along directions without particles, their mean.
+    Vec3 displacement(bool flat) const {
+        const Vec3 middle = r / weight, mean = path / weight;
+        Mat3 spread = rr / weight - middle * middle.transpose();
+        const Real size = spread.trace();
+        if (!(size > 0)) return mean;
+        spread.diagonal().array() += Real(1e-3) * size;
+        if (flat) spread(2, 2) = size;
+        return mean - (path_r / weight - mean * middle.transpose()) * spread.inverse() * middle;
+    }
+};
+
+}  // namespace
+
+Index InkMarkers::add(Span<const Vec3> particles, const StepContext& step) {
+    const Index first = store.size();
+    const int n = per_spacing, deep = step.dimensions() == 2 ? 1 : n;
+    store.resize(first + static_cast<Index>(particles.size()) * n * n * deep);
+    const auto x = store.column<field::position>();
+    const auto offset = [&](int k, int count) { return step.spacing * ((static_cast<Real>(k) + Real(0.5)) / static_cast<Real>(count) - Real(0.5)); };
+    Index m = first;
+    for (const Vec3& p : particles)
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j)
+                for (int k = 0; k < deep; ++k) x[m++] = step.domain.wrapped(p + Vec3(offset(i, n), offset(j, n), offset(k, deep)));
+    return first;
+}
+
+void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x, Read<field::velocity> u, Read<field::ink> c,
+                                Update<field::path_start> start, Update<field::path> path, InkMarkers& markers,
+                                NeighbourSearch& search) const {
+    parallel_for(x.size(), [&](Index i) { path[i] += step.dt * u[i]; });
+    markers.waiting += static_cast<double>(step.dt);
+    const double farthest = parallel_max(x.size(), 0, [&](Index i) { return static_cast<double>(path[i].squaredNorm()); });
+    if (!step.to_frame_time && farthest < static_cast<double>(step.spacing * step.spacing)) return;
+
+    ParticleStore& store = markers.store;
+    if (step.to_frame_time) store.gather(curve_order(std::as_const(store).column<field::position>(), step.support));
+    const auto place = store.column<field::position>();
+    const auto ink = store.column<field::ink>();
+    const Real reach = Real(1.5) * step.spacing, over = 1 / (reach * reach);
+    const double wave = std::numbers::pi / static_cast<double>(step.spacing);
+    const Real mixed = static_cast<Real>(-std::expm1(-diffusion * wave * wave * markers.waiting));
+    std::vector<char> alone(place.size(), 0);
+    // In pieces, so that the rows of neighbours take as much memory as those of the particles.
+    const std::size_t piece = std::max<std::size_t>(static_cast<std::size_t>(x.size()), 1 << 15);
+    Pairs pairs;
+    for (std::size_t begin = 0; begin < place.size(); begin += piece) {
+        const auto part = place.subspan(begin, std::min(piece, place.size() - begin));
+        search.find(part, start.values, reach, step.domain, pairs);
+        parallel_for(pairs.size(), [&](Index m) {
+            LinearFit fit;
+            pairs.of(m, [&](Index j, const Vec3& r, Real distance) {
+                const Real q = 1 - distance * distance * over;
+                fit.add(q * q, -r, path[j], c[j]);
+            });
+            const std::size_t k = begin + static_cast<std::size_t>(m);
+            if (!(alone[k] = !(fit.weight > 0))) {
+                ink[k] += mixed * (fit.ink / fit.weight - ink[k]);
+                part[m] = step.domain.wrapped(part[m] + fit.displacement(step.dimensions() == 2));
+            }
+        });
+    }
+    std::vector<Index> kept;
+    for (std::size_t k = 0; k < alone.size(); ++k)
+        if (!alone[k]) kept.push_back(static_cast<Index>(k));
+    if (kept.size() < alone.size()) store.gather(kept);
+    parallel_for(x.size(), [&](Index i) { start[i] = step.domain.wrapped(x[i]), path[i].setZero(); });
+    markers.waiting = 0;
+}
+
+}  // namespace whorl

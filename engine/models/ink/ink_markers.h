@@ -1,0 +1,42 @@
+#pragma once
+/// Ink markers: points, several to a particle, that carry ink with the flow. Images of inks draw them instead of the particles, so that
+/// filaments thinner than the spacing are seen. They act on nothing.
+#include "engine/models/ink/ink.h"
+#include "engine/particles/search.h"
+
+namespace whorl {
+
+namespace field {
+struct path_start {
+    using type = Vec3;
+    static constexpr std::string_view name = "path_start", unit = "m", meaning = "where the particle was when the ink markers last moved";
+};
+struct path {
+    using type = Vec3;
+    static constexpr std::string_view name = "path", unit = "m", meaning = "displacement by the velocity since then";
+};
+}  // namespace field
+
+struct InkMarkers {
+    int per_spacing = 0;  ///< along each axis; 0: no markers
+    ParticleStore store;  ///< position, ink
+    double waiting = 0;   ///< s since they last moved
+
+    /// Adds the markers of new particles, on the lattice of per_spacing points per spacing around each. @returns the first new one
+    Index add(Span<const Vec3> particles, const StepContext& step);
+};
+
+/// Moves the markers when a particle has moved a spacing, and at frame times: x_m += s(x_m), where s is the linear function that fits the
+/// displacements (the sums of dt u) of the particles within 1.5 spacings of the marker best. It is exact for every affine motion. The
+/// displacements belong to the particles' old positions; moves of particles that are not their velocity do not carry markers.
+///
+/// If ink diffuses, the ink of a marker approaches the mean of these particles like a wave of two spacings,
+///     c_m += (1 - exp(-D (pi/d)^2 dt)) (sum w c_j/sum w - c_m);
+/// larger structures follow the particles. A marker without a particle near is removed.
+struct MoveInkMarkers {
+    double diffusion = 0;  ///< m^2/s
+    void operator()(const StepContext& step, Read<field::position> x, Read<field::velocity> u, Read<field::ink> c,
+                    Update<field::path_start> start, Update<field::path> path, InkMarkers& markers, NeighbourSearch& search) const;
+};
+
+}  // namespace whorl
