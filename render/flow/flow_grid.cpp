@@ -101,14 +101,13 @@ struct Sums {
 }  // namespace
 
 FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes,
-                   float cell_in_spacings) {
+                   float cell_in_spacings, float reach) {
     // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in 2D pi/3 1.5^2.
-    constexpr float reach_in_spacings = 1.5f;
     const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
-    FlowGrid grid = laid_out(frame, reach_in_spacings * frame.spacing, most_nodes, cell_in_spacings * frame.spacing);
+    FlowGrid grid = laid_out(frame, reach * frame.spacing, most_nodes, cell_in_spacings * frame.spacing);
     if (grid.n[0] == 0) return grid;
-    const float h = std::max(reach_in_spacings * frame.spacing, 1.2f * grid.cell.maxCoeff());
-    const float lattice = full * std::pow(h / (reach_in_spacings * frame.spacing), static_cast<float>(frame.dimensions));
+    const float h = std::max(reach * frame.spacing, 1.2f * grid.cell.maxCoeff());
+    const float lattice = full * std::pow(h / (1.5f * frame.spacing), static_cast<float>(frame.dimensions));
     const std::size_t nodes = grid_count(grid.n[0], grid.n[1], grid.n[2]);
     if (!along.empty()) grid.along.assign(nodes, Vec3f::Zero());
     if (!value.empty()) grid.value.assign(nodes, Eigen::Vector4f::Zero());

@@ -40,11 +40,11 @@ struct FlowGrid {
     Corners corners(const Vec3f& x) const;
 };
 
-/// Means over the particles within 1.5 spacings of each node, weighted (1 - r^2/h^2)^2. Nodes are about `cell_in_spacings` spacings apart,
-/// or further where the grid would have more than `most_nodes`. The same bits for any number of threads.
+/// Means over the particles within `reach` spacings of each node, weighted (1 - r^2/h^2)^2. Nodes are about `cell_in_spacings` spacings
+/// apart, or further where the grid would have more than `most_nodes`. The same bits for any number of threads.
 /// @param along of each particle: its velocity or vorticity; none: the grid has none either
 /// @param value of each particle, up to four numbers; none: the grid has none either
 FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value,
-                   std::size_t most_nodes = 8'000'000, float cell_in_spacings = 1);
+                   std::size_t most_nodes = 8'000'000, float cell_in_spacings = 1, float reach = 1.5f);
 
 }  // namespace whorl

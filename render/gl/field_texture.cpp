@@ -128,22 +128,32 @@ namespace {
 /// In a clear fluid light of an ink's colour is left after this part of the scene's diagonal.
 constexpr float colouring_way = 1.0f / 60;
 
+/// Wide enough that an ink's edge shows no single particles.
+constexpr float ink_reach = 2.0f;  // spacings
+
+/// inked() of inks.glsl.
+Vec3f inked(const Vec3f& body, const std::array<Vec3f, 3>& ratio, const Vec3f& c) {
+    const Vec3f own = body.cwiseMax(0.005f).cwiseMin(0.98f);
+    Vec3f sum = std::max(1 - c.sum(), 0.0f) * ((1 - own.array()).square() / (2 * own.array())).matrix();
+    for (int k = 0; k < 3; ++k) sum += c[k] * ratio[k];
+    return sum.unaryExpr([](float x) { return 1 + x - std::sqrt(x * (2 + x)); });
+}
+
 }  // namespace
 
-void InkField::fill(const Frame& frame, const LookOptions& look, float size, bool drawn) {
     any_ = drawn && frame.vector.count("ink") > 0 && !frame.position.empty();
     if (!any_) return;
     const Frame points = inked_points(frame);
+    const std::array<Vec3f, 3> ratio = absorption_ratios(look.inks.of);
     std::vector<Eigen::Vector4f> value;
-    for (const Vec3f& c : points.vector.at("ink")) value.emplace_back(c.x(), c.y(), c.z(), 1.0f);
-    const FlowGrid grid = flow_grid(points, {}, value, 4'000'000);
+    for (const Vec3f& c : points.vector.at("ink")) value.emplace_back((body != nullptr ? inked(*body, ratio, c) : c).homogeneous());
+    const FlowGrid grid = flow_grid(points, {}, value, 4'000'000, 0.7f, ink_reach);
     any_ = !grid.empty();
     if (!any_) return;
     gl::fill_3d(texture_, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);
     low_ = grid.origin - 0.5f * grid.cell;  // the nodes are at the centres of texels
     scale_ = grid.extent().cwiseInverse();
     haze_ = 2 / (colouring_way * size);
-    const std::array<Vec3f, 3> ratio = absorption_ratios(look.inks.of);
     for (int k = 0; k < 3; ++k) {
         ratio_.col(k) = ratio[k];
         absorption_.col(k) =

@@ -29,8 +29,10 @@ Volume coarse_distance(const Volume& band, int coarseness, int margin);
 
 class InkField {
 public:
+    /// The inks' concentrations, or with `body` (colour of an opaque fluid without inks) its colours: particles of two inks side by side
+    /// show both, only inks within one particle mix as pigments.
     /// @param size diagonal of the scene [m] @param drawn whether the look draws the fluid's surface
-    void fill(const Frame& frame, const LookOptions& look, float size, bool drawn);
+    void fill(const Frame& frame, const LookOptions& look, float size, bool drawn, const Vec3f* body);
     /// For inks.glsl. @param voxel the length that absorption is given for [m]; 0: no light goes through
     void bind(gl::Program& program, int unit, float voxel) const;
 

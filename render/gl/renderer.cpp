@@ -57,6 +57,9 @@ struct Shot {
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
 
+/// Colour of the fluid drawn as an opaque body.
+Vec3f body_colour(const Material& material) { return material.refracts ? material.scatter.cwiseMin(1.0f).eval() : material.colour; }
+
 /// Maps the whole image to this box of it, in coordinates of -1 .. 1: the backdrop continues around it.
 Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
@@ -111,6 +114,7 @@ struct Renderer::Device {
     std::array<float, 2> begin(const Frame& frame, const LookOptions& look);
     Shot sum_samples(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
                      const std::array<float, 2>& range, const PictureBox& box);
+    bool refracts(const Material& material) const { return material.refracts && !field.empty(); }
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
     void draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -232,8 +236,9 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float size = (frame.domain_max - frame.domain_min).norm();
-    inks.fill(frame, look, size, !shows_field(look));
     const Material material = fluid_material(look, size);
+    const Vec3f body = body_colour(material);
+    inks.fill(frame, look, size, !shows_field(look), refracts(material) ? nullptr : &body);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
     const Mat3f into = into_box(shows_field(look) ? box : PictureBox{0, 0, width, height}, width, height);
@@ -441,7 +446,7 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
     const Material& material = shot.material;
-    gl::Program& program = (material.refracts && !field.empty() ? liquid : opaque).with(shot.constants);
+    gl::Program& program = (refracts(material) ? liquid : opaque).with(shot.constants);
     set_studio(program, shot);
     field.bind(program, field_unit);
     inks.bind(program, ink_unit, field.voxel());
@@ -460,7 +465,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("absorption", Vec3f(material.absorption * field.voxel()));
     program.set("scatter", material.scatter);
     program.set("haze", material.haze * field.voxel());
-    program.set("body_colour", material.refracts ? material.scatter.cwiseMin(1.0f).eval() : material.colour);
+    program.set("body_colour", body_colour(material));
     program.set("emission", material.emission);
     program.set("cooling", shot.has_age ? material.cooling : 0.0f);
     program.set("softness", material.refracts ? 0.5f : material.softness);

@@ -1,6 +1,6 @@
 // Inks in the fluid (render/look/material.h).
 uniform bool has_inks;
-uniform sampler3D ink_field;   // concentrations, and 1 where there is fluid
+uniform sampler3D ink_field;   // concentrations, or colours of an opaque body, and 1 where there is fluid
 uniform vec3 ink_low;          // m
 uniform vec3 ink_scale;        // m -> texture
 uniform mat3 ink_ratio;        // K/S, a column an ink

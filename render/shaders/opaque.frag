@@ -34,7 +34,7 @@ void main() {
     }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);
-    vec3 body = has_inks ? inked(body_colour, inks_at(x)) : body_colour;
+    vec3 body = has_inks ? inks_at(x) : body_colour;
     float matt = roughness;
     if (has_crust) body *= crust.shade, matt = mix(0.3, 0.98, crust.cold);
     vec3 l = front_light * studio;  // studio's inverse: into the world
