@@ -62,14 +62,16 @@ SliceMarks marks_of(const PlaneField& field, const LookOptions& look, const std:
     return marks;
 }
 
-/// The inks in the pixels.
-std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& plane) {
+/// A function of the inks of each point, in the pixels. Points of two inks side by side show both; only inks of one point mix as pigments.
+template <class F>
+std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& plane, const F& of) {
     const Frame points = inked_points(frame);
     const auto ink = points.vector.find("ink");
     std::vector<std::vector<float>> value(3);
-    for (int k = 0; k < 3; ++k)
-        for (std::size_t p = 0; p < points.position.size(); ++p)
-            value[k].push_back(ink == points.vector.end() ? 0.0f : ink->second[p][k]);
+    for (std::size_t p = 0; p < points.position.size(); ++p) {
+        const Vec3f shown = of(ink == points.vector.end() ? Vec3f(Vec3f::Zero()) : Vec3f(ink->second[p].cwiseMax(0.0f).cwiseMin(1.0f)));
+        for (int k = 0; k < 3; ++k) value[k].push_back(shown[k]);
+    }
     return plane_field(points, value, plane).value;
 }
 
@@ -99,14 +101,14 @@ FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::arr
     std::vector<std::vector<float>> value;
     if (!inked) value.push_back(field_values(frame, look));
     PlaneField field = plane_field(frame, value, plane);
-    if (inked) field.value = inks_in(frame, plane);
+    if (inked && (look.relief > 0 || look.isolines > 0)) field.value = inks_in(frame, plane, [](const Vec3f& c) { return c; });
     const SliceMarks marks = marks_of(field, look, inked ? std::array<float, 2>{0, 1} : range, inked, plane);
     const ColourTable colours(look.colour_map);
-    const Pigments pigments(look.inks.of, ground);
+    if (inked) field.value = inks_in(frame, plane, Pigments(look.inks.of, ground));
     slice.rgba.resize(4 * field.cover.size());
     parallel_for(static_cast<Index>(field.cover.size()), [&](Index k) {
         Vec3f colour;
-        if (inked) colour = pigments(Vec3f(field.value[0][k], field.value[1][k], field.value[2][k]).cwiseMax(0.0f).cwiseMin(1.0f));
+        if (inked) colour = Vec3f(field.value[0][k], field.value[1][k], field.value[2][k]).cwiseMax(0.0f);
         else colour = colours((field.value[0][k] - range[0]) / (range[1] - range[0]));
         marks.lay_on(colour, k);
         for (int c = 0; c < 3; ++c) slice.rgba[4 * k + c] = colour[c];

@@ -141,6 +141,7 @@ Vec3f inked(const Vec3f& body, const std::array<Vec3f, 3>& ratio, const Vec3f& c
 
 }  // namespace
 
+void InkField::fill(const Frame& frame, const LookOptions& look, float size, bool drawn, const Vec3f* body) {
     any_ = drawn && frame.vector.count("ink") > 0 && !frame.position.empty();
     if (!any_) return;
     const Frame points = inked_points(frame);

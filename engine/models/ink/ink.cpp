@@ -1,9 +1,8 @@
-#include "engine/models/ink/ink_markers.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/models/ink/ink_markers.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 
 namespace whorl {
@@ -48,7 +47,8 @@ void InkSources::operator()(const StepContext& step, Read<field::position> x, Up
         std::vector<Index> inside;
         std::vector<Vec3> place;
         for (Index i = 0; i < static_cast<Index>(position.size()); ++i)
-            if (Vec3 at = position[i]; step.domain.image_in_box(at, source.min, source.max)) inside.push_back(i), place.push_back(position[i]);
+            if (Vec3 at = position[i]; step.domain.image_in_box(at, source.min, source.max))
+                inside.push_back(i), place.push_back(position[i]);
         source.ink.each(step.time, place, [&](Index k, const Vec3& ink) { inks[inside[k]] = ink.cwiseMax(Real(0)).cwiseMin(Real(1)); });
     };
     for (InkSource& source : sources) {

@@ -39,13 +39,27 @@ Index InkMarkers::add(Span<const Vec3> particles, const StepContext& step) {
     const int n = per_spacing, deep = step.dimensions() == 2 ? 1 : n;
     store.resize(first + static_cast<Index>(particles.size()) * n * n * deep);
     const auto x = store.column<field::position>();
-    const auto offset = [&](int k, int count) { return step.spacing * ((static_cast<Real>(k) + Real(0.5)) / static_cast<Real>(count) - Real(0.5)); };
+    const auto offset = [&](int k, int count) {
+        return step.spacing * ((static_cast<Real>(k) + Real(0.5)) / static_cast<Real>(count) - Real(0.5));
+    };
     Index m = first;
     for (const Vec3& p : particles)
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j)
                 for (int k = 0; k < deep; ++k) x[m++] = step.domain.wrapped(p + Vec3(offset(i, n), offset(j, n), offset(k, deep)));
     return first;
+}
+
+void InkMarkers::fill_gaps(const StepContext& step, Span<const Vec3> particles, Span<const Vec3> inks, NeighbourSearch& search) {
+    Pairs pairs;
+    search.find(particles, store.column<field::position>(), Real(0.75) * step.spacing, step.domain, pairs);
+    std::vector<Vec3> bare, ink;
+    for (Index i = 0; i < pairs.size(); ++i)
+        if (pairs.count(i) == 0) bare.push_back(particles[i]), ink.push_back(inks[i]);
+    if (bare.empty()) return;
+    const auto first = static_cast<std::size_t>(add(bare, step));
+    const auto of = store.column<field::ink>().subspan(first);
+    for (std::size_t m = 0; m < of.size(); ++m) of[m] = ink[m / (of.size() / ink.size())];
 }
 
 void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x, Read<field::velocity> u, Read<field::ink> c,
@@ -87,6 +101,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     for (std::size_t k = 0; k < alone.size(); ++k)
         if (!alone[k]) kept.push_back(static_cast<Index>(k));
     if (kept.size() < alone.size()) store.gather(kept);
+    if (step.to_frame_time) markers.fill_gaps(step, x.values, c.values, search);
     parallel_for(x.size(), [&](Index i) { start[i] = step.domain.wrapped(x[i]), path[i].setZero(); });
     markers.waiting = 0;
 }

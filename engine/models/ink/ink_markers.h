@@ -24,6 +24,9 @@ struct InkMarkers {
 
     /// Adds the markers of new particles, on the lattice of per_spacing points per spacing around each. @returns the first new one
     Index add(Span<const Vec3> particles, const StepContext& step);
+    /// Gives new markers with the particle's ink to every particle that has no marker within .75 spacings: sheets, drops and splashes, from
+    /// which markers stray.
+    void fill_gaps(const StepContext& step, Span<const Vec3> particles, Span<const Vec3> inks, NeighbourSearch& search);
 };
 
 /// Moves the markers when a particle has moved a spacing, and at frame times: x_m += s(x_m), where s is the linear function that fits the
@@ -32,7 +35,7 @@ struct InkMarkers {
 ///
 /// If ink diffuses, the ink of a marker approaches the mean of these particles like a wave of two spacings,
 ///     c_m += (1 - exp(-D (pi/d)^2 dt)) (sum w c_j/sum w - c_m);
-/// larger structures follow the particles. A marker without a particle near is removed.
+/// larger structures follow the particles. A marker without a particle near is removed; at frame times gaps are filled.
 struct MoveInkMarkers {
     double diffusion = 0;  ///< m^2/s
     void operator()(const StepContext& step, Read<field::position> x, Read<field::velocity> u, Read<field::ink> c,
