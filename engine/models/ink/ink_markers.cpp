@@ -77,24 +77,33 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     const Real reach = Real(1.5) * step.spacing, over = 1 / (reach * reach);
     const double wave = std::numbers::pi / static_cast<double>(step.spacing);
     const Real mixed = static_cast<Real>(-std::expm1(-diffusion * wave * wave * markers.waiting));
+    const bool flat = step.dimensions() == 2;
+    Pairs pairs;
+    const auto fit_at = [&](Index i, Span<const Vec3> displacement) {
+        LinearFit fit;
+        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
+            const Real q = 1 - distance * distance * over;
+            fit.add(q * q, -r, displacement[j], c[j]);
+        });
+        return fit;
+    };
+    // The fit smooths curved fields; adding what it loses at the particles cancels this to second order.
+    search.find(start.values, start.values, reach, step.domain, pairs);
+    std::vector<Vec3> sharp(path.values.size());
+    parallel_for(pairs.size(), [&](Index i) { sharp[i] = 2 * path[i] - fit_at(i, path.values).displacement(flat); });
     std::vector<char> alone(place.size(), 0);
     // In pieces, so that the rows of neighbours take as much memory as those of the particles.
     const std::size_t piece = std::max<std::size_t>(static_cast<std::size_t>(x.size()), 1 << 15);
-    Pairs pairs;
     for (std::size_t begin = 0; begin < place.size(); begin += piece) {
         const auto part = place.subspan(begin, std::min(piece, place.size() - begin));
         search.find(part, start.values, reach, step.domain, pairs);
         parallel_for(pairs.size(), [&](Index m) {
-            LinearFit fit;
-            pairs.of(m, [&](Index j, const Vec3& r, Real distance) {
-                const Real q = 1 - distance * distance * over;
-                fit.add(q * q, -r, path[j], c[j]);
-            });
+            const LinearFit fit = fit_at(m, sharp);
             const std::size_t k = begin + static_cast<std::size_t>(m);
-            if (!(alone[k] = !(fit.weight > 0))) {
-                ink[k] += mixed * (fit.ink / fit.weight - ink[k]);
-                part[m] = step.domain.wrapped(part[m] + fit.displacement(step.dimensions() == 2));
-            }
+            alone[k] = !(fit.weight > 0);
+            if (alone[k]) return;
+            ink[k] += mixed * (fit.ink / fit.weight - ink[k]);
+            part[m] = step.domain.wrapped(part[m] + fit.displacement(flat));
         });
     }
     std::vector<Index> kept;

@@ -146,7 +146,7 @@ TEST_CASE("ink markers follow an affine motion exactly, in 2D and 3D, also betwe
         for (int k = 0; k < 4; ++k) run.step(k % 2 == 1, next);
         const auto map = [&](const Vec3& x) { return next(next(next(next(x)))); };
         CHECK(run.w.world.ink_markers.store.size() == static_cast<Index>(run.begin.size()));
-        CHECK(run.error(map, 40 * d) < 2e-3);  // round-off
+        CHECK(run.error(map, 13 * d) < 2e-3);  // round-off; particles at the edge of the fluid do not determine an affine motion
     }
 }
 
