@@ -1,4 +1,4 @@
-// The arrows between the folders, read from the includes: docs/architecture.md says the same in words.
+// Dependencies between folders, read from the includes. docs/architecture.md describes them.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -66,7 +66,7 @@ std::map<std::string, Folders> arrows() {
 }
 const std::map<std::string, Folders> allowed = arrows();
 
-/// Libraries that only one folder may see.
+/// Libraries that only one folder may include.
 const std::map<std::string, std::set<std::string>> kept_in = {
     {"openvdb/", {"render/surface"}}, {"EGL/", {"render/gl"}},          {"GL/", {"render/gl"}},
     {"epoxy/", {"render/gl"}},        {"stb_", {"render/image"}},       {"toml++/", {"engine/scene"}},
@@ -104,7 +104,7 @@ std::vector<Include> all_includes() {
 
 }  // namespace
 
-TEST_CASE("no include points against the layers", "[layers]") {
+TEST_CASE("no include violates the layers", "[layers]") {
     const auto includes = all_includes();
     REQUIRE(includes.size() > 50);
     for (const Include& include : includes) {
@@ -119,14 +119,14 @@ TEST_CASE("no include points against the layers", "[layers]") {
     }
 }
 
-TEST_CASE("every folder with sources has its row of arrows", "[layers]") {
+TEST_CASE("every folder with sources has a row of permitted folders", "[layers]") {
     for (const Include& include : all_includes()) {
         INFO(include.from);
         CHECK_FALSE(layer_of(include.from).empty());
     }
 }
 
-TEST_CASE("each outside library is seen by one folder only", "[layers]") {
+TEST_CASE("each external library is included by one folder only", "[layers]") {
     for (const Include& include : all_includes())
         for (const auto& [library, folders] : kept_in) {
             if (include.own || include.what.rfind(library, 0) != 0) continue;

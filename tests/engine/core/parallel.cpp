@@ -5,7 +5,7 @@
 
 using namespace whorl;
 
-TEST_CASE("a sum has the same bits with 1, 2 and 4 threads", "[core]") {
+TEST_CASE("a parallel sum is bit-identical with 1, 2 and 4 threads", "[core]") {
     const Index n = 100003;
     double sums[3];
     int k = 0;

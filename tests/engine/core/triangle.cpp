@@ -23,7 +23,7 @@ TEST_CASE("the nearest point of a triangle lies on its face, an edge or a corner
     check({1, -1, 0}, {1, 0, 0}, 5);
 }
 
-TEST_CASE("a triangle without an area has a nearest point all the same", "[core]") {
+TEST_CASE("a triangle of zero area still has a nearest point", "[core]") {
     const Vec3f a(1, 1, 1);
     CHECK(nearest_on_triangle<float>(Vec3f(0, 0, 0), a, a, a).point == a);
 }

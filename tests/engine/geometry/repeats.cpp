@@ -21,7 +21,7 @@ Domain unit_cube(std::array<bool, 3> periodic) {
     return domain;
 }
 
-/// Over all images up to three periods away.
+/// Distance to the nearest of all images up to three periods away.
 Real least_of_images(const Solid& solid, const Domain& domain, const Vec3& x) {
     Real least = std::numeric_limits<Real>::max();
     for (int k = 0; k < 343; ++k) {
@@ -58,14 +58,14 @@ TEST_CASE("in a periodic domain a solid's distance is the least over its images,
                 const Vec3 x = anywhere(random);
                 const Real expected = (solid.inside ? -1 : 1) * least_of_images(solids.all[0], solids.domain, x);
                 REQUIRE(solids.all[0].distance(x) == Approx(expected).margin(2e-6));  // rounding at coordinates up to 3
-                // Towards the surface by the distance along the normal, on the fluid's side of it.
+                // Moves towards the surface by the distance along the normal, and stays on the fluid's side.
                 if (expected > 0 && !solid.inside)
                     REQUIRE(std::abs(solids.all[0].distance(x - expected * solids.all[0].normal(x))) < 1e-4f);
             }
         }
 }
 
-TEST_CASE("a shape that spans a period has no ends there, wherever it begins", "[geometry][periodic]") {
+TEST_CASE("a shape as long as the period has no ends along it, at any offset", "[geometry][periodic]") {
     const Domain domain = unit_cube({true, false, false});
     for (const double first : {0.0, 0.3, -0.7}) {
         Solids solids;
@@ -83,7 +83,7 @@ TEST_CASE("a shape that spans a period has no ends there, wherever it begins", "
     CHECK(rod->distance(Vec3(Real(0.4), Real(0.5), Real(0.5))) == Approx(-0.1).margin(1e-6));
 }
 
-TEST_CASE("a solid that turns has at every image the velocity of its surface there", "[geometry][periodic]") {
+TEST_CASE("every image of a rotating solid has the solid's surface velocity", "[geometry][periodic]") {
     Solids solids;
     solids.domain = unit_cube({true, true, true});
     Solid wheel;

@@ -75,9 +75,9 @@ TEST_CASE("volume, centre and inertia of box, sphere and cylinder agree with tho
     }
 }
 
-TEST_CASE("a tumbling box keeps its angular momentum to the bit and its energy within 1e-4 over 20 turns", "[geometry][bodies]") {
-    // About the middle axis, where rotation is unstable and the box turns over and over. The midpoint rule is of second order: 0.02 turns a
-    // step.
+TEST_CASE("a tumbling box keeps its angular momentum exactly and its energy within 1e-4 over 20 turns", "[geometry][bodies]") {
+    // About the middle axis, where rotation is unstable and the box turns over and over. The midpoint rule is of second order. A step
+    // covers 0.02 turns.
     RigidBody body(make_shape(box({0, 0, 0}, {0.1, 0.2, 0.3}))->bulk(), 700);
     body.spin_at(Vec3d(0.05, 12.6, 0.05));
     const Vec3d momentum = body.spin_momentum;
@@ -111,7 +111,7 @@ TEST_CASE("a falling box comes to rest on the floor and sinks in by less than a 
 TEST_CASE(
     "a ball and a cylinder that lie on a floor stay where they are, and the ball rolls when it is pushed, without slipping in the end",
     "[geometry][bodies]") {
-    // At rest on samples of the surface a ball would rock to the nearest facet, by a twentieth of its radius here.
+    // On samples of the surface a resting ball would rock to the nearest facet, here by a twentieth of its radius.
     Stage stage(0.01);
     ShapeKeys ground, ball, roll;
     ground.kind = "plane", ground.centre = Vec3d::Zero();
@@ -185,10 +185,10 @@ TEST_CASE("a box on a slope sticks below the friction angle and slides with g (s
     }
 }
 
-TEST_CASE("spinning bodies on a floor are braked as by an evenly loaded face, within 7 %", "[geometry][bodies]") {
+TEST_CASE("friction brakes bodies that spin on a floor as an evenly loaded face would, within 7 %", "[geometry][bodies]") {
     // Torque mu m g <r>, <r> the mean distance from the axis over the face: 2 R/3 for a disc, .7652 a for a square of 2 a, a quarter of the
-    // length for a cylinder that lies. The corners alone would be 1.85 times as much for a square. The difference: the outermost particles
-    // are up to half a spacing inside the edge.
+    // length for a lying cylinder. Contact at the corners alone would give 1.85 times this for a square. The remaining error arises because
+    // the outermost particles are up to half a spacing inside the edge.
     ShapeKeys ground, upright, lying;
     ground.kind = "plane", ground.centre = Vec3d::Zero();
     upright.kind = lying.kind = "cylinder";
@@ -215,8 +215,8 @@ TEST_CASE("spinning bodies on a floor are braked as by an evenly loaded face, wi
 }
 
 TEST_CASE("a heavy box on two light ones stays at rest", "[geometry][bodies]") {
-    // Ten times as heavy: what contacts found one after the other take longest for. Coordinates are rounded to 1.5e-8 m in each of 500
-    // steps: a thousandth of a spacing.
+    // Ten times as heavy: the case in which contacts that are solved one after the other converge most slowly. Coordinates are rounded
+    // to 1.5e-8 m in each of 500 steps: a thousandth of a spacing.
     Stage stage = box_on_slope(0, 2e-3);
     stage.solids.all.push_back(free_box({-0.04, 0.04, -0.05}, {0.06, 0.08, 0.04}, 500));
     stage.solids.all.push_back(free_box({-0.05, 0.08, -0.05}, {0.05, 0.12, 0.05}, 5000));
@@ -234,7 +234,7 @@ TEST_CASE("a heavy box on two light ones stays at rest", "[geometry][bodies]") {
     }
 }
 
-TEST_CASE("while contacts hold, bodies answer a change of load as their velocities say, symmetrically", "[geometry][bodies]") {
+TEST_CASE("while contacts hold, change() is the symmetric derivative of velocities() by the load", "[geometry][bodies]") {
     // change() is the derivative of velocities(): the lower box cannot sink, the upper one can only slide over it.
     Stage stage = box_on_slope(0, 2e-3);
     stage.solids.all.push_back(free_box({-0.04, 0.04, -0.05}, {0.06, 0.08, 0.04}, 500));
@@ -285,8 +285,8 @@ TEST_CASE("colliding boxes keep both momenta to 1e-12 and bounce with their coef
     }
 }
 
-TEST_CASE("spheres that meet head-on part with bounce times the speed that they met with, within 2e-6", "[geometry][bodies]") {
-    // They touch at points of their layers, a little off the line of their centres.
+TEST_CASE("spheres that collide head-on separate at bounce times their approach speed, within 2e-6", "[geometry][bodies]") {
+    // They touch at boundary particles, a little off the line of their centres.
     for (const double bounce : {0.0, 0.8, 1.0}) {
         CAPTURE(bounce);
         Stage stage(0.01);

@@ -74,7 +74,7 @@ double volume_of(const TriangleMesh& mesh, bool& closed) {
 
 }  // namespace
 
-TEST_CASE("every shape's distance grows at rate one along its normal and is zero where the normal leads", "[geometry]") {
+TEST_CASE("every shape's distance grows at rate 1 along its normal and is 0 at the foot point", "[geometry]") {
     std::mt19937 random(1);
     const auto obj = temporary("cube.obj", cube_obj);
     const std::shared_ptr<const Shape> shapes[] = {make_box({-0.5, -0.2, 0}, {0.5, 0.9, 0.3}), make_sphere({0.1, 0, 0}, 0.6),
@@ -102,7 +102,7 @@ TEST_CASE("a mesh of a shape measures the shape's own distance, inside, outside,
     }
 }
 
-TEST_CASE("mesh parts are solid in any orientation and contact, and one inside another is a hollow", "[geometry]") {
+TEST_CASE("mesh parts are solid in any orientation and contact, and a part inside another is a hollow", "[geometry]") {
     using Box = std::pair<Vec3d, Vec3d>;
     const auto cube = [](double from, double to) { return Box(Vec3d::Constant(from), Vec3d::Constant(to)); };
     struct Case {
@@ -118,7 +118,7 @@ TEST_CASE("mesh parts are solid in any orientation and contact, and one inside a
         {{cube(-1, 1), cube(-0.5, 0.5), cube(-0.2, 0.2)},
          7.064,
          {{on_diagonal(0.75), -0.25}, {on_diagonal(0.4), 0.1}, {Vec3d::Zero(), -0.2}}},
-        // overlapping, once with a hollow in what both hold
+        // overlapping, once with a hollow in the overlap
         {{cube(0, 1), cube(0.4, 1.4)},
          1.784,
          {{on_diagonal(0.3), -0.3}, {on_diagonal(0.55), -0.45}, {on_diagonal(1.1), -0.3}, {on_diagonal(2.4), root}}},
@@ -163,7 +163,7 @@ TEST_CASE("mesh parts are solid in any orientation and contact, and one inside a
         }
 }
 
-TEST_CASE("drawn meshes of bodies are closed, look outward and hold the body's volume", "[geometry]") {
+TEST_CASE("drawn meshes of bodies are closed, face outward and enclose the body's volume", "[geometry]") {
     bool closed = false;
     CHECK(volume_of(make_box({0, 0, 0}, {1, 2, 3})->mesh(0.1f, 1), closed) == Approx(6).epsilon(1e-5));
     CHECK(closed);
@@ -339,7 +339,7 @@ TEST_CASE("a self-intersecting mesh is solid where its winding number is not 0, 
     std::vector<std::array<double, 2>> star;
     for (int k = 0; k < 5; ++k) star.push_back({std::cos(0.8 * std::numbers::pi * k), std::sin(0.8 * std::numbers::pi * k)});
     const auto shape = make_mesh(temporary("star.obj", prism(star, 0)), 1, Vec3d::Zero());
-    // Five points about a pentagon, around which the rim runs twice. The volume is counted at 200,000 places.
+    // Five points about a pentagon, around which the rim runs twice. The volume is estimated from 200,000 sample points.
     CHECK(shape->bulk().volume == Approx(1.1226).epsilon(0.003));
     CHECK(shape->distance({0, 0, Real(0.5)}) < Real(-0.3));
     CHECK(shape->distance({Real(0.35), 0, Real(0.5)}) < 0);

@@ -27,7 +27,7 @@ Domain cube(Real half, std::array<bool, 3> periodic = {false, false, false}) {
     return {Vec3::Constant(-half), Vec3::Constant(half), periodic};
 }
 
-/// Distances to the nearest other particle, over the spacing: the smallest and the largest.
+/// Smallest and largest distance of a particle to its nearest neighbour, over the spacing.
 std::pair<double, double> gaps(const BoundaryParticles& particles, Real spacing, const Domain& domain) {
     Pairs pairs;
     NeighbourSearch().find(particles.position, 2 * spacing, domain, pairs);
@@ -55,12 +55,12 @@ TEST_CASE("a solid turns about its centre at a constant rate exactly", "[geometr
     CHECK((pose.rotation * Vec3(1, 0, 0) - Vec3(0, 1, 0)).norm() < 1e-5);
     CHECK((pose.velocity_at(centre) - Vec3(Real(0.5), 0, 0)).norm() < 1e-3);
     CHECK((pose.angular_velocity - Vec3(0, 0, 3)).norm() < 1e-3);
-    // Its long side lies along x now.
+    // Its long side lies along x.
     CHECK(solids.all[0].distance(centre + Vec3(Real(2.5), 0, 0)) == Approx(0.5).margin(1e-5));
     CHECK((solids.all[0].normal(centre + Vec3(Real(2.5), 0, 0)) - Vec3(1, 0, 0)).norm() < 1e-5);
 }
 
-TEST_CASE("velocities are those that reach the pose at the end of the step", "[geometry]") {
+TEST_CASE("velocities reach the pose at the end of the step", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_sphere({0.3, 0, 0}, 1)));
     solids.all[0].position = expressions("sin(3*t)", "t^2", "0");
@@ -77,7 +77,7 @@ TEST_CASE("velocities are those that reach the pose at the end of the step", "[g
     }
 }
 
-TEST_CASE("a turn by a spin that changes with time has the same bits whatever steps led there", "[geometry]") {
+TEST_CASE("a rotation by a time-dependent spin is bit-identical for any steps", "[geometry]") {
     const auto made = [] {
         Solids solids;
         solids.all.push_back(solid_of(make_sphere({0, 0, 0}, 1)));
@@ -101,7 +101,7 @@ TEST_CASE("a turn by a spin that changes with time has the same bits whatever st
     CHECK((one.all[0].pose.rotation * Vec3(1, 0, 0) - Vec3(Real(std::cos(angle)), 0, Real(-std::sin(angle)))).norm() < 1e-6);
 }
 
-TEST_CASE("a container measures the distance from within", "[geometry]") {
+TEST_CASE("a container's distance is positive inside", "[geometry]") {
     Solid box = solid_of(make_box({-1, -1, -1}, {1, 1, 1}));
     box.inside = true;
     CHECK(box.distance(Vec3(0, 0, 0)) == Approx(1));
@@ -115,7 +115,7 @@ TEST_CASE("a container measures the distance from within", "[geometry]") {
     CHECK(solids.nearest(Vec3(Real(0.9), 0, 0), distance) == 0);
 }
 
-TEST_CASE("every solid gets one layer half a spacing deep, without crowding and holes", "[geometry]") {
+TEST_CASE("every solid gets one layer half a spacing deep, without crowding or holes", "[geometry]") {
     const Real d = Real(0.05);
     const auto sphere_mesh = make_mesh(make_sphere({0, 0, 0}, 0.6)->mesh(Real(0.1), 1), "ball");
     const auto box_mesh = make_mesh(make_box({-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3})->mesh(1, 1), "box");
@@ -149,10 +149,10 @@ TEST_CASE("every solid gets one layer half a spacing deep, without crowding and 
             }
             const auto [least, most] = gaps(particles, d, cube(2));
             CHECK(least > one.least);
-            CHECK(most < 1.6);  // darts fill whatever is wider than twice 0.8 spacings
-            // One particle for d^2 of the layer: with half a spacing less or more at the rims that is 10 per cent of these bodies.
+            CHECK(most < 1.6);  // dart throwing fills every gap wider than twice 0.8 spacings
+            // One particle per area d^2 of the layer. Half a spacing more or less at the rims is 10 % of the area of these bodies.
             CHECK(particles.size() == Approx(one.area / (d * d)).epsilon(0.2));
-            // No hole: every point of the surface has a particle within a spacing and a bit.
+            // No hole: every point of the surface has a particle within little more than a spacing.
             const TriangleMesh surface = one.shape->mesh(Real(0.05), 1);
             std::vector<Vec3> points;
             for (const auto& t : surface.triangle)
@@ -172,7 +172,7 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     Domain domain{Vec3(Real(-1.03), -1, -1), Vec3(Real(1.03), 1, 1), {true, false, true}};
     const BoundaryParticles particles = sample_solids(solids, d, domain);
     CHECK(particles.size() == 21 * 20);
-    // 1/sum W over a lattice without end, 2.06/21 by 0.1 m.
+    // 1/sum W over an infinite lattice of 2.06/21 by 0.1 m.
     const CubicKernel W(2 * d);
     double sum = 0;
     for (int a = -3; a <= 3; ++a)
@@ -211,7 +211,7 @@ TEST_CASE("a box through a periodic domain has no ends and no seam there", "[geo
     }
 }
 
-TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no further out", "[geometry]") {
+TEST_CASE("a tilted solid has its layer everywhere inside the domain, and no farther out", "[geometry]") {
     const Real d = Real(0.1);
     Solids solids;
     const auto sampled = [&](std::shared_ptr<const Shape> shape, const Vec3d& tilt, const Domain& domain) {
@@ -230,7 +230,7 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
     CHECK(sampled(make_cylinder({-0.3, 0, 0}, {1.5, 0, 0}, Real(0.1)), {0, 0, 0.7}, periodic).size() ==
           sampled(make_cylinder({-0.3, 0, 0}, {1.5, 0, 0}, Real(0.1)), {0, 0, 0}, periodic).size());
 
-    // A wide slope: every place of it in the domain has a particle near by, and none is further out than three spacings.
+    // A wide slope: every point of it in the domain has a particle near by, and no particle is farther out than three spacings.
     const double slope = std::numbers::pi / 6;
     const Vec3 up(0, Real(-std::sin(slope)), Real(std::cos(slope)));
     const bool along_x = GENERATE(false, true);
@@ -251,7 +251,7 @@ TEST_CASE("a tilted solid has its layer wherever it is in the domain, and no fur
     }
 }
 
-TEST_CASE("a moving plane has boundary particles wherever it meets the domain, and as many as predicted", "[geometry]") {
+TEST_CASE("a moving plane has boundary particles wherever it meets the domain, in the predicted number", "[geometry]") {
     const Real d = Real(0.2);
     struct Motion {
         Vec3d normal;
@@ -296,7 +296,7 @@ TEST_CASE("a moving plane has boundary particles wherever it meets the domain, a
     CHECK(met > 100);
 }
 
-TEST_CASE("a plane that rocks has the layer of the domain's section, not of its length", "[geometry]") {
+TEST_CASE("the layer of a rocking plane scales with the domain's section, not its length", "[geometry]") {
     const Real d = Real(0.05);
     const Domain domain{Vec3(0, 0, 0), Vec3(10, 1, Real(0.5)), {}};
     Solids solids;
@@ -311,7 +311,7 @@ TEST_CASE("a plane that rocks has the layer of the domain's section, not of its 
     for (const Vec3& u : rocking.velocity) REQUIRE(u.norm() < 0.3 * 1.5);
 }
 
-TEST_CASE("a layer beyond 50 million particles is refused in words, with the solid's place", "[geometry]") {
+TEST_CASE("a layer of more than 50 million particles is refused with the solid's location", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
     solids.set_time(0, 1e-3);
@@ -347,7 +347,7 @@ TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
     }
 }
 
-TEST_CASE("in 2D distances and normals lie in the plane, and the boundary particles on the outline", "[geometry][plane]") {
+TEST_CASE("in 2D distances and normals lie in the plane, and boundary particles on the outline", "[geometry][plane]") {
     ShapeKeys box, ball, rod;
     box.min = {0, 0, -1}, box.max = {0.4, 0.2, 3};
     ball.kind = "sphere", ball.centre = {1, 1, 0.3}, ball.radius = 0.5;  // cut to a radius of 0.4
@@ -363,7 +363,7 @@ TEST_CASE("in 2D distances and normals lie in the plane, and the boundary partic
     }
     CHECK(rectangle->bulk().volume == Approx(0.08));
     CHECK(disc->bulk().volume == Approx(std::numbers::pi * 0.16));
-    // Inertia of a disc of a metre of depth about its axis: m r^2/2.
+    // Inertia about its axis of a disc of 1 m depth: m r^2/2.
     CHECK(disc->bulk().inertia()(2, 2) == Approx(std::numbers::pi * 0.16 * 0.16 / 2));
 
     const Real d = Real(0.02);
@@ -446,7 +446,7 @@ TEST_CASE("a mesh of any thickness has its layer on both sides, without holes", 
                         const Vec3& at = boundary.position[s];
                         nearest = std::min(nearest, std::hypot(static_cast<double>(at.x()) - x, static_cast<double>(at.z()) - z));
                     }
-                    REQUIRE(nearest < d);  // darts leave no disc of .8 d free
+                    REQUIRE(nearest < d);  // dart throwing leaves no disc of .8 d empty
                 }
     }
 }

@@ -47,7 +47,7 @@ TEST_CASE("a checkpoint reads back as it was written", "[io][checkpoint]") {
     CHECK(back->simulation == std::string(1000, '\7'));
 }
 
-TEST_CASE("the last two checkpoints are kept, no partial files, and all files of users next to them", "[io][checkpoint]") {
+TEST_CASE("the last two checkpoints and the user's files are kept, and no partial files", "[io][checkpoint]") {
     const test::ScratchFolder folder;
     fs::create_directory(folder / "checkpoints");
     const std::vector<std::string> foreign{"000010.whorl.bak", "0000099.whorl", "99.whorl", "keep.part", "keep.whorl"};
@@ -66,7 +66,7 @@ TEST_CASE("the last two checkpoints are kept, no partial files, and all files of
     CHECK(damaged.empty());
 }
 
-TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][checkpoint]") {
+TEST_CASE("a damaged checkpoint is named and the previous one is used", "[io][checkpoint]") {
     const test::ScratchFolder folder;
     write_checkpoint(folder.path(), at_frame(3));
     write_checkpoint(folder.path(), at_frame(4));
@@ -80,12 +80,12 @@ TEST_CASE("a damaged checkpoint is named and the one before it is taken", "[io][
         content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 1);
     }
     SECTION("empty") { message = "not of this kind"; }
-    SECTION("sealed, with less in it than a checkpoint has") { content = add_checksum("WHORLCP3", "few"), message = "ends too early"; }
+    SECTION("valid checksum, but too little content") { content = add_checksum("WHORLCP3", "few"), message = "ends too early"; }
     std::ofstream(newest, std::ios::binary) << content;
     SECTION("a folder") {
         fs::remove(newest);
         fs::create_directory(newest);
-        message = state = "cannot be read";  // and perhaps sound: it must not be deleted
+        message = state = "cannot be read";  // It may be valid, so it must not be deleted.
     }
 
     std::vector<std::string> damaged;

@@ -1,4 +1,4 @@
-// Fields that are worked out for a frame.
+// Fields that are computed for a frame.
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
@@ -27,14 +27,14 @@ TEST_CASE("the vorticity of a linear flow is exact, also at a free surface and o
     for (const Vec3& c : curl) CHECK((c - 2 * omega).norm() < 2e-3 * omega.norm());
 }
 
-TEST_CASE("a particle that is alone has no vorticity", "[io]") {
+TEST_CASE("a lone particle has no vorticity", "[io]") {
     const Column<Vec3> x{Vec3(0, 0, 0)}, u{Vec3(1, 2, 3)};
     Domain domain;
     domain.min = Vec3::Constant(-1), domain.max = Vec3::Constant(1);
     CHECK(vorticity(Span<const Vec3>(x.data(), 1), Span<const Vec3>(u.data(), 1), 1, domain)[0] == Vec3(0, 0, 0));
 }
 
-TEST_CASE("Q is the squared rate where the flow turns, less that of the strain, and the same in turned axes", "[io]") {
+TEST_CASE("Q is the squared rotation rate minus the squared strain rate, also in rotated axes", "[io]") {
     Mat3 turning = Mat3::Zero(), strain = Mat3::Zero();
     turning(0, 1) = -3, turning(1, 0) = 3;  // 3 rad/s: |W|^2/2 = 9
     strain(0, 0) = 2, strain(1, 1) = -2;    // |S|^2/2 = 4

@@ -18,7 +18,7 @@ using namespace whorl;
 
 namespace {
 
-/// n particles of 2 kg with spin; those that `inside` names are still in a nozzle.
+/// n particles of 2 kg with spin. The particles in `inside` are still in a nozzle.
 World some_fluid(Index n) {
     World world;
     for (const FieldInfo* info : {&field_info<field::position>(), &field_info<field::velocity>(), &field_info<field::spin>(),
@@ -46,7 +46,7 @@ void set(World& world, std::size_t i, const Vec3& x, const Vec3& u) {
 
 }  // namespace
 
-TEST_CASE("the measures of three particles are those worked out by hand, one in a nozzle does not count", "[io][diagnostics]") {
+TEST_CASE("diagnostics of three particles match hand calculation, without a particle in a nozzle", "[io][diagnostics]") {
     World world = some_fluid(4);
     set(world, 0, {1, 0, 0}, {0, 2, 0});
     set(world, 1, {0, 3, 0}, {1, 0, 0});
@@ -66,7 +66,7 @@ TEST_CASE("the measures of three particles are those worked out by hand, one in 
     CHECK(m.density_error_max == Approx(0.01).epsilon(1e-4));
 }
 
-TEST_CASE("a row of diagnostics has the bits of every other thread count's", "[io][diagnostics]") {
+TEST_CASE("a row of diagnostics is bit-identical for any number of threads", "[io][diagnostics]") {
     const World world = some_fluid(20011);
     std::string rows[3];
     int k = 0;
@@ -160,7 +160,7 @@ TEST_CASE("a point probe is exact for constant fields, also at a free surface, a
     CHECK(csv_lines(make_probe(keys, world)->rows(world, 2)) == "2,,,,,,,\n");
 }
 
-TEST_CASE("a line probe writes its points from end to end, a profile a frame", "[io][probe]") {
+TEST_CASE("a line probe writes its points from end to end, one profile per frame", "[io][probe]") {
     const World world = some_fluid(100);
     ProbeKeys keys;
     keys.kind = ProbeKind::line;

@@ -12,7 +12,7 @@ using namespace whorl;
 
 namespace frame_file_test {
 
-TEST_CASE("a frame comes back from its file to the bit, and a damaged file is named", "[io]") {
+TEST_CASE("a frame reads back bit-identically, and a damaged file is named", "[io]") {
     Frame frame;
     frame.number = 7, frame.time = 0.1, frame.spacing = 0.01f, frame.dimensions = 2;
     frame.position = {{1, 2, 3}, {-4, 5e-20f, 6}};
@@ -76,7 +76,7 @@ TEST_CASE("a frame comes back from its file to the bit, and a damaged file is na
     refused(bytes, "checksum");
 }
 
-TEST_CASE("a frame whose parts do not fit together is refused", "[io]") {
+TEST_CASE("a frame with inconsistent parts is refused", "[io]") {
     const test::ScratchFolder folder;
     const std::filesystem::path file = folder / "000001.frame";
     Frame frame;
@@ -89,17 +89,17 @@ TEST_CASE("a frame whose parts do not fit together is refused", "[io]") {
     SECTION("a field with fewer values than particles") { frame.scalar["density"] = {1000}; }
     SECTION("fewer velocities") { frame.velocity.pop_back(); }
     SECTION("no spacing") { frame.spacing = 0; }
-    SECTION("a particle nowhere") { frame.position[1].y() = NAN; }
-    SECTION("a vertex that is infinitely far") {
+    SECTION("a position that is not a number") { frame.position[1].y() = NAN; }
+    SECTION("a vertex at infinity") {
         mesh.position[2].x() = INFINITY;
         mesh.triangle = {{0, 1, 2}};
         frame.solids.emplace_back().mesh = std::make_shared<const TriangleMesh>(mesh);
     }
-    SECTION("an axis that repeats after nothing") {
+    SECTION("a periodic axis of zero length") {
         frame.domain_max = {1, 0, 1};
         frame.periodic = {false, true, false};
     }
-    SECTION("a triangle with a corner that is no vertex") {
+    SECTION("a triangle with an invalid vertex index") {
         mesh.triangle = {{0, 1, 3}};
         frame.solids.emplace_back().mesh = std::make_shared<const TriangleMesh>(mesh);
     }

@@ -41,7 +41,7 @@ struct Layer {
     }
 };
 
-/// y'' + lambda y = 0, y(0) = y(1) = 0, y'(0) = 1; lambda is sought.
+/// y'' + lambda y = 0, y(0) = y(1) = 0, y'(0) = 1, with unknown lambda.
 struct String {
     static constexpr int functions = 3, start_conditions = 2;
     template <class T>
@@ -79,7 +79,7 @@ struct Bratu {
 
 }  // namespace
 
-TEST_CASE("half the intervals' length is a sixteenth of the error of a boundary value problem", "[math]") {
+TEST_CASE("halving the intervals divides the error of a boundary value problem by 16", "[math]") {
     const Layer layer;
     double before = 0;
     for (const int intervals : {10, 20, 40, 80}) {
@@ -109,13 +109,13 @@ TEST_CASE(
     CHECK(layer.largest_error(curve) < 1e-4);
 }
 
-TEST_CASE("a constant that is sought comes with the functions: a string's first eigenvalue is pi squared", "[math]") {
+TEST_CASE("an unknown constant is solved with the functions: a string's first eigenvalue is pi^2", "[math]") {
     Curve<3> curve = even_guess<3>(40, {0.2, 0, 8});
     REQUIRE(Collocation<String>::solve({}, curve, limits).converged);
     CHECK(curve.y.front()[2] == Approx(std::numbers::pi * std::numbers::pi).epsilon(1e-6));
 }
 
-TEST_CASE("a problem without a solution ends within its steps and reports no convergence", "[math]") {
+TEST_CASE("a problem without a solution ends within its step limit and reports no convergence", "[math]") {
     Bratu bratu;
     Curve<2> curve = even_guess<2>(20, {0, 0});
     REQUIRE(Collocation<Bratu>::solve(bratu, curve, limits).converged);

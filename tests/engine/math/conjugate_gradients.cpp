@@ -6,7 +6,7 @@ using namespace whorl;
 
 namespace {
 
-/// -u'' on n points between two fixed ends, plus `mass` on the diagonal.
+/// Discrete -u'' on n points between two fixed ends, plus `mass` on the diagonal.
 struct Laplacian {
     Real mass = 0;
     template <class T>
@@ -58,7 +58,7 @@ TEST_CASE("an exact preconditioner solves in one iteration, in either norm", "[m
     }
 }
 
-TEST_CASE("no load has no answer but zero", "[math][solver]") {
+TEST_CASE("a zero right-hand side gives a zero solution", "[math][solver]") {
     std::vector<Real> b(5, 0), x(5, 3);
     const SolveReport report = conjugate_gradients<Real>(Laplacian{}, NoPreconditioner{}, b, x, {});
     CHECK(report.converged);

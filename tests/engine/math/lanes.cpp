@@ -9,12 +9,13 @@ using namespace whorl;
 
 namespace lanes_test {
 
-TEST_CASE("vectors go into lanes and back to their places, those that share a place too", "[math]") {
+TEST_CASE("vectors gather into lanes and scatter back, also to shared positions", "[math]") {
     constexpr Index pieces = 3 * lane_count;
     Column<Vec4> from(pieces), to(2 * pieces, Vec4{});
     for (Index i = 0; i < pieces; ++i) from[i] = {{Real(i), Real(100 + i), Real(200 + i), Real(300 + i)}};
     Index place[lane_count];
-    for (Index lane = 0; lane < lane_count; ++lane) place[lane] = (5 * lane + 1) % (lane_count / 2);  // each twice, some within one four
+    for (Index lane = 0; lane < lane_count; ++lane)
+        place[lane] = (5 * lane + 1) % (lane_count / 2);  // Each index occurs twice, sometimes within one group of four.
     Lanes fourth;
     const Lanes3 v = gather(from.data(), place, &fourth);
     for (Index lane = 0; lane < lane_count; ++lane) {
@@ -29,7 +30,7 @@ TEST_CASE("vectors go into lanes and back to their places, those that share a pl
         for (int a = 0; a < 4; ++a) CHECK(to[i].v[a] == expected[i].v[a]);  // small whole numbers: exact
 }
 
-TEST_CASE("pieces in twos go into lanes as one gather after the other brings them", "[math]") {
+TEST_CASE("gathering pieces in pairs equals one gather after the other", "[math]") {
     constexpr Index pieces = 3 * lane_count;
     Column<Vec4> from(2 * pieces);
     for (std::size_t i = 0; i < from.size(); ++i) from[i] = {{Real(i), Real(100 + i), Real(200 + i), -1}};
@@ -48,7 +49,7 @@ TEST_CASE("pieces in twos go into lanes as one gather after the other brings the
 }
 
 // Small whole numbers: all sums and products are exact, in any order.
-TEST_CASE("arithmetic in lanes is that of vectors and matrices, lane by lane", "[math]") {
+TEST_CASE("arithmetic in lanes equals that of vectors and matrices, lane by lane", "[math]") {
     const auto number = [](Index lane, int k) { return static_cast<Real>((7 * lane + 5 * k + 3 * lane * k) % 23 - 11); };
     Mat3 A[lane_count], S[lane_count];
     Vec3 u[lane_count], v[lane_count];
@@ -91,7 +92,7 @@ TEST_CASE("arithmetic in lanes is that of vectors and matrices, lane by lane", "
     CHECK(any_above(a, a[lane_count - 1] - 1));
     CHECK_FALSE(any_above(a, 11));
 
-    // Symmetric matrices to places that repeat.
+    // Symmetric matrices, scattered to repeated positions.
     Index place[lane_count];
     std::vector<Mat3> expected(3, Mat3::Zero());
     for (Index lane = 0; lane < lane_count; ++lane) place[lane] = lane % 3, expected[lane % 3] += S[lane];

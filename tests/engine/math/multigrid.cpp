@@ -1,4 +1,4 @@
-/// The V-cycle on explicit matrices, and the sparse products that it is made of.
+/// The V-cycle on explicit matrices, and the sparse products that it uses.
 #include "engine/math/multigrid.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ using namespace whorl;
 
 namespace {
 
-/// The seven-point Laplacian on a cube of side^3 cells, tied to zero at the bottom, or nowhere.
+/// The seven-point Laplacian on a cube of side^3 cells, with zero values at the bottom, or singular.
 struct Cube {
     SparseRows A;
     std::vector<GridCell> cells;
@@ -78,7 +78,7 @@ TEST_CASE("products and transposes of sparse matrices are those of dense ones wi
     CHECK((dense(transposed(B)) - dense(B).transpose()).norm() == 0);
 }
 
-TEST_CASE("a V-cycle is symmetric and positive definite, also where the matrix is singular", "[math][multigrid]") {
+TEST_CASE("a V-cycle is symmetric and positive definite, also if the matrix is singular", "[math][multigrid]") {
     for (const bool tied : {true, false}) {
         INFO((tied ? "tied" : "singular"));
         const Cube cube(11, tied);
@@ -92,15 +92,15 @@ TEST_CASE("a V-cycle is symmetric and positive definite, also where the matrix i
             M(s, Ms);
             const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
             CHECK(rMr > 0);
-            // Round-off: coarse matrices in float are symmetric to some 1e-7 of their diagonal, and a singular one weighs constants
-            // 10^4 times.
+            // Round-off: coarse matrices in float are symmetric to some 1e-7 of their diagonal, and a singular one weights constants by
+            // 10^4.
             CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < (tied ? 1e-5 : 1e-2) * std::sqrt(rMr * sMs));
         }
     }
 }
 
-// The sums that make a coarse matrix leave round-off of some 1e-6 on its diagonal: constants would be worth 1e5 times a neighbour's
-// difference, and what a correction made of them noise.
+// The sums of a coarse matrix leave round-off of some 1e-6 on its diagonal. It would weight constants 1e5 times as much as differences
+// between neighbours, and their correction would be noise.
 TEST_CASE("a V-cycle is Algorithm 3 of the second source note, line by line with dense matrices, to 1e-5", "[math][multigrid]") {
     // Two levels, interpolation by smoothed constants: sweeps of w/D from zero, the residual, its restriction, a solve, the correction,
     // sweeps.
@@ -138,7 +138,7 @@ TEST_CASE("a V-cycle is Algorithm 3 of the second source note, line by line with
     }
 }
 
-TEST_CASE("a matrix that is singular but for round-off weighs constants as a singular one does", "[math][multigrid]") {
+TEST_CASE("a matrix that is singular up to round-off weights constants as a singular one does", "[math][multigrid]") {
     Cube cube(6, false);
     for (Index i = 0; i < cube.A.size(); ++i)
         for (std::size_t k = cube.A.first[i]; k < cube.A.first[i + 1]; ++k)
@@ -168,7 +168,7 @@ TEST_CASE("a single level solves a matrix that is not singular exactly, to 1e-5"
 
 TEST_CASE("more sweeps keep the V-cycle symmetric and positive, and contract the error more", "[math][multigrid]") {
     const Cube cube(16, true);
-    // |1 - M A| in the energy norm of A, by power iteration: what a cycle by itself leaves of an error at most.
+    // |1 - M A| in the energy norm of A, by power iteration: the largest share of an error that remains after one cycle.
     const auto contraction = [&](int sweeps) {
         Multigrid M;
         MultigridOptions options;

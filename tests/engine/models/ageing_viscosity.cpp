@@ -15,7 +15,7 @@ using namespace whorl::test;
 
 namespace {
 
-/// Two nozzles side by side over a block, nothing touches.
+/// Two nozzles side by side over a block, without contact.
 const std::string pour = text::time(0.1) + text::domain({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}, "gravity = [0, 0, 0]") +
                          text::fluid(5e-3, 0, "viscosity = \"30 + 1000*x\"") + text::models("ppe", "full") +
                          text::block({-0.02, -0.09, -0.02}, {0.02, -0.07, 0.02}) +
@@ -24,7 +24,7 @@ const std::string pour = text::time(0.1) + text::domain({-0.1, -0.1, -0.1}, {0.1
 
 }  // namespace
 
-TEST_CASE("each emitter sets its viscosity, also by age, and fluid of the start keeps that of its place", "[sim][viscosity]") {
+TEST_CASE("each emitter sets its viscosity, also by age, and initial fluid keeps that of its position", "[sim][viscosity]") {
     Simulation simulation = simulation_of(pour);
     while (simulation.time() < 0.1) REQUIRE_FALSE(simulation.step(0.1).diverged);
     const World& w = simulation.world();
@@ -40,7 +40,7 @@ TEST_CASE("each emitter sets its viscosity, also by age, and fluid of the start 
             ++left;
             CHECK(mu[i] == 3);
         } else if (role[i] < 0) {
-            CHECK(mu[i] == 2);  // inside the nozzle nothing grows older
+            CHECK(mu[i] == 2);  // fluid inside the nozzle does not age
         } else {
             ++right;  // 0.2 m/s from the nozzle at y = 0: age = -y/0.2 to within two steps of 5 ms at most
             CHECK(mu[i] == Approx(2 + 100 * -x[i].y() / 0.2).margin(100 * 0.01));
@@ -51,9 +51,7 @@ TEST_CASE("each emitter sets its viscosity, also by age, and fluid of the start 
     CHECK(right > 40);
 }
 
-TEST_CASE("a run with ageing viscosity that is saved and loaded half-way ends with the same bits", "[sim][viscosity][resume]") {
-    CHECK(differing_bits(pour, 0.1) == "");
-}
+TEST_CASE("a run with ageing viscosity resumes bit-identically", "[sim][viscosity][resume]") { CHECK(differing_bits(pour, 0.1) == ""); }
 
 TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their viscosity unchanged", "[sim][viscosity][change]") {
     const auto changed = [](const std::string& viscosity) {
@@ -66,8 +64,7 @@ TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their 
     const auto mu = [&] { return simulation.world().fluid.column<field::viscosity>(); };
     const std::vector<Real> before(mu().begin(), mu().end());
 
-    // To an expression of the place, which is where the particles are now, and of their age, which is 0.1 s for what was there at the
-    // start.
+    // Changes to an expression of the particles' current position and of their age, which is 0.1 s for the initial fluid.
     const Scene after = changed("\"60 + 500*y + 1000*age\"");
     simulation.change(after, make_plan(after));
     const auto x = simulation.world().fluid.column<field::position>();
@@ -79,7 +76,7 @@ TEST_CASE("a live change of fluid.viscosity leaves fluid of emitters with their 
     }
     CHECK(touched > 100);
 
-    // Ageing fluid keeps ageing, by the new expression and from the place of the change.
+    // Ageing fluid continues to age by the new expression, from its position at the change.
     while (simulation.time() < 0.15) REQUIRE_FALSE(simulation.step(0.15).diverged);
     const auto source = simulation.world().fluid.column<field::source>();
     const auto start = simulation.world().fluid.column<field::birthplace>();
@@ -104,7 +101,7 @@ TEST_CASE("without ageing a live change of fluid.viscosity leaves an emitter wit
     const auto mu = simulation.world().fluid.column<field::viscosity>();
     for (std::size_t i = 0; i < mu.size(); ++i) CHECK(mu[i] == (x[i].y() < -0.06 ? 50 : x[i].x() < 0 ? 3 : 7));
 
-    // A value that is none is known after a checkpoint, too, that was written before any step with it.
+    // An invalid value is also reported after a checkpoint that was written before any step with it.
     request.changes.back().value = Value(std::string("abs(x-0.0125) < 0.001 ? 0-1 : 30"));
     const Scene wrong = read_scene_text(text, "test.toml", request);
     simulation.change(wrong, make_plan(wrong));
@@ -141,7 +138,7 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
         return read_scene_text(pour, "test.toml", request);
     };
     const auto run = [&](const Scene& scene) { return Simulation(scene, make_plan(scene)); };
-    // Too thin for the samples of the scene's checks. Particles are at x = 0.0125.
+    // Too thin to be hit by the sample points of the scene's checks. Particles are at x = 0.0125.
     const std::string hole = "abs(x-0.0125) < 0.001 ? ";
     for (const auto& [key, value, expected] : std::vector<std::array<std::string, 3>>{
              {"fluid.viscosity", "\"" + hole + "0-1 : 30\"", "fluid.viscosity is -1 Pa s at (0.0125"},
@@ -172,7 +169,7 @@ TEST_CASE("an invalid viscosity is reported at the start with key and place, lat
     CHECK(end_of(changed) == "new fluid: fluid.viscosity is -1 Pa s");
 }
 
-TEST_CASE("past the last age with a viscosity a particle keeps the value of shortly before", "[viscosity]") {
+TEST_CASE("beyond the last age with a valid viscosity a particle keeps the last valid value", "[viscosity]") {
     const auto at = [](const std::string& viscosity, double age, double time, double dt) {
         ReadRequest request;
         request.changes.push_back({"fluid.viscosity", Value(viscosity)});

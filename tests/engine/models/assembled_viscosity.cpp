@@ -11,7 +11,7 @@ using namespace whorl::test;
 
 namespace {
 
-/// A body with a wall under it, pairs found, dt = 0.01 s, with uneven densities (0.78 to 1.22 of the one at rest) or equal ones.
+/// A body with a wall under it, pairs found, dt = 0.01 s, with uneven (0.78 to 1.22 times the rest density) or equal densities.
 TestWorld prepared(bool uneven_density, bool wall = true, Real unevenness = Real(0.2)) {
     TestWorld w = uneven_block(1000, unevenness, {make_stage("density", "density", Density{})}, Vec3(Real(0.3), Real(0.2), Real(0.2)));
     if (wall) w.add_wall(1, +1, -0.22);
@@ -152,7 +152,7 @@ TEST_CASE("a step as printed solves equation 6 with V_j in the Jacobian to 1e-3,
     CHECK(off < 1e-3 * most);
 }
 
-TEST_CASE("on a lattice the printed diagonal is the mass alone, the second ring gives most of the true one", "[viscosity]") {
+TEST_CASE("on a lattice the printed diagonal is the mass, and the second ring gives most of the true one", "[viscosity]") {
     TestWorld w = prepared(false, false, 0);
     const AssembledOperator A = assembled(w);
     const ViscousOperator B = matrix_free(w);
@@ -164,7 +164,7 @@ TEST_CASE("on a lattice the printed diagonal is the mass alone, the second ring 
     unit[middle] = Vec3::UnitX();
     B.multiply(unit, column);
     const double true_diagonal = column[middle].x();
-    // Inside a lattice sum grad W = 0: nothing is left of omega and alpha but round-off. A row of neighbours to each side is missing here,
+    // Inside a lattice sum grad W = 0: omega and alpha are zero up to round-off. A row of neighbours to each side is missing here,
     // R = 2 d.
     CHECK(A.printed_own(middle)(0, 0) == Approx(1).margin(1e-3 * true_diagonal));
     CHECK(true_diagonal > 3);
@@ -194,7 +194,7 @@ TEST_CASE("an assembled viscosity step equals the matrix-free one and keeps a fr
         const Vec3 x = a.column<field::position>()[i];
         spin_before += a.world.step.mass * (x.y() * x.y() + x.z() * x.z());
     }
-    CHECK(difference < 1e-4);  // of 1 m/s: two solves to 1e-6 in the energy norm, at nu dt/d^2 = 1 to 7
+    CHECK(difference < 1e-4);  // relative to 1 m/s: two solves to 1e-6 in the energy norm, at nu dt/d^2 = 1 to 7
     const double mass = a.world.step.mass * static_cast<double>(a.world.fluid.size());
     CHECK(b.momentum().x() == Approx(mass).epsilon(1e-5));
     CHECK(b.angular_momentum().x() < 0.98 * spin_before);  // the ghost torque of the uncorrected gradient

@@ -47,7 +47,7 @@ struct Fluid {
 struct Expected {
     double h = 0, density = 1;
     std::map<Index, Vec3d> pairs;  ///< r of each j that counts
-    std::vector<Index> undecided;  ///< a distance is so near a limit that rounding decides
+    std::vector<Index> undecided;  ///< whether a distance is so near a limit that rounding decides
 };
 
 constexpr double rounding = 1e-5;  // of distances in spacings: places of up to 30 spacings, in single precision
@@ -88,7 +88,7 @@ Expected expected_row(const Fluid& fluid, std::size_t i, const CoupledOptions& o
     return row;
 }
 
-/// How many pairs there are, and how many of the particles look farther than the usual support.
+/// Number of pairs, and number of particles whose support is wider than usual.
 struct Found {
     int pairs = 0, wide = 0, gated = 0;
 };
@@ -157,7 +157,7 @@ TEST_CASE("block rows contain the pairs of a brute-force search, with an extra b
     CHECK(require_rows_of_all_pairs(fluid).pairs > 257 * 16);
 }
 
-TEST_CASE("two turns 1.8 spacings apart share no pair through the air, unless both are prescribed", "[models][coupled]") {
+TEST_CASE("two coil turns 1.8 spacings apart share no pair through air, unless both are prescribed", "[models][coupled]") {
     Fluid fluid;
     fluid.add_block(Vec3(0, 0, 0), 10, 3, 3);
     fluid.add_block(Vec3(0, Real(4.0), 0), 10, 3, 3);
@@ -176,12 +176,12 @@ TEST_CASE("a bridge of single particles joins the bodies that it touches", "[mod
     require_rows_of_all_pairs(fluid);
 }
 
-TEST_CASE("particles with few neighbours look as far as the 16th, at most 4 spacings, and a lone one has no row", "[models][coupled]") {
+TEST_CASE("the support of a sparse particle reaches its 16th neighbour, at most 4 d, and a lone one has no row", "[models][coupled]") {
     Fluid fluid;
     fluid.add_block(Vec3(0, 0, 0), 6, 6, 6, 0, Real(1.5));
     for (int k = 0; k < 30; ++k) fluid.add(Vec3(30, Real(k), 0));  // a single file
     fluid.add(Vec3(-20, 0, 0));
-    fluid.add(Vec3(-20, 10, 0)), fluid.add(Vec3(-20, Real(13.5), 0));  // a pair that only the widest support joins, and no bridge
+    fluid.add(Vec3(-20, 10, 0)), fluid.add(Vec3(-20, Real(13.5), 0));  // a pair that only the widest support joins, without a bridge
     fluid.add(Vec3(-20, 20, 0)), fluid.add(Vec3(-20, 20, 0)), fluid.add(Vec3(-19, 20, 0));  // two in one place, which are no pair
     const Found found = require_rows_of_all_pairs(fluid);
     CHECK(found.wide > 100);
@@ -195,7 +195,7 @@ TEST_CASE("particles with few neighbours look as far as the 16th, at most 4 spac
 }
 
 TEST_CASE("a round wall counts in the density by the part of the kernel that lies behind it, within .7 %", "[models][coupled]") {
-    // As a plane at the same height it would lack 2.3 % inside a cylinder of six spacings and 4.7 % inside such a sphere.
+    // A plane at the same height would give 2.3 % too little inside a cylinder of six spacings, and 4.7 % inside such a sphere.
     const double radius = 6 * double(d), length = 20 * double(d), height = 0.55;  // between two points of the sum below
     const std::shared_ptr<const Shape> cylinder = make_cylinder({0, -length, 0}, {0, length, 0}, radius),
                                        sphere = make_sphere(Vec3d::Zero(), radius);
@@ -226,7 +226,7 @@ TEST_CASE("a round wall counts in the density by the part of the kernel that lie
         }
 }
 
-TEST_CASE("rows of no particle and of one are empty", "[models][coupled]") {
+TEST_CASE("rows of zero particles and of one particle are empty", "[models][coupled]") {
     Fluid fluid;
     CHECK(require_rows_of_all_pairs(fluid).pairs == 0);
     fluid.add(Vec3(1, 2, 3));

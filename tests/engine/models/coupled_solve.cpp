@@ -73,7 +73,7 @@ CoupledWorld falling_blob(bool slides) {
 
 TEST_CASE("a blob that falls on a plate thinner than a step's path sticks to it", "[models][coupled]") {
     CoupledWorld w = falling_blob(false);
-    for (int k = 0; k < 40; ++k) w.step(Real(0.006));  // 0.9 d a step on touching
+    for (int k = 0; k < 40; ++k) w.step(Real(0.006));  // 0.9 d per step at the impact
     int stuck = 0;
     Real lowest = 1;
     for (std::size_t i = 0; i < w.position().size(); ++i) {
@@ -86,7 +86,7 @@ TEST_CASE("a blob that falls on a plate thinner than a step's path sticks to it"
     CHECK(lowest > Real(0.29) * d);
 }
 
-TEST_CASE("on a plate that slips a blob slides freely and does not sink in", "[models][coupled]") {
+TEST_CASE("on a free-slip plate a blob slides freely and does not sink in", "[models][coupled]") {
     CoupledWorld w = falling_blob(true);
     double time = 0;
     for (int k = 0; k < 60; ++k, time += 0.004) w.step(Real(0.004));
@@ -97,7 +97,7 @@ TEST_CASE("on a plate that slips a blob slides freely and does not sink in", "[m
         lowest = std::min(lowest, w.position()[i][1]);
         CHECK(w.role()[i] == 0);
     }
-    // 2 m/s^2 along the plate and nothing against it.
+    // Accelerated by 2 m/s^2 along the plate, without friction.
     CHECK(sideways / double(w.position().size()) == Approx(2 * time).epsilon(0.01));
     CHECK(lowest > Real(0.25) * d);
 }

@@ -13,8 +13,8 @@ namespace curvature_test {
 
 namespace {
 
-/// G of the straight move that brings a body which turns by `angle` about z from one place to the next: forward from where it is, or to
-/// where it is.
+/// Gradient G of the straight displacements that rotate a body by `angle` about z: from the current position forward, or up to the current
+/// position.
 Mat3 straight_turn(double angle, double dt, bool forward) {
     const double turned = forward ? angle : -angle, sign = forward ? 1 : -1;
     Mat3d R = Mat3d::Identity();
@@ -24,7 +24,7 @@ Mat3 straight_turn(double angle, double dt, bool forward) {
 
 }  // namespace
 
-TEST_CASE("without the curvature a body that turns strains at first order in the step, with it not at all", "[viscosity]") {
+TEST_CASE("a rotating body strains at first order in the step without the curvature, not at all with it", "[viscosity]") {
     const double dt = 0.1;
     for (const double angle : {0.25, 0.1, 1e-3}) {
         const Mat3 G = straight_turn(angle, dt, true), D = Real(0.5) * (G + G.transpose());
@@ -36,7 +36,7 @@ TEST_CASE("without the curvature a body that turns strains at first order in the
 }
 
 TEST_CASE("with the curvature a stretching at constant rate has its rate to second order in the step", "[viscosity]") {
-    // Lengths grow by exp(rate dt) a step. In the middle of it the rate is 2/dt tanh(rate dt/2).
+    // Lengths grow by exp(rate dt) per step. At mid-step the rate is 2/dt tanh(rate dt/2).
     const Vec3d rate(2, -1, -1);
     const double dt = 0.05;
     const Mat3 before = Mat3d(((1 - (-dt * rate.array()).exp()) / dt).matrix().asDiagonal()).cast<Real>();
@@ -78,7 +78,7 @@ TEST_CASE("the gradient before the forces is exact for linear fields, in a free 
     }
 }
 
-TEST_CASE("a single file of particles and a sheet that turn have the curvature of a body", "[viscosity]") {
+TEST_CASE("a rotating line and a rotating sheet of particles have the curvature of a body", "[viscosity]") {
     const double angle = 0.05, dt = 0.1;
     for (const Vec3& half : {Vec3(Real(0.4), Real(0.05), Real(0.05)), Vec3(Real(0.4), Real(0.05), Real(0.4))}) {
         TestWorld w = uneven_block(1, 0, {make_stage("gradient", "viscosity", VelocityGradient{})}, half);

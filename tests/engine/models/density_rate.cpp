@@ -18,11 +18,11 @@ namespace {
 
 constexpr double d = 0.01;
 
-/// Fluid above a floor, shaken, at the given height of its lowest layer's lower face [d].
+/// Jittered fluid above a floor. The lower face of its lowest layer is at the given height [d].
 struct Floor : TestWorld {
     std::vector<Real> rho, rate, bend;
-    Real bend_step = 0;  ///< s, for which `bend` is measured; 0: it is not
-    /// @param mirrors flat walls that show images, which meet at right angles in a corner of the fluid
+    Real bend_step = 0;  ///< s, for which `bend` is measured; 0: `bend` is not measured
+    /// @param mirrors number of flat walls with images; they meet at right angles in a corner of the fluid
     explicit Floor(double height, int mirrors = 0) : TestWorld(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real(20 * d)), {}}) {
         use({});
         add_wall(1, +1, 0);
@@ -60,7 +60,7 @@ struct Floor : TestWorld {
 }  // namespace
 
 TEST_CASE("at a wall the density rate is the density's derivative within 1 %, with and without a gate", "[pressure][boundary]") {
-    // Central difference over +-0.005 d. What is left is the difference's own error (third derivatives of the kernel jump at R/2) and
+    // Central difference over +-0.005 d. The remainder is the error of the difference (third derivatives of the kernel jump at R/2) and
     // round-off in float.
     for (const double threshold : {0.0, 0.1, -1.0, -2.0, -3.0}) {
         INFO("gate " << threshold << "; -1 to -3: none, and images in 1 to 3 walls");
@@ -81,7 +81,8 @@ TEST_CASE("at a wall the density rate is the density's derivative within 1 %, wi
 }
 
 TEST_CASE("at a wall the curvature term is the density change beyond its rate, with and without a gate", "[pressure][boundary]") {
-    // Particles move by up to 0.2 d against each other along each axis. Neighbours that come within reach are left out: W is near 0 there.
+    // Particles move by up to 0.2 d relative to each other along each axis. Neighbours that enter the support are ignored: W is near 0
+    // there.
     for (const double threshold : {0.0, 0.1, -1.0, -2.0, -3.0}) {
         INFO("gate " << threshold << "; -1 to -3: none, and images in 1 to 3 walls");
         Floor fluid(0, static_cast<int>(std::max(0.0, -threshold)));
@@ -132,9 +133,9 @@ TEST_CASE("fluid that turns with a solid keeps its density at first order, and i
     CHECK(std::sqrt(wrong / all) < 0.02);
 }
 
-TEST_CASE("a gate keeps a wall out of the density until the fluid is near, and lets all of it in at contact", "[pressure][boundary]") {
-    // Without a gate the wall is felt from half a spacing above contact on (its image is nearly twice as far); with 0.1 a layer
-    // 0.35 d above contact feels nothing at all.
+TEST_CASE("a gate excludes a wall from the density until the fluid is near, and includes all at contact", "[pressure][boundary]") {
+    // Without a gate the wall acts from half a spacing above contact on (its image is nearly twice as far); with a gate of 0.1 it does not
+    // act on a layer 0.35 d above contact.
     Floor high(0.35), touching(0);
     high.measure(0);
     const std::vector<Real> felt = high.rho;

@@ -57,7 +57,7 @@ Domain open_space() { return {Vec3(-1, -1, -1), Vec3(2, 2, 2), {}}; }
 Domain periodic_box(int n) { return {Vec3::Zero(), Vec3::Constant(Real(n * d)), {true, true, true}}; }
 Domain plane_box(int n) { return {Vec3::Zero(), Vec3(Real(n * d), Real(n * d), 0), {true, true, false}}; }
 
-/// Largest eigenvalue of what a projection takes from the velocity: u - u' = T u with T symmetric; no u gains energy while it is below 2.
+/// Largest eigenvalue of the symmetric T by which a projection changes the velocity, u - u' = T u. No u gains energy if it is below 2.
 double largest_share_taken(Fluid& f) {
     const auto u = f.column<field::velocity>();
     RandomNumbers random(5);
@@ -115,9 +115,8 @@ TEST_CASE("a density-source solve gains no energy, on and off lattices, free, be
         }
 }
 
-TEST_CASE("with the layer's missing force along a flat wall, its pairs pull along it as a full lattice does",
-          "[pressure][density_source]") {
-    // By hand for R = 2 d: neighbours at 1, sqrt(2) and sqrt(3) spacings; those at 2 have W = W' = 0.
+TEST_CASE("with the missing force along a flat wall, a layer's pairs pull as a full lattice does", "[pressure][density_source]") {
+    // Calculated by hand for R = 2 d: neighbours at 1, sqrt(2) and sqrt(3) spacings. Neighbours at 2 have W = W' = 0.
     const CubicKernel kernel(Real(2 * d));
     const auto W = [&](double r) { return d * d * d * static_cast<double>(kernel.value(static_cast<Real>(r * d))); };
     const auto pull = [&](double r) { return -static_cast<double>(kernel.derivative(static_cast<Real>(r * d))) / r; };  // of a step d along
@@ -198,7 +197,7 @@ TEST_CASE("density source: a lone particle at a moving wall has the pressure b/a
 TEST_CASE(
     "density source: scattered fluid between moving walls has the pressures of a dense solve, as solved with and without clamp, as printed",
     "[pressure][density_source]") {
-    // Every sum over all pairs, in double: what holds rho*, alpha, the matrix and the force to what docs/physics.md says of them.
+    // Every sum over all pairs, in double: checks rho*, alpha, the matrix and the force against docs/physics.md.
     for (const auto& [clamp, printed] : {std::pair(true, false), {false, false}, {true, true}}) {
         PressureOptions options = exact_options();
         options.clamp = clamp, options.printed = printed;
@@ -276,7 +275,7 @@ TEST_CASE(
             b[i] = 1000 * (printed ? 1 : w[i]) * (corrected * (rho[i] / 1000 - 1) + dt * rate) / (dt * dt);
         }
         Eigen::VectorXd p = A.partialPivLu().solve(b);
-        if (!printed) CHECK(p.minCoeff() < 0);  // the clamp has something to do
+        if (!printed) CHECK(p.minCoeff() < 0);  // the clamp is active
         if (clamp) p = p.cwiseMax(0);
         const double scale = p.cwiseAbs().maxCoeff();
         double wrong = 0, off = 0;

@@ -56,7 +56,7 @@ TEST_CASE("explicit viscosity keeps momentum to 1e-6, also with uneven density a
     }
 }
 
-TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, next to the wall either", "[viscosity][boundary]") {
+TEST_CASE("uniform shear along a no-slip wall has no viscous force, not even next to the wall", "[viscosity][boundary]") {
     // u = y e_x above a wall at y = 0: Lap u = 0. Lattice and shear continue in the wall: zero to round-off.
     const Real d = Real(0.1);
     for (int dimensions : {3, 2}) {
@@ -78,8 +78,8 @@ TEST_CASE("shear along a wall that the fluid sticks to feels no viscous force, n
                 largest = std::max<double>(largest, a[i].norm());
                 densest = std::max<double>(densest, std::abs(rho[i] / 1000 - 1));
             }
-        // Relative to mu u'/(rho d), the force of one layer on the next. In 2D the fluid's lattice sum is 1.0009 rho_0, and its neighbours
-        // weigh that much less than those of the wall.
+        // Relative to mu u'/(rho d), the force of one layer on the next. In 2D the fluid's lattice sum is 1.0009 rho_0: fluid neighbours
+        // have that much less weight than wall neighbours.
         CHECK(largest < (dimensions == 3 ? 1e-4 : 1e-3) / (1000 * d));
         CHECK(densest < 1e-3);  // the lattice sum itself is 1.0004 rho_0, in 2D 1.0009
     }
@@ -107,7 +107,7 @@ TEST_CASE(
         const auto rho = w.column<field::density>(), mu = w.column<field::viscosity>();
         const StepContext& step = w.world.step;
         const CubicKernel W(step.support);
-        // The factors that make up for the lattice's sums (docs/physics.md 4).
+        // The factors that correct the lattice's sums (docs/physics.md 4).
         const double factor = form == Form::brookshaw ? 1 / lattice_gradient(step.kernel, step.support, step.spacing)
                                                       : along_pairs_factor(step.kernel, step.support, step.spacing);
         double apart = 0, most = 0;
@@ -130,7 +130,7 @@ TEST_CASE(
             most = std::max(most, change.norm());
             apart = std::max(apart, ((u[i] - before[i]).cast<double>() - change).norm());
         }
-        // XSPH changes velocities of 1 by some 1e-3: of that, round-off is 1e-4.
+        // XSPH changes velocities of 1 by some 1e-3, of which 1e-4 is round-off.
         CHECK(apart < (form == Form::xsph ? 2e-4 : 1e-5) * most);
     }
 }

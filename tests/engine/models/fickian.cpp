@@ -1,4 +1,4 @@
-/// Moves that even out the particles.
+/// Particle shifting.
 #include "engine/models/motion/fickian.h"
 
 #include <catch2/catch.hpp>
@@ -42,18 +42,18 @@ double spread(TestWorld& w) {
 
 }  // namespace
 
-TEST_CASE("shifting evens out jittered particles in a shear flow, and leaves their velocities alone", "[shifting]") {
+TEST_CASE("shifting evens out jittered particles in a shear flow and keeps their velocities", "[shifting]") {
     TestWorld w = sheared(true, Vec3::Zero());
     const std::vector<Vec3> before(w.column<field::velocity>().begin(), w.column<field::velocity>().end());
     w.step(5e-3);
     const double start = spread(w);
-    for (int k = 0; k < 20; ++k) w.step(5e-3);  // the positions move by the shift alone: a shear of 1
+    for (int k = 0; k < 20; ++k) w.step(5e-3);  // positions move by the shift only, in a shear of 1
     CHECK(start > 0.01);
     CHECK(spread(w) < 0.5 * start);
     CHECK(std::equal(before.begin(), before.end(), w.column<field::velocity>().begin()));
 }
 
-TEST_CASE("shifting is the same in a moving frame, and zero without relative motion", "[shifting]") {
+TEST_CASE("shifting is Galilean invariant, and zero without relative motion", "[shifting]") {
     TestWorld still = sheared(true, Vec3::Zero()), drifting = sheared(true, Vec3(3, -2, 1));
     still.step(5e-3), drifting.step(5e-3);
     const auto a = still.column<field::shift>(), b = drifting.column<field::shift>();
@@ -80,7 +80,7 @@ TEST_CASE("particles at a free surface are hardly shifted outward, those inside 
         (outer ? surface : inside) += move[i].norm();
         ++(outer ? at_surface : within);
     }
-    // Jitter makes some of them look like fluid: one in some tens.
+    // Jitter makes a few per cent of them count as inside.
     CHECK(surface / at_surface < 0.05 * inside / within);
 }
 

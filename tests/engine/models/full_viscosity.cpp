@@ -50,7 +50,7 @@ TEST_CASE("the viscous operator is symmetric and positive, with walls, uneven pa
     }
 }
 
-TEST_CASE("a rigid motion feels no viscosity, even at a free surface, on a line, in a plane and for a pair", "[viscosity]") {
+TEST_CASE("a rigid motion has no viscous force, even at a surface, on a line, in a sheet and for a pair", "[viscosity]") {
     for (const Vec3& half :
          {Vec3(0.4, 0.3, 0.3), Vec3(0.4, 0.05, 0.05), Vec3(0.3, 0.3, 0.05), Vec3(0.1, 0.05, 0.05), Vec3(0.05, 0.05, 0.05)}) {
         TestWorld w = uneven_block(1000, half.minCoeff() > 0.1 ? Real(0.2) : Real(0), {}, half);
@@ -70,7 +70,7 @@ TEST_CASE(
     "[viscosity]") {
     struct Body {
         Vec3 half;
-        Mat3 gradient;  ///< only along what the particles span
+        Mat3 gradient;  ///< only along directions that the particles span
     };
     Mat3 any, plane = Mat3::Zero(), line = Mat3::Zero();
     any << Real(0.1), 2, Real(-0.3), Real(0.5), Real(-0.7), Real(1.1), Real(-1.9), Real(0.2), Real(0.4);
@@ -93,9 +93,9 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a rope that is twisted dissipates as 2 mu I does, within 5 % with 8 particles across and 3 % with 12", "[viscosity]") {
-    // Per length, at a twist that grows by 1/(m s); I is the second moment of the cross-section about its diameter. The outermost layer,
-    // where most of the torsion is, has half of its neighbours.
+TEST_CASE("a twisted rope dissipates 2 mu I within 5 % with 8 particles across, 3 % with 12", "[viscosity]") {
+    // Dissipation per length, at a twist that grows by 1/(m s); I is the second moment of the cross-section about its diameter. The
+    // outermost layer, where most of the torsion is, has half of its neighbours.
     for (const auto& [across, tolerance] : {std::pair{8, 0.05}, std::pair{12, 0.03}}) {
         INFO(across << " across");
         const double radius = across * d / 2, length = 30 * d, nu = 1;
@@ -209,7 +209,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the coarse level moves particles, not the free bodies behind them") {
+TEST_CASE("the coarse level moves particles, not free bodies") {
     const std::vector<Vec3> x{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
     const std::vector<std::int16_t> role(4, 0);
     const std::vector<std::int32_t> group(4, 1);
@@ -246,7 +246,7 @@ TEST_CASE("the coarse level halves the iterations of a stiff free body and keeps
         CHECK((w.angular_momentum() - L).norm() < 1e-5 * scale * 2);  // 2 m: the body's half length
         iterations[coarse] = w.world.report.solves.at(0).report.iterations;
     }
-    CHECK(2 * iterations[1] < iterations[0]);  // each judged by its own norm: at the same number the diagonal leaves the larger error
+    CHECK(2 * iterations[1] < iterations[0]);  // norms differ: at equal residuals the diagonal has the larger error
 }
 
 }  // namespace full_viscosity_test

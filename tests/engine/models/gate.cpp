@@ -1,4 +1,4 @@
-/// The gate at solids, in every model that solids act on.
+/// The gate at solids, in every model with solid forces.
 #include "engine/sph/gate.h"
 
 #include <catch2/catch.hpp>
@@ -24,7 +24,7 @@ namespace gate_test {
 namespace {
 
 constexpr double d = 0.1, side = 6 * d;
-/// A layer of lattice 1.2 spacings above a wall has less than half of it, one in contact more than one and a half.
+/// Gate threshold: a lattice layer 1.2 spacings above a wall has less than half of it, a layer in contact more than 1.5 times it.
 constexpr Real threshold = Real(0.06);
 
 Real solid_factor() { return continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d)); }
@@ -126,7 +126,7 @@ TestWorld stepped(const Model& model, Real gate, Wall wall, double height) {
     return w;
 }
 
-/// Largest difference of velocities and places, over a metre a second and a spacing.
+/// Largest difference of velocities and positions, over 1 m/s and one spacing.
 double apart(TestWorld a, TestWorld b) {
     double most = 0;
     for (Index i = 0; i < a.world.fluid.size(); ++i) {
@@ -146,7 +146,7 @@ TEST_CASE("in every model a gated wall acts fully on fluid in contact and not at
             constexpr double far = 1.2, near = 0.5, round_off = 2e-6;
             CHECK(apart(stepped(model, threshold, wall, far), stepped(model, 0, Wall::none, far)) < round_off);
             CHECK(apart(stepped(model, threshold, wall, near), stepped(model, 0, wall, near)) < round_off);
-            // Without the gate this wall is felt. (Shifting stops where the fluid is as sparse as above a gap.)
+            // Without the gate this wall acts. (Shifting stops if the fluid is as sparse as above a gap.)
             if (std::string_view(model.name) != "fickian")
                 CHECK(apart(stepped(model, 0, wall, far), stepped(model, 0, Wall::none, far)) > 5 * round_off);
         }

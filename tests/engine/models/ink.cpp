@@ -17,7 +17,7 @@ namespace {
 constexpr double d = 0.01, diffusion = 2e-5;
 constexpr int across = 32;
 
-/// A periodic square, or a slab of 6 d, of particles up to `loose` d off their lattice.
+/// A periodic square or a slab 6 d thick, with particles up to `loose` d off their lattice.
 TestWorld spreading(int dimensions, double loose) {
     const auto length = static_cast<Real>(across * d);
     const Vec3 end(length, length, dimensions == 2 ? Real(0) : static_cast<Real>(6 * d));
@@ -55,7 +55,7 @@ TEST_CASE("a wave of ink decays as exp(-D k^2 t), in 2D and 3D, on a lattice and
             for (std::size_t i = 0; i < x.size(); ++i)
                 c[i] = Vec3(0, static_cast<Real>(0.5 + 0.4 * std::cos(wave_number() * static_cast<double>(x[i].x()))), 0);
             const double first = amplitude(w), time = 1 / (diffusion * wave_number() * wave_number());
-            for (int k = 0; k < 20; ++k) w.step(time / 20);  // each is several times as long as one part may be
+            for (int k = 0; k < 20; ++k) w.step(time / 20);  // each is several times the longest substep
             const double rate = -std::log(amplitude(w) / first);
             INFO(dimensions << " dimensions, " << loose << " d off the lattice: rate " << rate);
             // On a lattice 0.1 % too slow, for the kernel flattens a wave of 32 d; on uneven particles 0.9 %.
@@ -63,7 +63,7 @@ TEST_CASE("a wave of ink decays as exp(-D k^2 t), in 2D and 3D, on a lattice and
         }
 }
 
-TEST_CASE("ink that spreads is kept, and stays between the least and the most that there was", "[ink]") {
+TEST_CASE("diffusing ink conserves its total and stays between its initial minimum and maximum", "[ink]") {
     TestWorld w = spreading(2, 0.3);
     const auto x = w.column<field::position>();
     const auto c = w.column<field::ink>();

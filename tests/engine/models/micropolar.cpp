@@ -103,7 +103,7 @@ TEST_CASE("both Laplacians are the notes' sums with symmetric weights times a la
     const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
     const StepContext& step = cloud.world.step;
     const double m = step.mass, softening = 0.01 * std::pow(static_cast<double>(step.support) / 2, 2);
-    // m/(rho_i rho_j), which conserves momentum with any weight that is the same for both: here (1/rho_i^2 + 1/rho_j^2)/2.
+    // Instead of m/(rho_i rho_j). Any weight that is symmetric in i and j conserves momentum: here (1/rho_i^2 + 1/rho_j^2)/2.
     const auto weight = [&](std::size_t i, std::size_t j) { return m * (std::pow(rho[i], -2.0) + std::pow(rho[j], -2.0)) / 2; };
     const auto first = [&](Span<const Vec3> v) {
         return cloud.sums([&](std::size_t i, std::size_t j, const Vec3d& r, const Vec3d& gradient, double) -> Vec3d {
@@ -137,7 +137,7 @@ TEST_CASE("without coupling the micropolar force equals explicit viscosity to 1e
         for (Vec3& x : w.column<field::position>())
             for (int a = 0; a < 3; ++a) x[a] += Real(0.02) * (Real(random()) - Real(0.5));
         for (Vec3& u : w.column<field::velocity>()) u = Vec3(Real(random()), Real(random()), Real(random()));
-        // Equal densities: the two stages weight unequal ones differently.
+        // Equal densities, because the two stages weight unequal densities differently.
         for (Real& rho : w.column<field::density>()) rho = 1000;
         w.find_pairs();
         w.world.step.dt = 1;
@@ -184,7 +184,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the symmetric curl and the difference with rho_i are adjoint, also at a surface, unlike others", "[micropolar]") {
+TEST_CASE("the symmetric curl and the difference curl with rho_i are adjoint, also at a surface", "[micropolar]") {
     Cloud cloud;
     const auto u = cloud.column<field::velocity>(), w = cloud.column<field::spin>();
     const auto rho = cloud.column<field::density>();
@@ -202,7 +202,7 @@ TEST_CASE("the symmetric curl and the difference with rho_i are adjoint, also at
     CHECK(defect(CurlForm::symmetric, CurlForm::symmetric) > 1e-2);
 }
 
-TEST_CASE("the composed coupling dissipates half of it times |curl u - 2 w|^2, at surfaces and walls", "[micropolar]") {
+TEST_CASE("the composed coupling dissipates kappa/2 |curl u - 2 w|^2, at surfaces and walls", "[micropolar]") {
     // Its forces are the derivatives of that energy: any arrangement of particles loses it, to the round-off of single precision.
     for (const bool wall : {false, true})
         for (const bool co_rotating : {true, false}) {
@@ -234,7 +234,7 @@ TEST_CASE("the composed coupling dissipates half of it times |curl u - 2 w|^2, a
         }
 }
 
-TEST_CASE("on a lattice all curls of a rigid rotation are twice its rate, and those of a constant are zero", "[micropolar]") {
+TEST_CASE("on a lattice every curl of a rigid rotation is twice its rate, and of a constant zero", "[micropolar]") {
     TestWorld w(0.1, 2, Domain{Vec3::Zero(), Vec3::Ones(), {true, true, true}});
     w.use({make_stage("density", "density", Density{}), make_stage("micropolar", "micropolar", Micropolar({}))});
     w.place(Vec3::Zero(), Vec3::Ones());
@@ -262,7 +262,7 @@ TEST_CASE("on a lattice all curls of a rigid rotation are twice its rate, and th
     }
 }
 
-TEST_CASE("a scene without a micropolar model has no spin and no other field of it", "[micropolar]") {
+TEST_CASE("a scene without a micropolar model has no spin and no other micropolar field", "[micropolar]") {
     std::string plain = eddies;
     plain.erase(plain.find("micropolar = \"notes\""), plain.find("[[block]]") - plain.find("micropolar = \"notes\""));
     Simulation with = simulation_of(eddies), without = simulation_of(plain);
@@ -286,7 +286,7 @@ TEST_CASE("a uniform torque turns fluid at rest as theta dw/dt = tau - 2 kappa w
     CHECK(w.column<field::spin>()[5].z() == Approx(1.5).epsilon(0.002));
 }
 
-TEST_CASE("the gate at solids is shut far from them, open in contact, and rises without a jump between", "[micropolar][boundary]") {
+TEST_CASE("the gate at solids is 0 far away, 1 in contact, and rises continuously between", "[micropolar][boundary]") {
     const double d = 0.1;
     TestWorld w(d, 2, Domain{Vec3(0, Real(-0.5), 0), Vec3(Real(0.8), 2, Real(0.8)), {true, false, true}});
     w.use({make_stage("density", "density", Density{})});

@@ -69,11 +69,11 @@ struct Fluid : TestWorld {
     }
 };
 
-/// The constraint's matrix with about all particles pressing.
+/// The constraint's matrix with nearly all particles active.
 struct Constraint {
     DensityRate D;
     ConstraintMatrix A{D, {}, {}, {}, Real(d)};
-    Column<Real> falling;  ///< what the densities do where all fall alike
+    Column<Real> falling;  ///< density change if all particles fall equally
     explicit Constraint(Fluid& f) {
         Column<Real> rho(f.size());
         falling.resize(rho.size());
@@ -156,8 +156,8 @@ int iterations(System& system, const PressurePreconditioner& M, const Column<Rea
 }  // namespace
 
 TEST_CASE("the pressure's multigrid is symmetric and positive definite on every shape of fluid", "[pressure][multigrid]") {
-    // Symmetric within round-off: coarse matrices in float are symmetric to 1e-7 of their diagonal; where there is no surface, constants
-    // weigh 10^4 times as much as in a neighbour's difference.
+    // Symmetric within round-off: coarse matrices in float are symmetric to 1e-7 of their diagonal. Without a surface, constants have 10^4
+    // times the weight of differences between neighbours.
     for (const Filling& shape : shapes) {
         Fluid fluid(shape);
         const double tolerance = shape.name == "full closed box" ? 1e-2 : 1e-4;
@@ -186,7 +186,7 @@ TEST_CASE("the pressure's multigrid stays symmetric and positive when the active
     CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < 1e-4 * std::sqrt(rMr * sMs));
 }
 
-TEST_CASE("the pressure's multigrid gives the same bits for any number of threads", "[pressure][multigrid]") {
+TEST_CASE("the pressure's multigrid is bit-identical for any number of threads", "[pressure][multigrid]") {
     Fluid fluid(shapes[1]);
     Constraint constraint(fluid);
     Poisson poisson(fluid);
@@ -209,9 +209,9 @@ TEST_CASE(
     "in a column of 40 layers multigrid needs at most half of the diagonal's iterations for the published rows, and fewer for the "
     "constraint",
     "[pressure][multigrid]") {
-    // 1e-3 of any source in the published rows: 9 of 20 (float); their coupling to walls saves the diagonal iterations. In the constraint
-    // 0.02 of the density change by falling: 14 of 17. Its gradient does not see values that alternate from neighbour to neighbour, and
-    // neither does a coarse level: the gain comes with depth (docs/reports/pressure.md).
+    // Published rows, to 1e-3 of any source: 9 iterations instead of 20 (float); their coupling to walls saves the diagonal preconditioner
+    // iterations. Constraint, to 0.02 of the density change by falling: 14 instead of 17. Neither its gradient nor a coarse level resolves
+    // values that alternate between neighbours, so the gain grows with depth (docs/reports/pressure.md).
     const Filling column{"column", [](TestWorld& w) { add_box_walls(w, 9, 0, 9), w.place(at_cells(0, 0, 0), at_cells(9, 40, 9)); }};
     Fluid fluid(column);
     Poisson poisson(fluid);

@@ -71,7 +71,7 @@ TEST_CASE("the strain form is symmetric, conserves momentum, and leaves rigid mo
     CHECK(std::sqrt(left / size) < 1e-4);
 }
 
-TEST_CASE("a linear velocity field has its exact gradient, at the surface too", "[models][coupled]") {
+TEST_CASE("a linear velocity field has its exact gradient, also at the surface", "[models][coupled]") {
     const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 20 * d, d);
     const Form f(x, 1);
     Mat3 gradient;
@@ -85,7 +85,7 @@ TEST_CASE("a linear velocity field has its exact gradient, at the surface too", 
     CHECK(worst < 1e-3 * gradient.norm());
 }
 
-TEST_CASE("the diagonal blocks are those of the operator", "[models][coupled]") {
+TEST_CASE("the diagonal blocks equal those of the operator", "[models][coupled]") {
     const std::vector<Vec3> x = blue_noise_cylinder(Real(2.5) * d, 12 * d, d);
     const Form f(x, 10);
     std::vector<Mat3> B(x.size());
@@ -96,7 +96,7 @@ TEST_CASE("the diagonal blocks are those of the operator", "[models][coupled]") 
             e[i][a] = 1;
             f.form.apply(e, column);
             e[i][a] = 0;
-            // The penalties' projections are taken at their mean: 2 % of the block.
+            // The blocks use the mean of the penalties' projections: an error of 2 % of the block.
             CHECK((column[i] - B[i].col(a)).norm() < 0.05 * B[i].norm());
         }
 }

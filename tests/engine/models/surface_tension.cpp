@@ -41,15 +41,14 @@ TEST_CASE("surface tension keeps momentum and angular momentum of a body of any 
         double sizes = 0;
         for (const Vec3& u : w.column<field::velocity>()) sizes += static_cast<double>(w.world.step.mass * u.norm());
         REQUIRE(sizes > 0);
-        const double rounding = 100 * std::numeric_limits<Real>::epsilon();  // a hundred terms a particle, of either sign
+        const double rounding = 100 * std::numeric_limits<Real>::epsilon();  // a hundred terms per particle, of both signs
         CHECK(w.momentum().norm() < rounding * sizes);
         CHECK(w.angular_momentum().norm() < rounding * sizes * 8 * d);
     }
 }
 
-TEST_CASE("a half-space's pull and potential in closed form are those of its particles, one by one", "[surface_tension]") {
-    // Against sums over a lattice fine enough (a tenth of the spacing) that it is a continuum: within 1 % of the value on the face, at any
-    // height.
+TEST_CASE("the closed-form pull and potential of a half-space equal the sums over its particles", "[surface_tension]") {
+    // Compared with sums over a lattice of a tenth of the spacing, nearly a continuum: within 1 % of the value on the face, at any height.
     const double d = 0.01, fine = d / 10;
     const Cohesion cohesion(sigma, d);
     for (const double z : {0.0, 0.5, 1.0, 2.0}) {
@@ -69,10 +68,10 @@ TEST_CASE("a half-space's pull and potential in closed form are those of its par
     }
 }
 
-TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a uniform density would", "[surface_tension]") {
+TEST_CASE("separating a lattice costs 0.89 of the 2 sigma per area of a uniform density", "[surface_tension]") {
     // sigma = half of the energy between the half-spaces, over the area. Particles on lattice planes are farther from the cut than a
-    // continuum; where all pairs pull disorder makes up for it (drops of `coupled` have 1.09 to 1.2 of 2 sigma/R), so the calibration is
-    // that of the uniform density.
+    // continuum; if all pairs pull, disorder compensates for this (drops of `coupled` have 1.09 to 1.2 of 2 sigma/R), so the calibration
+    // uses the uniform density.
     const double d = 0.01;
     const Cohesion cohesion(sigma, d);
     double energy = 0;  // of one column of the upper half with all of the lower
@@ -85,7 +84,7 @@ TEST_CASE("parting a lattice into two takes 0.89 of the 2 sigma an area that a u
     CHECK(energy / (d * d) == Approx(0.89 * 2 * sigma).epsilon(0.01));
 }
 
-TEST_CASE("surface tension is scale-free: equal drops from 10 um to 1 m per particle, 1e-6 to 10 N/m", "[surface_tension]") {
+TEST_CASE("surface tension is scale-free from spacings of 10 um to 1 m and 1e-6 to 10 N/m", "[surface_tension]") {
     // Accelerations over sigma/(rho d^2) agree to the rounding of the positions.
     std::vector<double> first;
     for (const double d : {1e-2, 1e-5, 1.0})
@@ -118,7 +117,7 @@ TEST_CASE("only the surface layer exerts cohesion: a flat surface is pulled down
     for (std::size_t i = 0; i < w.column<field::position>().size(); ++i) {
         const Vec3 u = w.column<field::velocity>()[i];
         const double y = static_cast<double>(w.column<field::position>()[i].y()) / d;
-        // 1e-4: round-off of some hundred terms of either sign, as large as the pull.
+        // 1e-4: round-off of some hundred terms of both signs, each as large as the pull.
         CHECK(std::hypot(u.x(), u.z()) < 1e-4 * pull);
         if (std::abs(y) < 4) CHECK(std::abs(u.y()) < 1e-4 * pull);
         if (y > 7.4) CHECK(static_cast<double>(u.y()) < 0);
@@ -126,15 +125,15 @@ TEST_CASE("only the surface layer exerts cohesion: a flat surface is pulled down
     }
     CHECK(std::abs(press) <
           1e-4 *
-              64);  // 64 columns: what the outer layer is pulled down by, the next ones are pulled up by: nothing of it presses the inside
+              64);  // 64 columns. The next layers are pulled up as much as the outer layer is pulled down, so the inside feels no pressure.
 }
 
 TEST_CASE(
     "the tension of a flat face of skin, by the stress of its pairs, is that of a uniform density within 15 %, and a wall's pull takes off "
     "twice as much within 20 %",
     "[surface_tension]") {
-    // sigma = sum of F (x^2 - y^2)/r over pairs and area, y down into the fluid; a wall that pulls particle i by f takes off the sum of f
-    // y. A lattice is no continuum: parted without shares it has 0.89 (above), and two surface layers approximate an integral.
+    // sigma = sum of F (x^2 - y^2)/r over pairs and area, y down into the fluid; a wall that pulls particle i by f reduces it by the sum of
+    // f y. A lattice is not a continuum: separated without shares it has 0.89 (above), and two surface layers approximate an integral.
     const double d = 1;
     const Cohesion cohesion(sigma, d);
     const int deep = 8;
@@ -189,7 +188,7 @@ TEST_CASE("if all pairs pull, a flat surface is pulled down, and a wall of equal
             const double y = static_cast<double>(w.column<field::position>()[i].y()) / d;
             INFO("wetting " << wetting << ", layer at " << y << " d");
             CHECK(std::hypot(u.x(), u.z()) < 1e-4 * pull);
-            // A lattice's layers are not a continuum: 10 % of a half-space's pull is left.
+            // A lattice's layers are not a continuum: 10 % of a half-space's pull remains.
             if (y > 7.4) CHECK(static_cast<double>(u.y()) == Approx(-pull).epsilon(0.15));
             if (y < 0.6) CHECK(static_cast<double>(u.y()) == Approx(wetting == 0 ? pull : 0).margin(0.15 * pull));
         }

@@ -80,7 +80,7 @@ PressureOptions damper(bool sound) {
 
 }  // namespace
 
-TEST_CASE("sound damping and artificial viscosity take energy and leave momentum and angular momentum alone", "[wcsph]") {
+TEST_CASE("sound damping and artificial viscosity dissipate energy and keep both momenta", "[wcsph]") {
     for (const bool sound : {true, false}) {
         INFO((sound ? "sound damping" : "artificial viscosity"));
         RandomNumbers random(3);
@@ -93,7 +93,7 @@ TEST_CASE("sound damping and artificial viscosity take energy and leave momentum
     }
 }
 
-TEST_CASE("a rigidly moving ball feels no sound damping and no artificial viscosity", "[wcsph]") {
+TEST_CASE("a rigidly moving ball has no sound damping and no artificial viscosity", "[wcsph]") {
     const Vec3 flight(1, 2, 3), turn(4, -5, 6);
     for (const bool sound : {true, false}) {
         const Effect rigid = effect_of(damper(sound), [&](const Vec3& x) { return Vec3(flight + turn.cross(x)); });
@@ -102,7 +102,7 @@ TEST_CASE("a rigidly moving ball feels no sound damping and no artificial viscos
     }
 }
 
-TEST_CASE("water at a vertical wall feels the same pressure gradient as far from the wall", "[wcsph]") {
+TEST_CASE("water at a vertical wall has the same pressure gradient as far from the wall", "[wcsph]") {
     const double H = 12 * d;
     PressureOptions options;
     options.sound_speed = 10;
@@ -123,8 +123,8 @@ TEST_CASE("water at a vertical wall feels the same pressure gradient as far from
         if (x[i].x() < d) at_wall += a[i].y() + g, sideways += a[i].x(), ++count_at_wall;
         if (std::abs(x[i].x() - 6 * d) < d) far += a[i].y() + g, ++count_far;
     }
-    // A lattice feels a linear pressure 1.02 times; the layer of the wall replaces two of the lattice, except for the second one's force
-    // along it.
+    // A lattice has 1.02 times the gradient of a linear pressure. The wall's layer replaces two lattice layers, except for the force of the
+    // second along the wall.
     CHECK(far / count_far == Approx(g * lattice_gradient(KernelKind::cubic, Real(2 * d), Real(d))).epsilon(2e-3));
     CHECK(at_wall / count_at_wall == Approx(far / count_far).epsilon(0.05));
     CHECK(std::abs(sideways / count_at_wall) < 0.05 * g);
@@ -153,7 +153,7 @@ TEST_CASE("Tait's pressure is c^2 rho_0/gamma ((rho/rho_0)^gamma - 1) + p0, and 
         }
 }
 
-TEST_CASE("both pressure gradients are the notes' sums to 1e-5, and exact for their fields", "[wcsph]") {
+TEST_CASE("both pressure gradients equal the notes' sums to 1e-5 and are exact for their fields", "[wcsph]") {
     const auto place = [](bool difference, bool jitter, const std::function<double(const Vec3&)>& pressure) {
         PressureOptions options;
         options.gradient = difference ? GradientForm::difference : GradientForm::symmetric;
@@ -190,7 +190,7 @@ TEST_CASE("both pressure gradients are the notes' sums to 1e-5, and exact for th
         }
         CHECK(apart < 1e-5 * most);
     }
-    // A constant pressure, uneven particles, a free surface: nothing in the difference form.
+    // Constant pressure, uneven particles, a free surface: the difference form gives zero.
     TestWorld constant = place(true, true, [](const Vec3&) { return 1e5; });
     for (const Vec3& a : constant.column<field::acceleration>()) CHECK(a.norm() == 0);
     // A linear pressure, on a lattice, away from the surface: the slope, times the lattice sum over 3 of the kernel (docs/physics.md 4).

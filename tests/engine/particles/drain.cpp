@@ -36,7 +36,7 @@ TEST_CASE("a drain removes particles inside it, and keeps the order of those out
     CHECK(x[2].x() == Real(0.2));
 }
 
-TEST_CASE("a delayed drain removes particles after that time inside, and restarts for those that return", "[drain]") {
+TEST_CASE("a delayed drain removes particles after that time inside, counted again when they return", "[drain]") {
     ParticleStore fluid = particles_at({{0.5, 0.5, 0.5}, {0.2, 0.5, 0.5}});
     const std::vector<Drain> drains{{unit_box(), Real(0.25)}};
     for (int step = 0; step < 2; ++step) CHECK(drain(fluid, drains, Real(0.1)) == 0);

@@ -35,7 +35,7 @@ EmitterShape nozzle(bool parabolic = false) {
     return shape;
 }
 
-/// Emits and moves with the velocity that the particles got; irregular steps.
+/// Emits and moves particles with their emission velocity, in irregular steps.
 void run(Emitter& emitter, ParticleStore& store, double end, double step, double& t) {
     int k = 0;
     while (t < end - 1e-12) {
@@ -74,7 +74,7 @@ double largest_gap(ParticleStore& store, const Emitter& emitter, double length) 
 
 }  // namespace
 
-TEST_CASE("an emitter leaves no gaps and no pairs, at any speed and time step", "[particles]") {
+TEST_CASE("an emitter leaves no gaps and no close pairs, at any speed and time step", "[particles]") {
     // Steps from a fiftieth of a spacing to five layers at once.
     for (double speed : {0.1, 2.0})
         for (double dt : {4e-4, 5e-3}) {
@@ -88,7 +88,7 @@ TEST_CASE("an emitter leaves no gaps and no pairs, at any speed and time step", 
             CHECK(largest_gap(store, emitter, length - d) < 0.95 * d);
             Index free_particles = 0;
             for (std::int16_t role : store.column<field::role>()) free_particles += role == 0;
-            // The column repeats blue noise of 24 spacings: within a repeat the count fluctuates like its ends, a few particles.
+            // The column repeats blue noise of 24 spacings. Within a repeat the count fluctuates by a few particles at its ends.
             CHECK(free_particles == Approx(emitter.expected_particles()).margin(8));
         }
 }
@@ -113,7 +113,7 @@ TEST_CASE("the column of a wide opening has one layer of a hundred thousand part
     CHECK(column_points(1e6, 1, false, 3) == 6e6);
 }
 
-TEST_CASE("a parabolic profile flows twice as fast in the middle and never makes pairs", "[particles]") {
+TEST_CASE("a parabolic profile is twice as fast in the middle and makes no close pairs", "[particles]") {
     ParticleStore store = empty_store();
     Emitter emitter(nozzle(true), Expression(0.5), 0, 1e9, d, 4 * d, 1, 7);
     CHECK(emitter.speed(0) == Approx(1.0));

@@ -69,7 +69,7 @@ void require_symmetric(const Pairs& pairs) {
 
 }  // namespace
 
-TEST_CASE("the search finds the pairs of brute force, periodic along any axes, from micrometres to kilometres", "[particles]") {
+TEST_CASE("the search finds all pairs along any periodic axes, from micrometres to kilometres", "[particles]") {
     for (const Real scale : {Real(1e-6), Real(1), Real(1e3)})
         for (int axes = 0; axes < 8; ++axes) {
             const auto x = cloud(300, 10 * scale, 1 + static_cast<std::uint32_t>(axes));
@@ -87,7 +87,7 @@ TEST_CASE("the search finds the pairs of brute force, periodic along any axes, f
         }
 }
 
-TEST_CASE("rows that are found some at a time are those of all at once", "[particles]") {
+TEST_CASE("rows found in parts equal rows found together", "[particles]") {
     for (const int axes : {0, 5}) {
         const std::vector<Vec3> x = cloud(700, 1, 4);
         const Domain domain = box(1, axes);
@@ -109,7 +109,8 @@ TEST_CASE("rows that are found some at a time are those of all at once", "[parti
 }
 
 TEST_CASE("pairs exactly a support apart are in both rows or in neither", "[particles]") {
-    // A lattice whose spacing does not fit binary fractions, moved off the origin: rounding decides each pair, and must decide it once.
+    // A lattice whose spacing is not a binary fraction, moved off the origin: rounding decides each pair, and must decide equally for both
+    // particles.
     for (int axes : {0, 7}) {
         std::vector<Vec3> x;
         const Real d = Real(0.1);
@@ -204,7 +205,7 @@ TEST_CASE("grouped neighbours equal single ones, and padding lies outside the ke
                     continue;
                 }
                 REQUIRE(group.other[l] == other[seen]);
-                // The image is found by a quotient or by a product: the difference is round-off of the box's length.
+                // The image is found by a quotient or by a product, which differ by round-off of the box's length.
                 for (int a = 0; a < 3; ++a) REQUIRE(group.r[a][l] == Approx(r[seen][a]).margin(1e-6));
                 REQUIRE(group.distance[l] == Approx(distance[seen]).margin(1e-6));
                 ++seen;
@@ -215,7 +216,7 @@ TEST_CASE("grouped neighbours equal single ones, and padding lies outside the ke
     CHECK(most > Pairs::Group::most);
 }
 
-TEST_CASE("no particles, one particle, and fluid without solids are fine", "[particles]") {
+TEST_CASE("the search accepts no particles, one particle, and fluid without solids", "[particles]") {
     NeighbourSearch search;
     Pairs pairs;
     const std::vector<Vec3> none, one{Vec3(Real(0.3), 0, 0)};
@@ -229,7 +230,7 @@ TEST_CASE("no particles, one particle, and fluid without solids are fine", "[par
     CHECK(pairs.count(0) == 0);
 }
 
-TEST_CASE("the rows are the same for 1, 2 and 4 threads and for a search that was used before", "[particles]") {
+TEST_CASE("the rows are equal for 1, 2 and 4 threads and for a search that was used before", "[particles]") {
     const auto x = cloud(5000, 1, 11), y = cloud(9000, 2, 12);
     std::vector<std::size_t> first;
     std::vector<Index> other;
@@ -261,7 +262,7 @@ TEST_CASE("pairs found with a margin are narrowed to those of a new search, unle
         search.find_wide(x, x, support + spare, domain, pairs);
         search.find_wide(x, solid, support + spare, domain, solid_pairs);
         std::mt19937 random(9);
-        for (Vec3& p : x) {  // half of what is spare at most, and round the corner where the domain is periodic
+        for (Vec3& p : x) {  // moves by at most half of the margin, also across periodic faces
             Vec3 move;
             for (int a = 0; a < 3; ++a) move[a] = Real(random()) / Real(4294967296.0) - Real(0.5);
             p = domain.wrapped(p + Real(0.49) * spare * move / std::max(Real(1e-3), move.norm()));
@@ -271,7 +272,7 @@ TEST_CASE("pairs found with a margin are narrowed to those of a new search, unle
         require_symmetric(pairs);
         REQUIRE(NeighbourSearch::narrow(x, solid, support, domain, solid_pairs));
         require_as_brute_force(solid_pairs, x, solid, support, domain, false);
-        REQUIRE_FALSE(NeighbourSearch::narrow(x, x, support, domain, pairs));  // nothing is spare any longer
+        REQUIRE_FALSE(NeighbourSearch::narrow(x, x, support, domain, pairs));  // the margin is used up
 
         search.find_wide(x, x, support + spare, domain, pairs);
         const auto before = pairs.other;
@@ -283,9 +284,9 @@ TEST_CASE("pairs found with a margin are narrowed to those of a new search, unle
     }
 }
 
-TEST_CASE("narrowed rows are those of a search, and have the same bits with 1, 2 and 4 threads", "[particles]") {
+TEST_CASE("narrowed rows equal those of a search and are bit-identical with 1, 2 and 4 threads", "[particles]") {
     const Domain domain = box(19, 1);
-    const auto x = cloud(20000, 19, 5);  // more than are joined at a time
+    const auto x = cloud(20000, 19, 5);  // more rows than are joined together
     std::vector<Column<Index>> rows;
     std::vector<std::vector<std::size_t>> firsts;
     for (const int count : {1, 2, 4}) {

@@ -9,7 +9,7 @@
 
 using namespace whorl;
 
-TEST_CASE("along the curve each step goes to an adjacent cell", "[particles]") {
+TEST_CASE("each step along the curve goes to an adjacent cell", "[particles]") {
     // 8^3 cells with one particle each fill the curve: Hilbert's order never jumps.
     std::vector<Vec3> x;
     for (int k = 0; k < 512; ++k) x.push_back(Vec3(Real(k % 8), Real(k / 8 % 8), Real(k / 64)) * Real(0.2) + Vec3::Constant(Real(0.1)));
@@ -18,7 +18,7 @@ TEST_CASE("along the curve each step goes to an adjacent cell", "[particles]") {
     for (std::size_t k = 1; k < order.size(); ++k) REQUIRE((x[order[k]] - x[order[k - 1]]).norm() == Approx(0.2).epsilon(1e-4));
 }
 
-TEST_CASE("particles of one cell keep their order, those that are not finite come last", "[particles]") {
+TEST_CASE("particles of one cell keep their order, and non-finite particles come last", "[particles]") {
     const Real nan = std::numeric_limits<Real>::quiet_NaN(), far = std::numeric_limits<Real>::max() / 8;
     std::vector<Vec3> x{{nan, 0, 0}, {Real(0.5), 0, 0},  {Real(0.1), 0, 0},   {Real(0.2), 0, 0},
                         {0, far, 0}, {Real(0.51), 0, 0}, {0, 0, -1 / Real(0)}};
@@ -31,7 +31,7 @@ TEST_CASE("particles of one cell keep their order, those that are not finite com
     CHECK(curve_order({}, 1).empty());
 }
 
-TEST_CASE("the order is the same for 1, 2 and 4 threads and a sorted store stays as it is", "[particles]") {
+TEST_CASE("the order is equal for 1, 2 and 4 threads, and a sorted store stays unchanged", "[particles]") {
     std::vector<Vec3> x;
     RandomNumbers random(1);
     for (int k = 0; k < 4000; ++k) x.push_back({Real(random()), Real(random()), Real(random())});

@@ -68,7 +68,7 @@ TEST_CASE("a non-blocking theory query soon returns the same answer as a blockin
     p.fall *= 1.001;
     CHECK(waiting.at(p)->frequency == answer->frequency);  // near enough
     p.fall *= 1.05;
-    CHECK(in_background.at(p)->frequency == answer->frequency);  // until the new one is there
+    CHECK(in_background.at(p)->frequency == answer->frequency);  // until the new solution is available
     CHECK(waiting.at(p)->frequency != answer->frequency);
 
     std::stringstream state;

@@ -15,20 +15,20 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A steadily coiling thread of speed U on a pile that grows by a thread's thickness a turn, as particles in a jittered filling of the
+/// A steadily coiling thread of speed U on a pile that grows by one thread thickness per turn, as particles in a jittered filling of the
 /// thread. The centre line, in axes that turn with the contact: s = 0 at the contact, q = s/L, radius R (1 - q^3)^2, slope sin^2(pi q/2):
-/// as in the theory (Ribe 2004) the thread touches down horizontally, at rest, with the curvature 1/R of the turn laid before; upright at s
-/// = L.
+/// as in the theory (Ribe 2004) the thread touches down horizontally, at rest, with the curvature 1/R of the previous turn. It is vertical
+/// at s = L.
 struct CoilingThread {
     double R = 0.0177, a = 0.0051, U = 0.25, d = 0.002, frequency = 2.1, noise = 0.2;
-    double drift = 0;  ///< relative change of the frequency a second
+    double drift = 0;  ///< relative change of the frequency per second
     double side = 1;   ///< -1: turns the other way
     Vec3d axis = Vec3d::Zero();
     std::mt19937 random{7};
 
     double angle(double t) const { return 2 * pi * frequency * (t + drift * t * t / 2); }
     double turning(double t) const { return 2 * pi * frequency * (1 + drift * t); }
-    /// Upper side of the turn laid last; the ground that it lies on is 2 a lower.
+    /// Height of the upper side of the last turn; the ground below it is 2 a lower.
     double pile(double t) const { return 0.01 + 2 * a * angle(t) / (2 * pi); }
     double ground(double t) const { return pile(t) - 2 * a; }
 
@@ -50,7 +50,7 @@ struct CoilingThread {
                         u.push_back(Vec3d(velocity.x(), velocity.y(), side * velocity.z()).cast<Real>());
                     }
         };
-        // The thread in the air, from the contact upwards; it comes from above, so material runs against s.
+        // The thread in the air, from the contact upwards. Material moves against s, from above.
         double phi = 0, z = 0;
         for (double s = 0; s < L + 0.03; s += d) {
             const double q = std::min(1.0, s / L), r = R * std::pow(1 - q * q * q, 2), dr = -6 * R * q * q / L * (1 - q * q * q);
@@ -58,7 +58,7 @@ struct CoilingThread {
                          along = std::sqrt(std::max(0.0, 1 - dr * dr - dz * dz));
             const Vec3d radial(std::cos(phase + phi), 0, std::sin(phase + phi)), context(-std::sin(phase + phi), 0, std::cos(phase + phi));
             const Vec3d tangent = dr * radial + along * context + dz * Vec3d::UnitY();
-            // velocity seen from the room: along the thread, and turning with it (laid at rest: U = turning R at the contact)
+            // velocity in the laboratory frame: along the thread, and rotating with it (at rest when laid: U = turning R at the contact)
             const double speed = turning(t) * R + (U - turning(t) * R) * q;
             put(r * radial + (ground + z) * Vec3d::UnitY(), tangent, -speed * tangent + turning(t) * r * context);
             phi += along * d / std::max(r, 0.2 * R);
@@ -103,9 +103,9 @@ TEST_CASE("the coil probe measures frequency and radius within 2 %, with jitter 
     CHECK(row[8] == Approx(row[5] / 2));
 }
 
-// The mean over the last four turns refers to the ground that the thread landed on about two turns ago, so the fall is longer by two turns'
-// growth of the pile, 4 a. The pile's growth within a sight's range of speeds and the layers cost a spacing each.
-TEST_CASE("the coil probe's fall is from the thread's top to its last turns' ground, within two spacings", "[io][probe]") {
+// The mean over the last four turns refers to the ground about two turns ago, so the fall is longer by two turns' growth of the pile, 4 a.
+// The growth of the pile within the probe's range of speeds, and the layers, contribute an error of a spacing each.
+TEST_CASE("the coil probe's fall reaches from the thread's top to its last ground, within 2 spacings", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
@@ -118,16 +118,16 @@ TEST_CASE("the coil probe's fall is from the thread's top to its last turns' gro
     CHECK(row[9] == Approx(top - thread.ground(t) + 2 * thread.a * 2.2).margin(2 * thread.d));
 }
 
-// If the thread is 1.5 particles in radius, or every particle is displaced by half a spacing, a slice's mean is good to d/sqrt(7), a
-// turn's to a tenth of that: 4 4 % covers the probe's ranges of a particle or two each.
+// If the thread has a radius of 1.5 particles, or every particle is displaced by half a spacing, the mean of a slice is accurate to
+// d/sqrt(7), of a turn to a tenth of that. 4 % covers the probe's ranges of one or two particles each.
 TEST_CASE("few particles, noise, reversal or an axis off centre change frequency and radius by at most 4 %", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     SECTION("1.5 particles across the radius") { thread.d = thread.a / 1.5; }
-    SECTION("particles off their places by half a spacing") { thread.noise = 0.5; }
+    SECTION("particles displaced by half a spacing") { thread.noise = 0.5; }
     SECTION("clockwise") { thread.side = -1; }
     double missed = 0.5;  // turns
-    SECTION("with an axis half a radius off, the coil's centre is known after one or two turns") {
+    SECTION("with an axis half a radius off, the coil's centre is found after one or two turns") {
         thread.axis = Vec3d(0.5 * thread.R, 0, 0);
         missed = 2;
     }
@@ -144,7 +144,7 @@ TEST_CASE("few particles, noise, reversal or an axis off centre change frequency
     CHECK(row[3] == Approx(thread.frequency * t).margin(missed));
 }
 
-TEST_CASE("with a height the coil probe gives the radius of the section there, the thread's as it still falls", "[io][probe]") {
+TEST_CASE("with a height the coil probe measures the falling thread's radius at that height", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     ProbeKeys keys = upright_axis();
@@ -169,7 +169,7 @@ TEST_CASE("a circle is found from points on any part of it that is more than a t
     CHECK_FALSE(line.radius());
 }
 
-TEST_CASE("a coil that quickens shows in the spread of its turns", "[io][probe]") {
+TEST_CASE("an accelerating coil shows in the spread of its turns", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     thread.drift = 0.1;
@@ -181,12 +181,12 @@ TEST_CASE("a coil that quickens shows in the spread of its turns", "[io][probe]"
     CHECK(row[4] > 0.02 * thread.frequency);
 }
 
-TEST_CASE("a thread that folds back and forth has no frequency, once it coils, its folding is not counted in", "[io][probe]") {
+TEST_CASE("a folding thread has no frequency, and its folds are not counted once it coils", "[io][probe]") {
     CoilingThread thread;
     thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
     double t = 0;
-    for (; t < 1.5; t += 0.01) probe.after_step(thread.at(0.5 + 0.15 * std::sin(2 * pi * t)), t);  // to and fro by 0.67 of a turn
+    for (; t < 1.5; t += 0.01) probe.after_step(thread.at(0.5 + 0.15 * std::sin(2 * pi * t)), t);  // back and forth by 0.67 of a turn
     CHECK(std::isnan(probe.rows(thread.at(0.5), t).front()[1]));
     for (; t < 3; t += 0.01) probe.after_step(thread.at(t - 1), t);
     const auto row = probe.rows(thread.at(t - 1), t).front();

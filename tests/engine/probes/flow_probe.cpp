@@ -57,7 +57,7 @@ TEST_CASE("probes are exact for quadratic fields on uneven particles, at a face 
         World world = uneven_fluid(sheet, u);
         for (const Vec3d& at : {Vec3d(0.52, 0.47, depth * 0.5), Vec3d(0.5, 0, depth * 0.55), Vec3d(0.33, 1, depth * 0.5)}) {
             INFO(at.transpose());
-            // Single precision, of which a face takes two digits.
+            // Single precision, of which a face of the fluid costs two digits.
             CHECK((interpolated_velocity(world, at) - u(at)).norm() < 2e-5);
         }
         // Many points in one call equal single calls bit for bit, also outside and in periodic domains.
@@ -74,7 +74,7 @@ TEST_CASE("probes are exact for quadratic fields on uneven particles, at a face 
     }
 }
 
-TEST_CASE("outside the fluid probes give the mean of near particles, and nothing farther away", "[probe]") {
+TEST_CASE("outside the fluid probes give the mean of near particles, and no value farther away", "[probe]") {
     World world = uneven_fluid(false, [](const Vec3d& x) { return Vec3d(1, x.x(), 0); });
     const Vec3d outside = interpolated_velocity(world, Vec3d(1.2, 0.5, 0.5));
     CHECK(outside.x() == Approx(1).epsilon(1e-6));
@@ -102,9 +102,9 @@ TEST_CASE("a flow probe measures energy, vorticity and the distance from the exp
     CHECK(row[3] == Approx(6).epsilon(1e-3));
     CHECK(row[4] == Approx(36).epsilon(1e-3));
     CHECK(row[5] == Approx(square * 4 / 9).epsilon(1e-6));
-    CHECK(row[6] == Approx(0.5).epsilon(1e-5));  // u is half as fast again as expected
+    CHECK(row[6] == Approx(0.5).epsilon(1e-5));  // u is 1.5 times the expected velocity
     CHECK(std::isnan(probe->rows(world, 0).at(0)[6]));
-    // In a box a period further on, the expected velocity is that of places in the box.
+    // In a box one period away, the expected velocity is that at positions in the box.
     world.step.domain.periodic = {true, true, true};
     keys.min.x() += 20, keys.max.x() += 20;
     keys.expected.component[1] = Expression("2*t*(x-20)");

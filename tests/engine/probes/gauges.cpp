@@ -19,7 +19,7 @@ namespace {
 
 constexpr double d = 0.1;
 
-/// Particles at these places, of a volume d^D each.
+/// Particles at these positions, of volume d^D each.
 World world_of(const std::vector<Vec3d>& places, int dimensions = 3) {
     World world;
     world.fluid.declare(field_info<field::position>(), true);
@@ -90,8 +90,8 @@ void step(World& world, Probe& probe, double dt, double end) {
 
 }  // namespace
 
-// Half a spacing is what the probe promises; on a lattice the kernel sums are exact to some hundredths of that.
-TEST_CASE("the level of still water is right on and off a lattice, in the middle, at walls and in corners", "[probe]") {
+// The probe is accurate to half a spacing. On a lattice the kernel sums are exact to some hundredths of that.
+TEST_CASE("the level of still water is within half a spacing in the middle, at walls and in corners", "[probe]") {
     for (const int dimensions : {2, 3})
         for (const double jitter : {0.0, 0.3})
             for (const double depth : {0.6, 1.0, 1.3}) {
@@ -103,7 +103,7 @@ TEST_CASE("the level of still water is right on and off a lattice, in the middle
                 for (const double x : {0.0, 0.02, 0.1, 1.0, 2.0}) {
                     INFO(dimensions << " dimensions, jitter " << jitter << ", depth " << depth << ", x " << x);
                     CHECK(std::abs(level(world, {x, 0, z}, {x, 3, z}) - depth) < tolerance);
-                    // In edges the rule that sums the solids' share adds a tenth of a spacing.
+                    // In edges the sum over the solids adds a tenth of a spacing.
                     if (dimensions == 3) CHECK(std::abs(level(world, {x, 0, 0.01}, {x, 3, 0.01}) - depth) < tolerance + d / 10);
                     CHECK(std::abs(level(world, {x, -0.5, z}, {x, 3, z}) - 0.5 - depth) < tolerance);  // begins under the floor
                 }
@@ -145,7 +145,7 @@ TEST_CASE("the level ignores drops above the water and over a dry floor, and pas
         CHECK(level(world_of(lattice(Vec3d(1, 3, 1), dimensions, 0, drops), dimensions), {0.5, 0, z}, {0.5, 3, z}) == 0);
         const auto about_pipe = [&](const Vec3d& at) { return wet(at) && std::hypot(at.x() - 0.5, at.y() - 0.5) > 0.2; };
         world = world_of(lattice(Vec3d(1, 3, 1), dimensions, 0, about_pipe), dimensions);
-        CHECK(level(world, {0.5, 0.05, z}, {0.5, 3, z}) < 0.35);  // a hole ends it
+        CHECK(level(world, {0.5, 0.05, z}, {0.5, 3, z}) < 0.35);  // a hole in the fluid ends the search
         ShapeKeys pipe;
         pipe.kind = "cylinder", pipe.from = Vec3d(0.5, 0.5, -9), pipe.to = Vec3d(0.5, 0.5, 9), pipe.radius = 0.2;
         Solid solid;
@@ -211,7 +211,7 @@ TEST_CASE("a flux probe counts across periodic faces, ignores nozzles, and inclu
     keys.width = 1, keys.thickness = 1;
     const auto probe = make_probe(keys, world);
     for (int k = 1; k <= 40; ++k) step(world, *probe, 0.05, 0.05 * k);
-    CHECK(probe->rows(world, 2).at(0).at(3) == Approx(2).epsilon(1e-6));  // twice round
+    CHECK(probe->rows(world, 2).at(0).at(3) == Approx(2).epsilon(1e-6));  // around twice
 
     world = world_of({{-0.05, 0, 0}, {-0.05, 0.1, 0}, {-0.05, 0.2, 0}});
     for (Vec3& u : world.fluid.column<field::velocity>()) u = Vec3(1, 0, 0);
@@ -226,7 +226,7 @@ TEST_CASE("a flux probe counts across periodic faces, ignores nozzles, and inclu
     CHECK(counting->rows(world, 0.1).at(0).at(3) == Approx(2 * d * d * d).epsilon(1e-6));
 }
 
-TEST_CASE("the extent is that of the connected fluid, whatever flies ahead of it", "[probe]") {
+TEST_CASE("the extent is that of the connected fluid, without separated drops", "[probe]") {
     for (const int dimensions : {2, 3}) {
         std::vector<Vec3d> places = lattice(Vec3d(1.2, 0.7, 0.9), dimensions, 0, [](const Vec3d&) { return true; });
         ProbeKeys keys;
@@ -259,9 +259,9 @@ TEST_CASE("the extent is that of the connected fluid, whatever flies ahead of it
     CHECK(make_probe(keys, ring)->rows(ring, 0).at(0)[1] == Approx(0.3));  // both parts are one, across the face
 }
 
-// Known impulses on the boundary particles of a wall, a separate lattice. Measured: their sum over the disc, over its area. A
-// pressure that varies is off by a few per cent of its change over the disc, as particles lie unevenly about the middle.
-TEST_CASE("a gauge reads the mean pressure on its disc, over all steps, and the peak of one", "[probe]") {
+// Known impulses on the boundary particles of a wall, a separate lattice. The gauge measures their sum over the disc, divided by its area.
+// For a varying pressure the error is a few per cent of the change over the disc, because particles lie unevenly about the middle.
+TEST_CASE("a gauge reads the mean pressure on its disc over all steps, and the peak of one step", "[probe]") {
     for (const int dimensions : {2, 3}) {
         World world = world_of({}, dimensions);
         add_box(world, Vec3d(0, 0, dimensions == 2 ? -9 : 0), Vec3d(2, 2, dimensions == 2 ? 9 : 2), true);
@@ -305,9 +305,9 @@ TEST_CASE("a gauge reads the mean pressure on its disc, over all steps, and the 
     }
 }
 
-// Gauges that tile a wall lose nothing: their forces add up to the pressure of the wall's own probe, but for the rims at its ends. The
-// pressure itself is that of the models; here it is only held to the weight above, as a mean over the wall.
-TEST_CASE("gauges that tile a wall add up to its force, for every model of the plane", "[probe][sim]") {
+// Gauges that tile a wall lose no force: their forces add up to the force of the wall's probe, except for the rims at its ends. The
+// pressure depends on the models; here only its mean over the wall is compared with the weight above.
+TEST_CASE("gauges that tile a wall add up to its force, for every 2D model", "[probe][sim]") {
     for (const std::string model : {"wcsph", "ppe"}) {
         std::string scene = test::text::time(0.3, "fps = 10") + test::text::domain({-0.02, -0.02}, {0.12, 0.2}) + test::text::fluid(5e-3) +
                             test::text::models(model) + test::text::block({0, 0}, {0.1, 0.08}) + test::text::plane({0, 0}, {0, 1}) +

@@ -1,4 +1,4 @@
-// The probe of forces on a solid: what it makes of the ledger.
+// The probe of forces on a solid, computed from the ledger.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <sstream>
@@ -65,7 +65,7 @@ TEST_CASE("a solid probe that is resumed between rows reports the same row", "[p
     step(world, *probe, 0.5, 5, 1);
     step(world, *resumed, 0.5, 5, 1);
     CHECK(probe->rows(world, 1) == resumed->rows(world, 1));
-    CHECK_THROWS_WITH(resumed->load(state), Catch::Contains("not valid for a solid probe"));  // nothing is left in it
+    CHECK_THROWS_WITH(resumed->load(state), Catch::Contains("not valid for a solid probe"));  // the sums are empty
 }
 
 }  // namespace solid_probe_test

@@ -26,7 +26,7 @@ struct Machine : test::ScratchFolder {
 
 }  // namespace
 
-TEST_CASE("free memory is the minimum of the machine's and of all enclosing groups'", "[scene]") {
+TEST_CASE("free memory is the minimum over the machine and all enclosing control groups", "[scene]") {
     const Machine machine("0::/user.slice/job.scope\n");
     CHECK(available_memory(machine.path()) == 8.192e9);
     machine.write("sys/fs/cgroup/user.slice/job.scope/memory.max", "max\n");
@@ -39,19 +39,19 @@ TEST_CASE("free memory is the minimum of the machine's and of all enclosing grou
     CHECK(available_memory(machine.path()) == 2.5e9);
     machine.write("sys/fs/cgroup/user.slice/job.scope/memory.max", "2000000000\n");
     CHECK(available_memory(machine.path()) == 1.5e9);
-    // Files in the cache make room.
+    // Cached files count as free memory.
     machine.write("sys/fs/cgroup/user.slice/job.scope/memory.stat", "anon 100\ninactive_file 300000000\n");
     CHECK(available_memory(machine.path()) == 1.8e9);
 }
 
-TEST_CASE("a container's group counts where its files are those of the root", "[scene]") {
+TEST_CASE("a container's group counts if its files are at the root", "[scene]") {
     const Machine machine("0::/docker/0a1b\n");
     machine.write("sys/fs/cgroup/memory.max", "1000000000\n");
     machine.write("sys/fs/cgroup/memory.current", "250000000\n");
     CHECK(available_memory(machine.path()) == 7.5e8);
 }
 
-TEST_CASE("the memory controller of the older control groups counts, too", "[scene]") {
+TEST_CASE("the memory controller of cgroup v1 counts", "[scene]") {
     const Machine machine("5:cpu,cpuacct:/\n4:hugetlb,memory:/slurm/uid_1/job_2\n0::/\n");
     const fs::path job = "sys/fs/cgroup/memory/slurm/uid_1/job_2";
     machine.write(job / "memory.limit_in_bytes", "9223372036854771712\n");
@@ -61,7 +61,7 @@ TEST_CASE("the memory controller of the older control groups counts, too", "[sce
     CHECK(available_memory(machine.path()) == 2.3e9);
 }
 
-TEST_CASE("memory that the process holds counts as free, up to a limit of the address space", "[scene]") {
+TEST_CASE("memory that the process already uses counts as free, up to an address space limit", "[scene]") {
     const Machine machine("0::/job\n");
     machine.write("proc/self/status", "VmRSS:\t  6000000 kB\nRssAnon:\t  5000000 kB\n");
     CHECK(available_memory(machine.path()) == 13.312e9);

@@ -8,7 +8,7 @@ using namespace whorl;
 
 namespace {
 
-/// A right scene of eight lines; each case changes one thing in it.
+/// A valid scene of eight lines; each case changes one thing in it.
 const std::string good =
     "[time]\n"
     "end = 1\n"
@@ -47,7 +47,7 @@ std::string messages_of(const std::string& text, const ReadRequest& request = {}
 
 }  // namespace
 
-TEST_CASE("the scene that the bad ones are made from is right", "[scene]") { CHECK(messages_of(good) == "no error"); }
+TEST_CASE("the scene that the invalid scenes are derived from is valid", "[scene]") { CHECK(messages_of(good) == "no error"); }
 
 TEST_CASE("every mistake in a scene file is reported with location, fault, hint and allowed values", "[scene]") {
     CHECK(cases().size() >= 80);
@@ -89,7 +89,7 @@ TEST_CASE("a TOML syntax error is reported at its location with a fix", "[scene]
     }
 }
 
-TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three with a zero", "[scene][plane]") {
+TEST_CASE("a 2D scene accepts vectors of two numbers, or of three with z = 0", "[scene][plane]") {
     const std::string plane =
         "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[domain]\ndimensions = 2\nmin = [0, 0]\nmax = [1, 1, 0]\nperiodic = [true, false]\n"
         "gravity = [0, -1]\n[[block]]\nshape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.1, 0]\nvelocity = [1, \"x\"]\n";
@@ -102,7 +102,7 @@ TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three w
         std::string text = plane;
         return text.replace(text.find(replaced), replaced.size(), by);
     };
-    // A domain without depth has two dimensions, too, and a block across the plane is cut by it.
+    // A domain without depth is also 2D, and the plane cuts a block that crosses it.
     CHECK(read_scene_text(with("dimensions = 2\n", ""), "plane.toml").domain.dimensions == 2);
     CHECK(messages_of(with("dimensions = 2\nmin = [0, 0]", "min = [0, 0, 0]")) == "no error");
     CHECK(messages_of(with("max = [0.1, 0.1, 0]", "max = [0.1, 0.1, 0.1]")) == "no error");
@@ -132,7 +132,7 @@ TEST_CASE("a scene of two dimensions takes vectors of two numbers, or of three w
     }
 }
 
-TEST_CASE("several mistakes are reported together, sorted by location, those of the command line last", "[scene]") {
+TEST_CASE("several mistakes are reported together, by location, with the command line's last", "[scene]") {
     ReadRequest request;
     request.changes = {parse_change("fluid.viscosity=-1"),
                        parse_change("time.edn=3"),
@@ -160,7 +160,7 @@ TEST_CASE("several mistakes are reported together, sorted by location, those of 
           "--set block[1].radius=1: block[1].shape is missing; kind of shape; allowed: box, sphere, cylinder or mesh");
 }
 
-TEST_CASE("an option without a value, or with one that is not TOML, is refused by its text", "[scene]") {
+TEST_CASE("an option without a value, or with a value that is not TOML, is refused with its text", "[scene]") {
     const std::string values =
         "; write numbers as in 0.5 or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false";
     for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
@@ -171,7 +171,7 @@ TEST_CASE("an option without a value, or with one that is not TOML, is refused b
         CHECK_THROWS_WITH(parse_change(text), "--set " + text + ": " + message);
 }
 
-TEST_CASE("numbers on the command line may begin or end with a point", "[scene]") {
+TEST_CASE("numbers on the command line may begin or end with a decimal point", "[scene]") {
     const std::string text =
         "[time]\nend = 1\n[fluid]\nspacing = 0.01\nviscosity = 1e-320\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.1, 0.1, "
         "0.1]\n";
@@ -197,12 +197,12 @@ TEST_CASE("numbers on the command line may begin or end with a point", "[scene]"
     CHECK(messages_of(text, request) == "--set time.cfl=.8.1: time.cfl must be a number, not the text \".8.1\"");
 }
 
-TEST_CASE("a scene file that is not there, or is a folder, is a mistake of the user", "[scene]") {
+TEST_CASE("a missing scene file, or a folder, is an input error", "[scene]") {
     CHECK_THROWS_WITH(read_scene("/no/such.toml"), "/no/such.toml: no such file");
     CHECK_THROWS_WITH(read_scene("/"), "/: is a folder, not a scene file");
 }
 
-TEST_CASE("a key of ten thousands of parts is refused, in a file and on the command line", "[scene]") {
+TEST_CASE("a key of 50,000 parts is refused, in a file and on the command line", "[scene]") {
     std::string key = "a";
     for (int k = 0; k < 50000; ++k) key += ".a";
     for (const std::string& text : {good + key + " = 1\n", good + "[" + key + "]\n", "b = { " + key + " = 1 }\n" + good})

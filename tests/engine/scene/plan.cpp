@@ -77,16 +77,16 @@ TEST_CASE("the coupled solve refuses a viscous number below 0.04 anywhere at the
     CHECK(coupled("0.001").find("coupled works from 0.04 on; choose models.pressure = \"ppe\" with models.viscosity = \"full\"") !=
           std::string::npos);
     CHECK(coupled("0").find("too thin") != std::string::npos);
-    // By the least at the start, whatever it becomes.
+    // The minimum at the start decides, whatever it becomes later.
     CHECK(coupled("100*age").find("too thin") != std::string::npos);
     CHECK(coupled("100*exp(-age)") == "no error");
     CHECK(messages_with({"models.pressure=coupled", "emitter[0].viscosity=0.001"}).find("emitter[0].viscosity is 0.001 Pa s") !=
           std::string::npos);
-    // Left to choose, it is not taken where a part of the fluid is thin.
+    // The plan does not choose it if a part of the fluid is thin.
     CHECK(plan_with({"fluid.viscosity=0.001+1000*age"}).pressure == PressureModel::ppe);
 }
 
-TEST_CASE("the plan warns of a spun edge past the rim or the domain", "[plan]") {
+TEST_CASE("the plan warns if spinning fluid rises above the rim or the domain", "[plan]") {
     const auto warned = [](double lid, double top, const std::string& what) {
         const Plan plan =
             make_plan(scene_with({}, fmt::format("[time]\nend = 1\n[domain]\nmin = [-0.06, -0.01, -0.06]\nmax = [0.06, {}, 0.06]\n"
@@ -104,7 +104,7 @@ TEST_CASE("the plan warns of a spun edge past the rim or the domain", "[plan]") 
     CHECK(warned(0.12, 0.055, past));
 }
 
-TEST_CASE("the user's choices are kept, also kernel and support", "[plan]") {
+TEST_CASE("the user's choices are kept, including kernel and support", "[plan]") {
     const Plan plan = plan_with({"fluid.kernel=cubic", "fluid.support=2.5"});
     CHECK(plan.kernel == KernelKind::cubic);
     CHECK(plan.support == Approx(5e-3));
@@ -150,7 +150,7 @@ TEST_CASE(
         return false;
     };
     CHECK(plan_of({}).viscosity == ViscosityModel::full);
-    CHECK(plan_of({"fluid.viscosity=0.001"}).viscosity == ViscosityModel::explicit_laplacian);  // hardly a turn's worth
+    CHECK(plan_of({"fluid.viscosity=0.001"}).viscosity == ViscosityModel::explicit_laplacian);  // hardly one turn
     CHECK(plan_of({"viscosity.laplacian=monaghan"}).viscosity == ViscosityModel::explicit_laplacian);
     CHECK(warned({"models.viscosity=explicit"}));
     CHECK_FALSE(warned({"models.viscosity=explicit", "viscosity.laplacian=monaghan"}));
@@ -162,7 +162,7 @@ TEST_CASE("viscosity that varies in space counts with its largest value", "[plan
     CHECK(plan_with({"emitter[0].start=3", "fluid.viscosity=1000 + 100*age"}).largest_viscosity == Approx(1100));
 }
 
-TEST_CASE("thick fluid that lies on a floor counts for the models", "[plan]") {
+TEST_CASE("thick fluid that lies on a floor counts in the choice of models", "[plan]") {
     const std::string scene = test::text::time(0.1) + test::text::domain({0, -0.1, 0}, {1, 1, 1}) +
                               test::text::fluid(0.025, 0, "viscosity = \"y < 0.05 ? 100 : 0.001\"") +
                               test::text::plane({0, 0, 0}, {0, 1, 0}) + test::text::block({0.2, 0, 0.2}, {0.8, 0.4, 0.8});
@@ -170,7 +170,7 @@ TEST_CASE("thick fluid that lies on a floor counts for the models", "[plan]") {
 }
 
 TEST_CASE("a block's viscosity counts even if no sample point lies in it", "[plan]") {
-    const test::ScratchFolder folder;  // two pieces in opposite corners
+    const test::ScratchFolder folder;  // two separate parts in opposite corners
     std::ofstream(folder / "two.obj") << "v 0 8 8\nv 8 0 8\nv 8 8 0\nv 8 8 8\nv 40 32 32\nv 32 40 32\nv 32 32 40\nv 32 32 32\n"
                                          "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\nf 5 6 7\nf 5 8 6\nf 6 8 7\nf 7 8 5\n";
     const std::string scene = test::poured_honey, block = "[[block]]\nshape = \"mesh\"\nscale = 1e-3\nfile = \"";
@@ -186,7 +186,7 @@ TEST_CASE("few particles across the opening are a warning", "[plan]") {
     CHECK(plan.warnings[0] == "only 2.5 particles across emitter[0]: details there are lost, use a smaller fluid.spacing");
 }
 
-TEST_CASE("a block that reaches into a solid is a warning, one on it or filling its container is not", "[plan]") {
+TEST_CASE("a block that overlaps a solid is a warning, one on it or filling its container is not", "[plan]") {
     const auto warnings = [](const std::string& block) { return plan_with({"block[0]={shape=\"box\", " + block + "}"}).warnings; };
     CHECK(warnings("min=[-0.004,0,-0.004], max=[0.004,0.01,0.004]")
               .empty());  // a layer of a fifth is nearer to the plane than half a spacing
@@ -207,7 +207,7 @@ TEST_CASE("blocks that overlap are a warning with the part that overlaps, blocks
     CHECK(found[0].find("% of block[1] lies inside block[0]") != std::string::npos);
 }
 
-TEST_CASE("a force whose speeds the plan cannot know is warned of where sound has to be faster", "[plan]") {
+TEST_CASE("the plan warns of a force of unknown speed if the sound must be faster", "[plan]") {
     const auto warned = [](const std::vector<std::string>& changes) {
         const std::vector<std::string> all = plan_with(changes).warnings;
         return std::any_of(all.begin(), all.end(),
@@ -225,7 +225,7 @@ TEST_CASE("the plan of the assembled viscosity reports the memory of its matrix"
           std::string::npos);
 }
 
-TEST_CASE("the monaghan Laplacian with few neighbours is warned of with its stiffness on a lattice", "[plan]") {
+TEST_CASE("the plan warns of monaghan with few neighbours, with its stiffness on a lattice", "[plan]") {
     const auto warning = [](const std::string& support) {
         std::string all;
         for (const std::string& w :
@@ -254,7 +254,7 @@ TEST_CASE("a background pressure is a warning if blocks leave room, not in a ful
     CHECK(warned(channel(0.05)));
 }
 
-TEST_CASE("the projection is chosen if fluid fills its space, and warned of if it has a surface", "[plan][pressure]") {
+TEST_CASE("the projection is chosen if fluid fills its space, and is a warning if it has a surface", "[plan][pressure]") {
     const std::string start = "[time]\nend = 1\n[domain]\nmin = [-0.1, -0.1, -0.1]\nmax = [1, 1, 0.3]\n[fluid]\nspacing = 0.01\n",
                       projection = "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\n",
                       tank = "[[solid]]\nshape = \"box\"\ncontainer = true\nmin = [0, 0, 0]\nmax = [0.4, 0.4, 0.2]\n";

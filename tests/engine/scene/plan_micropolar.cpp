@@ -75,7 +75,7 @@ TEST_CASE("a micropolar system that gains energy is an error by default, and a w
           std::string::npos);
 }
 
-TEST_CASE("a transfer viscosity that the source of the system notes excludes is warned of", "[plan][micropolar]") {
+TEST_CASE("the plan warns of a transfer viscosity that the source of the system notes excludes", "[plan][micropolar]") {
     const auto warned = [](const std::vector<std::string>& changes) {
         const std::vector<std::string> all = make_plan(scene_with(changes, eddies)).warnings;
         return std::any_of(all.begin(), all.end(),
@@ -111,7 +111,7 @@ TEST_CASE("invalid micropolar keys are refused", "[plan][micropolar]") {
           std::string::npos);
 }
 
-TEST_CASE("where fluid can turn freely its viscosity and coupling are split so that no torque is left over", "[plan][micropolar]") {
+TEST_CASE("fluid that can rotate freely splits viscosity and coupling without a net torque", "[plan][micropolar]") {
     const auto numbers = [](std::vector<std::string> changes) {
         changes.insert(changes.begin(), {"models.viscosity=explicit", "block[0].max=[1,0.5,1]", "micropolar.micro_inertia=1e-3"});
         return make_plan(scene_with(changes, eddies)).spin;
@@ -130,7 +130,7 @@ TEST_CASE("where fluid can turn freely its viscosity and coupling are split so t
     CHECK(numbers({"micropolar.transfer_viscosity=2", "block[0].max=[1,1,1]"}).pair_viscosity == Approx(4));
 }
 
-TEST_CASE("the exchange is explicit where its stable step is long enough, else implicit", "[plan][micropolar]") {
+TEST_CASE("the exchange is explicit if its stable step is long enough, else implicit", "[plan][micropolar]") {
     const auto scheme = [](const std::string& theta) {
         return choice(make_plan(scene_with({"micropolar.transfer_viscosity=2", "micropolar.micro_inertia=" + theta}, eddies)),
                       "micropolar.exchange")

@@ -109,13 +109,13 @@ TEST_CASE("the default of the longest step depends on the film's speed, not on i
     CHECK(longest({"time.fps=1e-3", "time.end=1e5"}) == hours);
 }
 
-TEST_CASE("a paddle that turns is planned at once, however long a step may be", "[scene][plan]") {
+TEST_CASE("a rotating paddle is planned quickly, at any step length", "[scene][plan]") {
     const Plan plan = test::plan_with(
         {"time.max_step=1e9", "solid[1]={shape=\"box\", min=[0.04,0,0.04], max=[0.06,0.05,0.05], rotation=[0,'5*min(1,2*t)',0]}"});
     CHECK(plan.estimated_particles > 0);
 }
 
-TEST_CASE("texts keep their quotes and odd characters through a resolved scene", "[scene]") {
+TEST_CASE("strings keep quotes and special characters through a resolved scene", "[scene]") {
     CHECK(Value(std::string("a \"b\" \\ \n\t")).toml() == "\"a \\\"b\\\" \\\\ \\n\\t\"");
     const Value read = parse_toml("x = " + Value(std::string("a \"b\" \\ \n\t\x01")).toml(), "f");
     CHECK(*read.find("x")->as<std::string>() == "a \"b\" \\ \n\t\x01");
@@ -132,7 +132,7 @@ TEST_CASE("a scene stores the location of each key, or of the nearest table of a
     CHECK(scene.place("emitter[2].speed").line == 0);
 }
 
-TEST_CASE("a model that an option chooses leaves out the file's keys of another model, but not the option's own", "[scene]") {
+TEST_CASE("a model set by an option drops the file's keys of other models, but not the option's keys", "[scene]") {
     const std::string text = R"(
 [fluid]
 spacing = 0.01
@@ -166,7 +166,7 @@ max = [0.5, 0.5, 0.5]
                       Catch::StartsWith("--set micropolar.transfer_viscosity=0.2: micropolar.transfer_viscosity belongs to"));
 }
 
-TEST_CASE("changes of the command line beat the quality, and the quality beats the file", "[scene]") {
+TEST_CASE("command line options override the quality, and the quality overrides the file", "[scene]") {
     ReadRequest request;
     CHECK(read_scene_text(text, "s.toml", request).fluid.spacing == 2e-3);
     request.quality = "standard";

@@ -58,7 +58,7 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
     CHECK(messages_with({"emitter[0].radius=0.09", "emitter[0].speed=1e-9", "fluid.spacing=1e-7"})
               .find("the nozzle of emitter[0] needs about") != std::string::npos);
     CHECK(messages_with({"fluid.spacing=1e-8"}).find("particles need") != std::string::npos);
-    // A wave maker is as large as the domain lets it be.
+    // The domain limits the size of a wave maker.
     CHECK(messages_with({"models.pressure=ppe", R"(solid[1]={shape="plane", normal=[1,0.5,0], position=["0.02*sin(6*t)-0.09",0,0]})"}) ==
           "no error");
     if (sizeof(Real) == 4)
@@ -137,7 +137,7 @@ TEST_CASE("keys that the chosen models or forms do not use are refused with thei
         CHECK(said.find(what) != std::string::npos);
         CHECK(said.find(way_out) != std::string::npos);
     };
-    // A full box takes the projection by itself, one with a surface the constraint.
+    // The plan chooses the projection for a full box, the constraint for one with a surface.
     refuses(full + "[pressure]\ndamping = 1\n", "pressure.damping acts on motion between neighbours", "pressure.form = \"constraint\"");
     refuses(full + "[pressure]\ncorrection = 0.2\n", "pressure.correction is a share of the density error",
             "pressure.form = \"constraint\"");
@@ -151,12 +151,12 @@ TEST_CASE("keys that the chosen models or forms do not use are refused with thei
                 "or set models.pressure");
     refuses(half + "[viscosity]\nalpha = 0.1\n", "belongs to models.viscosity = \"xsph\", and \"auto\" takes \"explicit\" here",
             "or set models.viscosity");
-    // With source density the cycle is read where there is a multigrid.
+    // With source density the cycle is used if there is a multigrid.
     const std::string published = "[pressure]\ncycle = \"v_cycle\"\nform = \"projection\"\nsource = \"density\"\n";
     refuses(half + published + "preconditioner = \"jacobi\"\n", "pressure.cycle is an option of the multigrid", "\"multigrid\"");
     CHECK(message(half + published + "preconditioner = \"multigrid\"\n").empty());
     CHECK(make_plan(scene_with({}, half + published)).preconditioner == Preconditioner::multigrid);
-    // Nothing damps the published rows in a full box without weight.
+    // The published rows have no damping in a full box without weight.
     CHECK(message(full + "[models]\npressure = \"ppe\"\n[pressure]\nform = \"projection\"\nsource = \"density\"\n")
               .find("gains energy in confined fluid without gravity") != std::string::npos);
     // Used keys pass, and so do defaults: a resolved scene writes them.

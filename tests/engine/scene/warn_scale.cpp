@@ -35,7 +35,7 @@ TEST_CASE("a size in a wrong unit is reported with key, meaning and likely mista
     CHECK_THAT(messages_with({"emitter[0].radius=5"}),
                Catch::Contains("the opening of emitter[0] is 10 m across, wider than the whole domain (0.2 m)") &&
                    Catch::Contains("a likely slip: emitter[0].radius: the nozzle is 10 m across; lengths are in metres"));
-    // A whole film of it would be more particles than any memory holds.
+    // A whole run of it would have more particles than fit into any memory.
     CHECK_THAT(messages_with({"emitter[0].speed=300", "time.end=1000", "fluid.spacing=0.001"}),
                Catch::Contains("most of them are from emitter[0], which emits ") && Catch::Contains("a likely slip: " + fast));
 }
@@ -53,7 +53,7 @@ TEST_CASE("a solid that is a thousand times too large is reported with its key",
     CHECK(warnings("shape=\"plane\"").empty());
 }
 
-TEST_CASE("a solid larger than the domain is reported with what begins inside it", "[plan]") {
+TEST_CASE("a solid larger than the domain is reported with the emitter inside it", "[plan]") {
     const std::string said = messages_with({"solid[0]={shape=\"sphere\", radius=5000}"});
     CHECK_THAT(said, Catch::Contains("emitter[0] at (0, 0.08, 0) lies 5e+03 m inside solid[0]") &&
                          Catch::Contains("solid[0].radius: the sphere is 1e+04 m across in a domain of 0.2 m; lengths are in metres"));

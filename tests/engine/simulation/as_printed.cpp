@@ -1,4 +1,4 @@
-/// models.notes = "as_printed": a step of the third note's system against its printed sums, and what the plan makes of the word.
+/// models.notes = "as_printed": a step of the third note's system against its printed sums, and the plan for this key.
 #include "engine/scene/as_printed.h"
 
 #include <catch2/catch.hpp>
@@ -97,7 +97,7 @@ std::string messages(const std::vector<std::string>& changes, const std::string&
 
 }  // namespace
 
-TEST_CASE("two steps of the third note's system are its printed sums within 1e-4", "[micropolar][printed]") {
+TEST_CASE("two steps of the third note's system equal its printed sums within 1e-4", "[micropolar][printed]") {
     for (const bool second : {false, true}) {
         CAPTURE(second);
         const Scene scene = scene_with({std::string("viscosity.laplacian=") + (second ? "monaghan" : "brookshaw")}, cloud);
@@ -109,7 +109,7 @@ TEST_CASE("two steps of the third note's system are its printed sums within 1e-4
         REQUIRE(found.x.size() == 125);
         double most_u = 0, most_w = 0, off_x = 0, off_u = 0, off_w = 0;
         for (std::size_t i = 0; i < found.x.size(); ++i) {
-            std::size_t k = 0;  // the same particle, wherever sorting has put it
+            std::size_t k = 0;  // the same particle after sorting
             for (std::size_t j = 0; j < found.x.size(); ++j)
                 if ((expected.x[j] - found.x[i]).norm() < (expected.x[k] - found.x[i]).norm()) k = j;
             most_u = std::max(most_u, (expected.u[k] - start.u[k]).norm());
@@ -125,7 +125,7 @@ TEST_CASE("two steps of the third note's system are its printed sums within 1e-4
     }
 }
 
-TEST_CASE("as printed: the plan refuses models and values that no note has, by key", "[plan][printed]") {
+TEST_CASE("as printed: the plan refuses models and values that are in no note, by key", "[plan][printed]") {
     CHECK(messages({}) == "no error");
     CHECK_THAT(messages({"micropolar.micro_inertia=1"}),
                Catch::Contains("micropolar.micro_inertia = 1.0 is not what the notes print, 2.0"));

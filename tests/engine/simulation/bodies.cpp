@@ -1,4 +1,4 @@
-/// Free bodies in whole runs: what is conserved, what is saved, what is refused.
+/// Free bodies in whole runs: conservation, saved states, refused scenes.
 #include <catch2/catch.hpp>
 
 #include "engine/io/diagnostics.h"
@@ -46,9 +46,9 @@ TEST_CASE(
     "fluid and bodies that collide in free space keep momentum within 1e-5 and angular momentum within 1e-6, with every model that moves "
     "them",
     "[sim][bodies]") {
-    // Viscosity along the pairs, since the other Laplacian exerts a torque. Relative to the fluid's momentum, and to that times the
-    // size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a position to 3e-8 of the domain at every step,
-    // the bounds are what these runs keep, with room.
+    // Viscosity along the pairs, because the other Laplacian exerts a torque. Relative to the fluid's momentum, and to that times the
+    // size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a position to 3e-8 of the domain at every step.
+    // The bounds are those of these runs, with a margin.
     const std::string along_pairs = "[viscosity]\nlaplacian = \"monaghan\"\n";
     for (const std::string& models :
          {text::models("ppe"), text::models("ppe", "explicit") + along_pairs, text::models("wcsph", "explicit") + along_pairs,
@@ -68,7 +68,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("free bodies have the same bits on 1 and 4 threads and when they are saved half-way", "[sim][bodies][resume][threads]") {
+TEST_CASE("free bodies are bit-identical on 1 and 4 threads and after a resume", "[sim][bodies][resume][threads]") {
     CHECK(differing_bits(collision(text::models("ppe")), 0.2) == "");
 }
 
@@ -91,8 +91,8 @@ std::string lying(const text::Point& min, const text::Point& max, double density
 /// Motion in a scene that should stay at rest.
 struct Unrest {
     double density_error = 0;     ///< largest mean
-    double moved = 0, speed = 0;  ///< of a body, farthest and at the end [m, m/s]
-    double energy = 0;            ///< of motion at the end, of the water's potential energy over the floor
+    double moved = 0, speed = 0;  ///< largest displacement of a body, and its speed at the end [m, m/s]
+    double energy = 0;            ///< kinetic energy at the end, over the water's potential energy above the floor
 };
 Unrest unrest(const std::string& text, double seconds) {
     Simulation simulation = simulation_of(text);
@@ -124,7 +124,8 @@ Unrest unrest(const std::string& text, double seconds) {
 TEST_CASE(
     "bodies that lie on the bottom of still water stay there and press nothing together: alone, stacked, side by side, in 2-D and 3-D",
     "[sim][bodies]") {
-    // The lattice melts meanwhile, as it does around a fixed box: there .04 to .16 % of the potential energy moves within the first second.
+    // The lattice melts meanwhile, as it does around a fixed box: there kinetic energy is .04 to .16 % of the potential energy within the
+    // first second.
     const std::string stone = lying({-0.04, 0}, {0.04, 0.04}, 2000);
     for (const std::string& text :
          {pond(true, "", stone), pond(true, "", lying({-0.04, 0}, {0.04, 0.04}, 1200)),
@@ -142,7 +143,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a body that lies on the bottom of weakly compressible water stays there", "[sim][bodies]") {
-    // With any share of XSPH the water calms down as without it: 4 to 6e-5 of the potential energy move after .3 s.
+    // The water calms down equally with any share of XSPH: after .3 s kinetic energy is 4 to 6e-5 of the potential energy.
     for (const std::string smoothing : {"", "viscosity = \"xsph\"\n", "viscosity = \"xsph\"\n[viscosity]\nalpha = 0.02\n"}) {
         INFO(smoothing);
         const Unrest found = unrest(pond(true, "[models]\npressure = \"wcsph\"\n" + smoothing, lying({-0.04, 0}, {0.04, 0.04}, 2000)), 0.3);

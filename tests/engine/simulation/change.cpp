@@ -39,7 +39,7 @@ TEST_CASE("setting the current values changes no bit", "[sim][change]") {
     CHECK(state_of(changed) == state_of(untouched));
 }
 
-TEST_CASE("a change acts from the frame time on: viscosity, emitter, gravity, solids", "[sim][change]") {
+TEST_CASE("changes of viscosity, emitter, gravity and solids act from the frame time on", "[sim][change]") {
     const Scene before = scene_of();
     const Scene after = scene_of({{"fluid.viscosity", "5"},
                                   {"emitter[0].speed", "0.2"},
@@ -83,7 +83,7 @@ std::string resumed_to(double end, const std::string& saved, const Scene& before
 
 }  // namespace
 
-TEST_CASE("a run resumed after a change is the run that went on", "[sim][change]") {
+TEST_CASE("a run resumed after a change equals the uninterrupted run", "[sim][change]") {
     const Scene before = scene_of(), after = scene_of({{"fluid.viscosity", "\"5 + 100*y\""},
                                                        {"solid[0].rotation", "[0, \"2*sin(9*t)\", 0]"},
                                                        {"emitter[0].speed", "\"0.3+t\""}});
@@ -102,7 +102,7 @@ TEST_CASE("a change between frame times restarts lagged values, and a resumed ru
     const auto half_way = [&](Simulation& simulation) {
         run_until(simulation, 0.1);
         simulation.step(0.15);
-        simulation.change(after, make_plan(after), 0.101);  // asked for while the step was on its way
+        simulation.change(after, make_plan(after), 0.101);  // requested during the step
         run_until(simulation, 0.15);
     };
     Simulation whole(before, make_plan(before)), again(before, make_plan(before));

@@ -1,4 +1,4 @@
-/// The energy budget of whole runs: what each cause gives or takes, and what does not close.
+/// The energy budget of whole runs: the work of each cause, and the residual.
 #include <catch2/catch.hpp>
 #include <sstream>
 
@@ -82,7 +82,7 @@ TEST_CASE("a drum's work is its honey's energy plus the losses by viscosity and 
     }
 }
 
-TEST_CASE("a stone that lies under water does no work, though the water lifts it in each step", "[sim][energy]") {
+TEST_CASE("a stone at rest under water does no work, although the water lifts it in each step", "[sim][energy]") {
     Simulation tank =
         simulation_of(text::time(1) + text::domain({0, 0}, {0.3, 0.3}) + text::fluid(0.02) + text::block({0, 0}, {0.3, 0.16}) +
                       text::tank({0, 0}, {0.3, 0.3}) + text::box({0.1, 0}, {0.2, 0.06}, "density = 2500"));
@@ -90,12 +90,12 @@ TEST_CASE("a stone that lies under water does no work, though the water lifts it
     while (tank.time() < 0.5) tank.step(0.5);
     const double at_rest = tank.totals().work.solids;
     while (tank.time() < 1) tank.step(1);
-    // The water's push times the speed that gravity gives the stone in a step, about 2 cm/s, would be 1 J/m a second. What is left is the
-    // water that comes to rest.
+    // The water's push times the speed that gravity gives the stone in a step, about 2 cm/s, would be 1 J/m a second. The remainder comes
+    // from the water as it comes to rest.
     CHECK(std::abs(tank.totals().work.solids - at_rest) < 1e-3);
 }
 
-TEST_CASE("a nozzle brings the energy that a drain takes, within 1 %, and their particles are counted", "[sim][energy]") {
+TEST_CASE("a nozzle adds the energy that a drain removes, within 1 %, and both count their particles", "[sim][energy]") {
     Simulation jet = simulation_of(
         text::time(1) + text::domain({-0.3, -0.3}, {0.3, 0.3}) + text::fluid(0.01) +
         "[[emitter]]\nshape = \"box\"\nposition = [0, 0.25, 0]\nwidth = 0.05\nthickness = 0.05\ndirection = [0, -1, 0]\nspeed = 1\n" +
@@ -109,8 +109,7 @@ TEST_CASE("a nozzle brings the energy that a drain takes, within 1 %, and their 
     CHECK(totals.emitted_particles - totals.drained_particles == measure(jet.world(), Vec3d::Zero(), 1).particles);
 }
 
-TEST_CASE("the energy budget changes no bit of a run, and is the same for any threads and after a resume",
-          "[sim][energy][threads][resume]") {
+TEST_CASE("the energy budget changes no bit of a run, and is equal for any threads and after a resume", "[sim][energy][threads][resume]") {
     const std::string text = channel(flows);
     Simulation plain = simulation_of(text), one = simulation_of(text), two = simulation_of(text);
     one.count_energy(), two.count_energy();
@@ -131,7 +130,7 @@ TEST_CASE("the energy budget changes no bit of a run, and is the same for any th
     CHECK(std::equal(x.begin(), x.end(), y.begin(), y.end()));
 }
 
-TEST_CASE("gravity that changes, a force and periodic axes do the work of their own column", "[sim][energy]") {
+TEST_CASE("changing gravity, a force and periodic axes have their work in separate columns", "[sim][energy]") {
     const auto run = [&](const std::string& gravity, const std::string& force) {
         Simulation falls = simulation_of(text::time(1) + text::domain({0, 0}, {0.2, 0.2}, "periodic = [true, true]\ngravity = " + gravity) +
                                          text::fluid(0.01, 0, force) + text::block({0, 0}, {0.05, 0.1}));
@@ -141,13 +140,13 @@ TEST_CASE("gravity that changes, a force and periodic axes do the work of their 
         CHECK(std::abs(error(falls)) < 0.05 * measure(falls.world(), Vec3d::Zero(), 1).kinetic_energy);
         return falls.totals().work;
     };
-    CHECK(run("[0, -9.81, 0]", "").lifted > 0);  // each passage through the floor begins at the ceiling again
+    CHECK(run("[0, -9.81, 0]", "").lifted > 0);  // particles that leave through the floor enter at the ceiling
     CHECK(run("[\"4*t\", -9.81, 0]", "").lifted != 0);
     CHECK(run("[0, 0, 0]", "force = [2, 0, 0]\n").forces == Approx(5 * 0.36 / 2 * 1).epsilon(0.02));
 }
 
-TEST_CASE("moves that are no velocity add no energy to a slosh once its lattice has melted, in three models", "[sim][energy]") {
-    // The carried velocities of coupled honey are noise that adds some 1e-5 of the energy in .1 s.
+TEST_CASE("position corrections add no energy to a slosh once its lattice has melted, in 3 models", "[sim][energy]") {
+    // The advected velocities of coupled honey have noise that adds some 1e-5 of the energy in .1 s.
     for (const auto& [models, tolerance] :
          {std::pair(std::string(), 1e-5), std::pair(text::pressure_form("projection"), 1e-5), std::pair(text::models("coupled"), 1e-4)}) {
         INFO(models);
@@ -179,8 +178,8 @@ TEST_CASE("merging drops keep their momentum within 1e-7, and their surface work
     run_until(drops, 0.05);
     const Vec3d gained = measure(drops.world(), Vec3d::Zero(), 1).momentum - start.momentum;
     CHECK(gained.norm() < 1e-7 * std::sqrt(2 * start.kinetic_energy * start.particles * 1e-6));  // of sum m |u|
-    // The pulls have no potential. They give less than sigma times the lost area, more than a third of it, and motion gains no energy
-    // from what presses particles onto each other.
+    // The pulls have no potential. They do between a third of and once sigma times the lost area in work, and motion gains no energy from
+    // particles that are pressed together.
     const EnergyBudget& work = drops.totals().work;
     const double lost_area = 8 * 3.14159 * 16e-6 * (1 - std::cbrt(0.5));
     CHECK(work.surface_tension - settled < 0.07 * lost_area);

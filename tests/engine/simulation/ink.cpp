@@ -19,7 +19,7 @@ namespace {
 
 const std::string of_stream_function = "ink = [\"0.5+0.5*sin(2*pi*x)*sin(2*pi*y)\", 0.25]";
 
-/// Vortices that turn in a periodic square of 1 m; the ink is a function of their stream function, which the flow leaves as it is.
+/// Vortices that turn in a periodic square of 1 m; the ink is a function of their stream function, which is constant along the flow.
 std::string vortices(const std::string& fluid, const std::string& more, const std::string& ink = of_stream_function) {
     return text::time(2, "fps = 2") + text::domain({0, 0}, {1, 1}, "periodic = [true, true]\ngravity = [0, 0]") +
            text::fluid(0.03125, 0, fluid) + text::pressure_form("projection") +
@@ -35,7 +35,7 @@ double stream_function(const Vec3& x) {
 
 }  // namespace
 
-TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the particles do not mix it", "[sim][ink]") {
+TEST_CASE("shifting does not mix ink that is constant along a steady flow", "[sim][ink]") {
     Simulation simulation = simulation_of(vortices("", ""));
     run_until(simulation, 1);
     const auto x = simulation.world().fluid.column<field::position>();
@@ -49,7 +49,7 @@ TEST_CASE("ink that a steady flow leaves as it is stays so: shifts of the partic
     }
     const double off = std::sqrt(sum / static_cast<double>(x.size()));
     INFO("root mean square of the change: " << off);
-    // A particle goes round in about 1 s. In 2 s ink that stays with its particle is off by 0.032, carried ink by 0.013.
+    // A turn takes about 1 s. After 2 s the error is 0.013, and 0.032 without the correction for shifts.
     CHECK(off < 0.01);
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("fluid in a stream has the stream's ink, of time and place", "[sim][in
     const auto c = simulation.world().fluid.column<field::ink>();
     int inside = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-        if ((x[i] - Vec3(0.5f, 0.5f, 0)).cwiseAbs().maxCoeff() > 0.09f) continue;  // no step goes that far
+        if ((x[i] - Vec3(0.5f, 0.5f, 0)).cwiseAbs().maxCoeff() > 0.09f) continue;  // no step reaches that far
         ++inside;
         CHECK(c[i].x() == Approx(0.5).margin(0.05));
         CHECK(c[i].y() == Approx(static_cast<double>(x[i].y())).margin(0.02));
@@ -75,7 +75,7 @@ TEST_CASE("fluid in a stream has the stream's ink, of time and place", "[sim][in
     CHECK(inside > 10);
 }
 
-TEST_CASE("an emitter gives its ink at the time at which fluid enters, and frames carry it", "[sim][ink]") {
+TEST_CASE("an emitter sets its ink at the time at which fluid enters, and frames contain it", "[sim][ink]") {
     Simulation simulation =
         simulation_of(text::time(1, "fps = 10") + text::domain({-0.1, -0.3, -0.1}, {0.1, 0.3, 0.1}, "gravity = [0, 0, 0]") +
                       text::fluid(0.01) + text::models("none", "none") +

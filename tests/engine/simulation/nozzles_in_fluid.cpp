@@ -1,4 +1,4 @@
-// Emitters that open below the surface, and into rooms that fluid cannot leave.
+// Emitters that open below the surface, and into closed rooms.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -40,8 +40,8 @@ double kinetic_energy(const Simulation& run) {
     return sum;
 }
 
-/// Runs to the end and holds the flow to what the nozzle brings.
-/// @param rest m/s, of the fluid without a nozzle: what the model's particles shake by when they settle
+/// Runs to the end and checks mass and energy against the inflow of the nozzle.
+/// @param rest speed of the fluid without a nozzle, as the model's particles settle [m/s]
 void pours(const Tank& tank, double rest) {
     Simulation run = simulation_of(tank.scene());
     const auto outside = [&] {
@@ -58,8 +58,8 @@ void pours(const Tank& tank, double rest) {
         // The opening's area times the path, within the layer that is passing.
         REQUIRE(std::abs(run.totals().emitted_particles - pushed * area / volume) <= area * tank.spacing / volume);
         REQUIRE(std::abs(outside() - first - pushed * area / volume) <= area * tank.spacing / volume);
-        // The fluid that the nozzle moved and the fluid that it accelerates: inside and about its radius ahead, at its speed and against
-        // the weight of the fluid over it.
+        // The fluid that the nozzle moved and the fluid that it accelerates: inside and about one radius ahead, at its speed and against
+        // the weight of the fluid above it.
         const double moved = pushed + 3 * tank.spacing + 0.06, brought = 1000 * area * moved * (tank.speed * tank.speed + 9.81 * 0.24);
         REQUIRE(kinetic_energy(run) < brought + first * mass * rest * rest / 2);
     }
@@ -68,7 +68,7 @@ void pours(const Tank& tank, double rest) {
 
 }  // namespace
 
-TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no more energy than it brings", "[sim][emitter]") {
+TEST_CASE("a nozzle below the surface pours without a burst, with exact mass and bounded energy", "[sim][emitter]") {
     SECTION("at once, and later") {
         for (const double start : {0.0, 0.1}) pours({.start = start}, 0);
     }
@@ -82,7 +82,7 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         pours({.x = 0, .direction = "[1, 1, 0]"}, 0);
         pours({.x = 0.4}, 0);
     }
-    SECTION("a wall around an opening loses its boundary particles there, with all that is known of them") {
+    SECTION("a wall around an opening loses its boundary particles there, in all columns") {
         const Simulation open = simulation_of(Tank{.x = 0.4}.scene()), whole = simulation_of(Tank{.x = 0.2}.scene());
         const BoundaryParticles &boundary = open.world().boundary_particles, &all = whole.world().boundary_particles;
         REQUIRE(boundary.size() < all.size());
@@ -94,7 +94,7 @@ TEST_CASE("a nozzle that opens below the surface pours: no burst, exact mass, no
         pours({.speed = 0.2, .end = 0.1, .x = 0.4, .more = text::models("wcsph")}, 0.2);
         pours({.speed = 1, .end = 0.1, .height = 0.4, .x = 0.4, .more = text::models("wcsph")}, 0.2);
     }
-    SECTION("weakly compressible, slow, too, until the column's first layers have left") {
+    SECTION("weakly compressible, also slow, until the column's first layers have left") {
         for (const double start : {0.0, 0.05}) pours({.start = start, .end = 0.1, .more = text::models("wcsph")}, 0);
         pours({.speed = 0.3, .end = 0.5, .more = text::models("wcsph")}, 0);
     }
@@ -121,7 +121,7 @@ TEST_CASE("the fluid around a nozzle at rest is as calm as without a nozzle", "[
     }
 }
 
-TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure", "[sim][emitter]") {
+TEST_CASE("a submerged nozzle pours in 3D, with every pressure model", "[sim][emitter]") {
     Tank tank{.dimensions = 3, .end = 0.04};
     pours(tank, 0);
     tank.more = text::models("wcsph");
@@ -130,14 +130,14 @@ TEST_CASE("a nozzle in the fluid of a tank with depth pours, with every pressure
     pours(tank, 0);
 }
 
-TEST_CASE("the projection, which lets fluid enter a pipe from behind, refuses a pipe in the fluid", "[sim][emitter]") {
+TEST_CASE("the projection refuses a pipe in the fluid, because fluid could enter it from behind", "[sim][emitter]") {
     const std::string projection = "[pressure]\nform = \"projection\"\n";
     CHECK_THROWS_WITH(simulation_of(Tank{.x = 0.1, .more = projection}.scene()),
                       Catch::Contains("lets fluid flow from behind into the pipe of emitter[0]"));
     CHECK_NOTHROW(simulation_of(Tank{.speed = 0.1, .x = 0.4, .more = projection}.scene()));
 }
 
-TEST_CASE("a nozzle in a pipe as wide, or up to a spacing narrower, fills it at the nozzle's rate", "[sim][emitter]") {
+TEST_CASE("a nozzle fills a pipe of its width, or up to one spacing narrower, at its rate", "[sim][emitter]") {
     constexpr double d = 1e-3, radius = 4 * d, speed = 0.2;
     for (const std::string& models : {text::models("ppe"), text::models("wcsph")})
         for (const double narrower : {0.0, 0.3, 1.0})
@@ -164,7 +164,7 @@ TEST_CASE("a run with a nozzle in the fluid resumes bit-identically", "[sim][emi
 
 namespace {
 
-/// A closed box of 8 x 8 (x 8) places, seven layers of them full, with a nozzle that brings more than the eighth takes.
+/// A closed box of 8 x 8 (x 8) lattice sites with seven full layers. The nozzle emits more than fits into the eighth.
 std::string closed_box(int dimensions, const std::string& more, const std::string& domain = "", double end = 0.3) {
     const auto corner = [&](double x, double y) { return text::point(dimensions, x, y, x); };
     return text::time(end, "fps = 50") + text::domain(corner(-0.06, -0.06), corner(0.06, 0.06), domain) + text::fluid(0.01) +
@@ -180,7 +180,7 @@ bool warns(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a closed room into which more comes than fits is named by the plan, one that fluid can leave is not", "[sim][emitter]") {
+TEST_CASE("the plan names a closed room that overflows, but not a room that fluid can leave", "[sim][emitter]") {
     for (const int dimensions : {2, 3}) {
         const std::string drain = text::drain(text::point(dimensions, -0.04, -0.04, -0.01), text::point(dimensions, -0.03, -0.03, 0.01));
         CHECK(warns(closed_box(dimensions, "")));
@@ -191,7 +191,7 @@ TEST_CASE("a closed room into which more comes than fits is named by the plan, o
         open.replace(at, open.find("[[emitter]]") - at, "");
         CHECK_FALSE(warns(open));  // no walls: it leaves the domain
     }
-    // A full periodic box is a closed room, too; the volume is that between the floor and the lid.
+    // A full periodic box is also a closed room, with the volume between floor and lid.
     std::string round = closed_box(2, "", "periodic = [true, false]\n");
     CHECK(warns(round));
     const Plan plan = simulation_of(closed_box(3, "")).plan();

@@ -61,7 +61,7 @@ name = "part"
                        box(0.4375, 0.5625, 0.5, 0.6875), box(0.25, 0.25, 0.75, 0.5));
 }
 
-/// Largest distance from a particle of `a` to its own in `b`, which was moved by `shift` [m].
+/// Largest distance between equal particles of `a` and `b`, after `b` was moved by `shift` [m].
 double farthest(const World& a, const World& b, const Vec3& shift) {
     const auto x = a.fluid.column<field::position>(), y = b.fluid.column<field::position>();
     double most = 0;
@@ -89,9 +89,9 @@ TEST_CASE("moving a whole periodic scene changes no particle and no figure", "[s
     Simulation here = simulation_of(scene(0, 0));
     NamedProbes probes = make_probes(here, TheorySearch::wait);
     const double first = here.world().fluid.size();
-    // In the full room two steps: in the third a particle is, to round-off, as dense as the relief of crowding asks for, and that moves it
-    // and its neighbours by .3 % of a spacing in one run and not in another. (Without the relief all agree to 5e-7 for at least five
-    // steps.)
+    // Two steps in the full room. In the third, the density of a particle equals the threshold of the overdensity relaxation to round-off,
+    // which moves it and its neighbours by .3 % of a spacing in some runs only. (Without this relaxation all agree to 5e-7 for at least
+    // five steps.)
     const double end = name == "full" ? 0.0078125 : 0.125;
     run_until(here, end);
     const ProbeRows rows = rows_of(*probes[0].second, here);
@@ -104,12 +104,12 @@ TEST_CASE("moving a whole periodic scene changes no particle and no figure", "[s
         run_until(there, end);
         CHECK(there.totals().drained_particles == here.totals().drained_particles);
         REQUIRE(there.world().fluid.size() == here.world().fluid.size());
-        // Rounding: 6e-8 of coordinates up to 4, and what the steps make of it.
+        // Rounding: 6e-8 of coordinates up to 4, amplified by the steps.
         CHECK(farthest(here.world(), there.world(), Vec3(Real(a), Real(b), 0)) < 2e-5);
         const ProbeRows moved = rows_of(*other[0].second, there);
         CHECK(std::abs(moved[0][1] - rows[0][1]) <= 2);                       // a particle on the region's border
         CHECK(moved[0][6] == Approx(rows[0][6]).epsilon(0.02).margin(2e-3));  // mean velocity
-        CHECK(moved[0][3] - a == Approx(rows[0][3]).margin(2e-3));            // centroid, where the scene says the region is
+        CHECK(moved[0][3] - a == Approx(rows[0][3]).margin(2e-3));            // centroid, in the period of the region
     }
 }
 

@@ -1,4 +1,4 @@
-/// The stages of the projection together: the same bits, walls that move, what is kept and what is not.
+/// The stages of the projection together: bit-identical runs, moving walls, conservation.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -51,8 +51,8 @@ double energy(const Simulation& simulation) {
 
 }  // namespace
 
-TEST_CASE("a box full of fluid takes the projection by itself, and a stream carries its vortices unchanged", "[sim][projection]") {
-    // Galilean invariance: what the stream changes is where the particles' noise is when, at 16 a side 2 % of the energy in .5 s.
+TEST_CASE("a box full of fluid gets the projection, and a stream carries its vortices unchanged", "[sim][projection]") {
+    // Galilean invariance. The stream changes only the noise of the particles: 2 % of the energy in .5 s with 16 particles a side.
     Simulation still = simulation_of(vortices("jittered")), carried = simulation_of(vortices("jittered", 0.5));
     CHECK(still.plan().traits.pressure.form == PressureForm::projection);
     const double start = energy(still);
@@ -90,8 +90,8 @@ std::string floating(const std::string& body) {
 }  // namespace
 
 TEST_CASE("under the projection a nozzle fills a basin at its rate, and fluid above the rim runs out", "[sim][projection]") {
-    // .1 m at .1 m/s for .4 s: 10 particles, at the start less what lies in the opening already, a row. The level rises by less than a
-    // spacing, 50 particles.
+    // .1 m at .1 m/s for .4 s: 10 particles, less the row that is in the opening at the start. The level rises by less than one spacing, 50
+    // particles.
     Simulation simulation = simulation_of(basin);
     const double before = free_particles(simulation);
     run_until(simulation, 0.4);
@@ -119,14 +119,14 @@ TEST_CASE("a free jet under the projection carries its nozzle's rate at the spee
     for (std::size_t i = 0; i < x.size(); ++i)
         if (x[i].y() < lowest) lowest = static_cast<double>(x[i].y()), fastest = -static_cast<double>(u[i].y());
     run_until(simulation, 3);
-    // .05 m^2/s for 2 s is 250 particles; a particle that passes late or early is 1.
+    // .05 m^2/s for 2 s is 250 particles; one may pass late or early.
     CHECK(static_cast<double>(simulation.totals().drained_particles) - drained == Approx(250).margin(4));
     CHECK(simulation.totals().emitted_particles == Approx(375).margin(1));
     // The damping of surfaces slows the first particles of a stretching jet: 3.7 % slower than in free fall.
     CHECK(fastest == Approx(std::sqrt(0.25 + 2 * 9.81 * (0.5 - lowest))).epsilon(0.05));
 }
 
-TEST_CASE("the projection has the same bits on 1 and 4 threads and when it is saved half-way, in tanks, drops and with a free body",
+TEST_CASE("the projection is bit-identical on 1 and 4 threads and after a resume, also with a free body",
           "[sim][projection][bodies][threads][resume]") {
     CHECK(differing_bits(tank, 0.1) == "");
     CHECK(differing_bits(drop("velocity = [\"3*x\", \"-3*y\"]\n", "surface_tension = 0.072\n"), 0.02) == "");
@@ -135,7 +135,7 @@ TEST_CASE("the projection has the same bits on 1 and 4 threads and when it is sa
     CHECK(differing_bits(floating(text::ball({0.2, 0.15}, 0.06, "density = 950\nvelocity = [0.1, 0]")), 0.2) == "");
 }
 
-TEST_CASE("a stone that lies on the floor stays there under the projection, and the water stays still", "[sim][projection][bodies]") {
+TEST_CASE("a stone on the floor stays at rest under the projection, and so does the water", "[sim][projection][bodies]") {
     Simulation simulation = simulation_of(floating(text::box({0.14, 0}, {0.26, 0.08}, "density = 2000")));
     run_until(simulation, 1);
     const RigidBody& stone = *simulation.world().solids.all.back().body;
@@ -145,7 +145,7 @@ TEST_CASE("a stone that lies on the floor stays there under the projection, and 
     CHECK(simulation.totals().lost_particles == 0);
 }
 
-TEST_CASE("a full box with more particles than it has room for is refused under the projection, with how many", "[sim][projection]") {
+TEST_CASE("the projection refuses an overfilled box, with the excess of particles", "[sim][projection]") {
     const std::string text = vortices("lattice") + text::block({0.25, 0.25}, {0.75, 0.75});
     // The inner particles have about twice as many neighbours: between a quarter and a half too many, as kernel sums count it.
     std::string what = "no error";

@@ -33,7 +33,7 @@ const std::string plane_syrup = text::time(0.1, "max_step = 5e-3") + text::domai
                                 text::tank({0, 0}, {0.1, 0.14}) + text::ball({0.08, 0.02}, 0.02) +
                                 text::box({0.02, 0.045}, {0.05, 0.055}, "rotation = [0, 0, 5]");
 
-/// Particles that spin in 2D, weakly compressible.
+/// Weakly compressible micropolar fluid in 2D.
 const std::string plane_eddies = text::time(0.1) + text::domain({0, 0}, {0.5, 0.5}, "periodic = [true, true]\ngravity = [0, 0]") +
                                  text::fluid(0.01, 4) + text::models("wcsph", "explicit") + "micropolar = \"notes\"\n" +
                                  "[pressure]\ngradient = \"difference\"\nbackground_pressure = 1000\n"
@@ -42,14 +42,14 @@ const std::string plane_eddies = text::time(0.1) + text::domain({0, 0}, {0.5, 0.
 
 }  // namespace
 
-TEST_CASE("in the plane nothing leaves the plane, and the mass is that of a metre of depth", "[sim][plane]") {
+TEST_CASE("in 2D no particle leaves the plane, and the mass is that of 1 m depth", "[sim][plane]") {
     for (const std::string& text : {plane_syrup, plane_eddies}) {
         Simulation simulation = simulation_of(text);
         const World& world = simulation.world();
         const double d = static_cast<double>(world.step.spacing), area = text == plane_syrup ? 0.00645 : 0.25;
         CHECK(static_cast<double>(world.step.mass) == Approx(1000 * d * d));
         CHECK(world.fluid.size() * d * d ==
-              Approx(area).epsilon(0.06));  // bar and disc take .00055 from the syrup, and half a spacing around them
+              Approx(area).epsilon(0.06));  // bar and disc displace .00055 of the syrup, and half a spacing around them
         run_until(simulation, 0.1);
         for (const Vec3& x : world.fluid.column<field::position>()) REQUIRE(x.z() == 0);
         for (const Vec3& u : world.fluid.column<field::velocity>()) REQUIRE(u.z() == 0);
@@ -74,7 +74,7 @@ TEST_CASE("fluid that fills its container has every layer that fits, and rests o
             for (const Vec3& x : simulation.world().fluid.column<field::position>())
                 lowest = std::min(lowest, static_cast<double>(x.y())), highest = std::max(highest, static_cast<double>(x.y()));
             CHECK(lowest / d > 0.44);
-            CHECK(lowest / d < (layers == 8.3 ? 0.66 : 0.51));  // 8.3: what is less than half is left at both ends
+            CHECK(lowest / d < (layers == 8.3 ? 0.66 : 0.51));  // 8.3 spacings: less than half a spacing remains free at both ends
             const int fit = static_cast<int>(layers + 0.1);
             CHECK(std::lround((highest - lowest) / d) + 1 == fit);
             if (container == "box") CHECK(simulation.world().fluid.size() == fit * fit * fit);
@@ -122,12 +122,12 @@ TEST_CASE("a fixed solid is tilted about its centre, as the scene specifies", "[
     CHECK((slab.normal(Vec3(Real(0.1), 0, 0) + Real(0.3) * up) - up).norm() < 1e-6);
 }
 
-TEST_CASE("a run has the same bits on 1 and 4 threads and when it is saved and loaded half-way", "[sim][threads][resume]") {
+TEST_CASE("a run is bit-identical on 1 and 4 threads and after a resume", "[sim][threads][resume]") {
     for (const std::string& text : {syrup, plane_syrup, plane_eddies}) CHECK(differing_bits(text, 0.1) == "");
     CHECK(differing_bits(honey, 0.05) == "");
 }
 
-TEST_CASE("a saved state with values that no run has is refused", "[sim][resume]") {
+TEST_CASE("a saved state with impossible values is refused", "[sim][resume]") {
     Simulation run = simulation_of(syrup);
     run_until(run, 0.05);
     const std::string sound = state_of(run);
@@ -139,7 +139,7 @@ TEST_CASE("a saved state with values that no run has is refused", "[sim][resume]
     };
     refused(0, std::numeric_limits<double>::quiet_NaN());  // the time
     refused(sizeof(double) + sizeof(std::int32_t), -1L);   // the steps
-    // "frame time": how long the name is, the name, how often; after the last of the names the number of particles.
+    // "frame time": length of the name, name, count. The number of particles follows the last name.
     const std::size_t name = sound.find("frame time");
     REQUIRE(name != std::string::npos);
     refused(name - sizeof(std::size_t), std::size_t{1} << 62);
@@ -150,8 +150,7 @@ TEST_CASE("a saved state with values that no run has is refused", "[sim][resume]
     refused(count, std::numeric_limits<Index>::max());
 }
 
-TEST_CASE("a drop that begins to contract keeps its size and falls by g t within 1e-5, in every pressure model, by gravity or force",
-          "[sim][pressure]") {
+TEST_CASE("a contracting drop keeps its size and falls by g t within 1e-5, in every pressure model", "[sim][pressure]") {
     // Without a pressure its radius would fall by a fifth.
     const std::string gravity = "gravity = [0, -9.81, 0]\n", none = "gravity = [0, 0, 0]\n", force = "force = [0, -9.81, 0]\n",
                       varying = "force = [0, \"-9.81*(t < 10 && x*x + z*z < 1)\", 0]\n";

@@ -35,7 +35,7 @@ TEST_CASE("a stream accelerates the fluid in its box as 1 - exp(-t/time), whatev
     }
 }
 
-TEST_CASE("a stream that the pressure model does not know, or that lies outside of the domain, is refused", "[sim][stream]") {
+TEST_CASE("a stream that the pressure model does not support, or outside the domain, is refused", "[sim][stream]") {
     const std::string stream = "[[stream]]\nmin = [0, 0, 0]\nmax = [1, 0.5, 1]\nvelocity = [\"0.2\", \"0\", \"0\"]\ntime = 0.5\n";
     CHECK_THROWS_WITH(simulation_of(fluid_in_stream(text::models("coupled") + stream)), Catch::Contains("does not support streams"));
     std::string open = fluid_in_stream("[[stream]]\nmin = [2, 0, 0]\nmax = [3, 1, 1]\ntime = 1\n");

@@ -60,8 +60,8 @@ TEST_CASE("a vortex ring's velocity on its axis is that of Biot and Savart withi
     }
 }
 
-// Gamma/(4 pi R) (ln(8R/a) - 1) for a thin core (Saffman, Vortex Dynamics, 1992, section 11.2, for the core of Rosenhead and Moore); what
-// is left out is of second order in a/R = .02.
+// Gamma/(4 pi R) (ln(8R/a) - 1) for a thin core (Saffman, Vortex Dynamics, 1992, section 11.2, for the core of Rosenhead and Moore), to
+// second order in a/R = .02.
 TEST_CASE("a vortex ring moves itself with the speed of a thin ring within 1 %", "[sim][vortex]") {
     const double R = 1, a = 0.02;
     const Vec3d u = VortexLoop(ring(R, a), open_space()).velocity({0, R, 0});

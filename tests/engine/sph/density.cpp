@@ -26,8 +26,8 @@ struct Lattice {
 
 TEST_CASE("on a lattice every kernel sums to one within one per cent, and the density is the rest density", "[sph]") {
     for (KernelKind kind : {KernelKind::cubic, KernelKind::wendland_c2, KernelKind::wendland_c4}) {
-        // The error of a kernel's sum is a property of the kernel: it shrinks with support/spacing. Wendland C4 needs 3 spacings for the
-        // error of the cubic with 2.
+        // The error of the sum depends on the kernel and falls with support/spacing. Wendland C4 needs 3 spacings for the error of the
+        // cubic kernel with 2.
         const Real support = kind == KernelKind::cubic ? Real(2) : Real(3);
         const Real d = Real(1e-3);
         const Lattice lattice(8, d, support * d);

@@ -22,7 +22,7 @@ CoilTheory found(const CoilParameters& parameters) {
 
 }  // namespace
 
-TEST_CASE("steady coils of every regime have the published table's frequency and radius, within 0.01 %", "[io][coil_theory]") {
+TEST_CASE("steady coils of every regime match the published frequency and radius within 0.01 %", "[io][coil_theory]") {
     std::ifstream table(WHORL_SOURCE_DIR "/scenes/studies/coil_theory.csv");
     std::string line;
     std::getline(table, line);
@@ -41,8 +41,8 @@ TEST_CASE("steady coils of every regime have the published table's frequency and
     CHECK(rows == 14);
 }
 
-// Speed, fall, viscosity, frequency, radius: from another implementation (scipy's solve_bvp), settings that no other test has.
-TEST_CASE("steady coils between and beyond the table's rows are those of an independent solution, within 0.01 %", "[io][coil_theory]") {
+// Speed, fall, viscosity, frequency, radius: from another implementation (scipy's solve_bvp), for settings of no other test.
+TEST_CASE("steady coils off the table's rows match an independent solution within 0.01 %", "[io][coil_theory]") {
     const double rows[][5] = {
         {0.05, 0.15, 0.02, 20.52, 0.0044528},  {0.1, 0.3, 0.02, 55.728, 0.0033855},   {0.5, 0.08, 0.02, 8.8174, 0.0090089},
         {0.05, 0.22, 0.05, 15.875, 0.0060263}, {0.25, 0.04, 0.05, 3.8853, 0.0077085}, {0.05, 0.3, 0.2, 5.4341, 0.011321},
@@ -56,8 +56,8 @@ TEST_CASE("steady coils between and beyond the table's rows are those of an inde
     }
 }
 
-// Without gravity and inertia a slender thread's coil has a universal shape: Omega H/U = 4, R = H/4; the thread's thickness counts by its
-// share in the fall.
+// Without gravity and inertia a slender thread's coil has a universal shape: Omega H/U = 4, R = H/4. The error is of the order of the
+// thread's thickness over the fall.
 TEST_CASE("without gravity and inertia the coil of a thin thread tends to a quarter of its fall", "[io][coil_theory]") {
     double before = 0.15;
     for (const double slenderness : {0.04, 0.02, 0.01, 0.005}) {
@@ -88,7 +88,7 @@ TEST_CASE("gravitational and inertial coils follow their scaling laws while the 
     }
 }
 
-TEST_CASE("surface tension slows a thread that it draws together: it hangs thicker where it lands", "[io][coil_theory]") {
+TEST_CASE("surface tension makes a thread slower, and thicker where it lands", "[io][coil_theory]") {
     CoilParameters parameters = nozzle_of_5_mm(0.1, 0.12, 0.2);
     const CoilTheory without = found(parameters);
     parameters.surface_tension = 3e-5;
@@ -108,7 +108,7 @@ TEST_CASE("a coil followed while fall, speed and viscosity change equals a new s
         CHECK(solver.effort() <= 12);
         if (k % 5 == 4) CHECK(theory->frequency == Approx(found(p).frequency).epsilon(1e-5));
     }
-    // A leap is a new search.
+    // A jump of the input starts a new search.
     p.viscosity *= 0.2;
     const auto leapt = solver.at(p);
     REQUIRE(leapt);
