@@ -49,7 +49,7 @@ View view_at_frame(int number) {
 
 }  // namespace
 
-TEST_CASE("a glTF scene has solids that move, emitters, a camera that looks and the lamp", "[export]") {
+TEST_CASE("a glTF scene has moving solids, emitters, the camera and the lamp", "[export]") {
     const test::ScratchFolder folder;
     SceneExport scene({"two", 25, 0.02, 160, 90});
     for (int number = 1; number <= 12; ++number) scene.add(frame_at(number), view_at_frame(number), {});
@@ -58,7 +58,7 @@ TEST_CASE("a glTF scene has solids that move, emitters, a camera that looks and 
     CHECK(glb.json["asset"]["version"] == "2.0");
     CHECK(glb.json["buffers"][0]["byteLength"] == glb.binary.size());
 
-    // One key a frame at number/fps s; what does not move has none.
+    // One key per frame at number/fps s; fixed nodes have no keys.
     const auto& animation = glb.json["animations"][0];
     const std::vector<float> times = glb.floats(animation["samplers"][0]["input"].get<std::size_t>());
     REQUIRE(times.size() == 12);
@@ -68,7 +68,7 @@ TEST_CASE("a glTF scene has solids that move, emitters, a camera that looks and 
     REQUIRE(turn.size() == 4 * 12);
     for (int k = 0; k < 12; ++k) {
         CHECK(place[3 * k + 1] == frame_at(k + 1).solids[0].translation.y());
-        // Half the angle, and no jump to the opposite sign on the way past a whole turn.
+        // Half the angle, without a jump to the opposite sign beyond a whole turn.
         CHECK(turn[4 * k + 3] == Approx(std::cos(0.35 * k)).margin(1e-5));
         CHECK(turn[4 * k + 1] == Approx(std::sin(0.35 * k)).margin(1e-5));
     }

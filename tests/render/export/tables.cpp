@@ -1,4 +1,4 @@
-// Particles, meshes and grids as other programs read them: every array comes back to the bit.
+// Particles, meshes and grids as other programs read them: every array reads back bit-identically.
 #include <catch2/catch.hpp>
 
 #include "engine/core/errors.h"
@@ -28,7 +28,7 @@ Frame some_frame(std::size_t count = 600) {
         frame.scalar["density"].push_back(1000 + a);
         frame.scalar["age"].push_back(0.25f * a);
         frame.scalar["grain"].push_back(a);
-        frame.whole["id"].push_back((1 << 30) + static_cast<std::int32_t>(i));  // more than a float can distinguish
+        frame.whole["id"].push_back((1 << 30) + static_cast<std::int32_t>(i));  // larger than a float can represent exactly
         frame.whole["source"].push_back(1);
         frame.whole["role"].push_back(-1);
     }
@@ -98,7 +98,7 @@ TEST_CASE("a PLY of a mesh contains normals, fluid values and triangles, and an 
     CHECK(test::read_ply(folder / "none.ply").has_faces);
 }
 
-TEST_CASE("VTK files hold points and meshes to the bit, with units in the arrays' names", "[export]") {
+TEST_CASE("VTK files store points and meshes bit-identically, with units in the arrays' names", "[export]") {
     const test::ScratchFolder folder;
     const Frame frame = some_frame();
     write_vtp(folder / "points.vtp", frame.time, particle_attributes(frame));
@@ -127,7 +127,7 @@ TEST_CASE("VTK files hold points and meshes to the bit, with units in the arrays
           std::string::npos);
 }
 
-TEST_CASE("a VTK grid holds the flow at its nodes, and a periodic axis ends on the node that it began with", "[export]") {
+TEST_CASE("a VTK grid stores the flow at its nodes, and a periodic axis repeats its first node", "[export]") {
     const test::ScratchFolder folder;
     Frame frame;
     frame.spacing = 0.1f, frame.dimensions = 2;
@@ -151,7 +151,7 @@ TEST_CASE("a VTK grid holds the flow at its nodes, and a periodic axis ends on t
     const std::size_t row = 21, middle = cover.size() / row / 2;
     for (std::size_t i = 0; i < row; ++i) {
         const std::size_t node = middle * row + i;
-        CHECK(cover[node] > 0.6f);  // 1 in the mean over the places of a lattice
+        CHECK(cover[node] > 0.6f);  // mean 1 over the sites of a lattice
         CHECK(velocity[3 * node + 1] == Approx(-2));
         CHECK(vorticity[3 * node + 2] == Approx(5));
     }

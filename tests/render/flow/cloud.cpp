@@ -8,7 +8,7 @@ using namespace whorl;
 
 namespace {
 
-/// 1 m along each axis, of white density 1 where `dense` says so.
+/// A cube of 1 m, with white density 1 where `dense` is true.
 template <class F>
 FlowGrid white_cube(int nodes, F&& dense) {
     FlowGrid grid;
@@ -35,14 +35,14 @@ TEST_CASE("light decays in an even cloud with its depth, from above and slanting
     for (const Vec3f& lamp : {Vec3f(0, 1, 0), Vec3f(Vec3f(0.3f, 0.9f, -0.2f).normalized())}) {
         const std::vector<float> depth = depth_towards(grid, density, thickness, lamp);
         for (const int j : {0, 9, 20, 31}) {
-            // To the outermost nodes, along the light; far from the sides, where it comes in past a shorter way.
+            // Along the light up to the outermost nodes, far from the sides, where its path is shorter.
             const float way = static_cast<float>(n - 1 - j) * grid.cell.y() / lamp.y();
             CHECK(depth[grid.index(8, j, 22)] == Approx(thickness * way).margin(1e-4));
         }
     }
 }
 
-TEST_CASE("a thing in a cloud's light throws a shadow, and empty blocks are known", "[render][flow]") {
+TEST_CASE("an object in a cloud's light casts a shadow, and empty blocks are marked", "[render][flow]") {
     const FlowGrid grid = white_cube(24, [](int i, int j, int k) { return i >= 10 && i < 14 && k >= 10 && k < 14 && (j == 20 || j == 4); });
     CloudLight light;
     light.lamp = Vec3f(1, 1, 1), light.sky = Vec3f::Zero();

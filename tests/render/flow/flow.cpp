@@ -11,7 +11,7 @@ using namespace whorl;
 
 namespace {
 
-/// A cube of 1 m, 20 particles wide, with a velocity of places.
+/// A cube of 1 m, 20 particles wide, with a velocity u(x).
 template <class F>
 Frame cube(F&& velocity) {
     Frame frame;
@@ -31,11 +31,11 @@ Vec3f turning(const Vec3f& x) { return Vec3f(0.5f - x.y(), x.x() - 0.5f, 0); }
 
 }  // namespace
 
-TEST_CASE("the grid has the flow's velocity inside, and no cover where no fluid is", "[render][flow]") {
+TEST_CASE("the grid has the flow's velocity inside the fluid, and cover 0 outside", "[render][flow]") {
     const Frame frame = cube(turning);
     const std::vector<Eigen::Vector4f> value(frame.position.size(), Eigen::Vector4f::Constant(0.25f));
     const FlowGrid grid = flow_grid(frame, frame.velocity, value);
-    // A linear flow: symmetric weights give it back away from the faces.
+    // Symmetric weights reproduce a linear flow away from the faces.
     for (const Vec3f& x : {Vec3f(0.3f, 0.4f, 0.5f), Vec3f(0.71f, 0.52f, 0.33f)}) {
         const FlowGrid::Sample s = grid.at(x);
         CHECK((s.along - turning(x)).norm() < 2e-3f);
@@ -51,12 +51,12 @@ TEST_CASE("a periodic axis of the grid joins its ends", "[render][flow]") {
     const FlowGrid grid = flow_grid(frame, frame.velocity, {});
     CHECK(grid.n[0] == 20);
     CHECK(grid.at(Vec3f(0.999f, 0.5f, 0.5f)).cover > 0.9f);
-    // The means flatten a wave of 20 spacings by a few percent: the same on both sides of the joint.
+    // The means flatten a wave of 20 spacings by a few percent, equally on both sides of the face.
     CHECK(std::abs(grid.at(Vec3f(0.0f, 0.5f, 0.5f)).along.y()) < 1e-3f);
     CHECK(grid.at(Vec3f(0.975f, 0.5f, 0.5f)).along.y() == Approx(-grid.at(Vec3f(0.025f, 0.5f, 0.5f)).along.y()).margin(1e-4));
 }
 
-TEST_CASE("grids are the same bits for any number of threads", "[render][flow]") {
+TEST_CASE("grids are bit-identical for any number of threads", "[render][flow]") {
     const Frame frame = cube(turning);
     std::vector<Eigen::Vector4f> value;
     for (const Vec3f& x : frame.position) value.push_back(Eigen::Vector4f::Constant(x.x()));
@@ -69,7 +69,7 @@ TEST_CASE("grids are the same bits for any number of threads", "[render][flow]")
     set_threads(before);
 }
 
-TEST_CASE("a trail in a turning flow is an arc as long as the way of its time", "[render][flow]") {
+TEST_CASE("a trail in a rotating flow is an arc, as long as the path of its duration", "[render][flow]") {
     const Frame frame = cube(turning);
     const FlowGrid grid = flow_grid(frame, frame.velocity, {});
     Frame one = frame;
@@ -86,7 +86,7 @@ TEST_CASE("a trail in a turning flow is an arc as long as the way of its time", 
     CHECK(t.colour[0].x() == 0.5f);
 }
 
-TEST_CASE("the grid of a plane flow is one node deep and covered, however fine", "[render][flow]") {
+TEST_CASE("the grid of a 2D flow is one node deep and covered, at any resolution", "[render][flow]") {
     Frame frame;
     frame.dimensions = 2;
     frame.spacing = 0.1f;

@@ -1,4 +1,4 @@
-// Iso-lines, relief and arrows of fields whose lines, slopes and ways are known.
+// Iso-lines, relief and arrows of fields with known lines, slopes and paths.
 #include "render/flow/marks.h"
 
 #include <catch2/catch.hpp>
@@ -26,14 +26,14 @@ PlaneField ramp() {
 
 }  // namespace
 
-TEST_CASE("iso-lines part the range evenly, a pixel wide") {
+TEST_CASE("iso-lines divide the range evenly and are one pixel wide") {
     const PlaneField field = ramp();
     const std::vector<float> line = iso_lines(field, field.value[0], {0, 1}, 3);
     for (int x = 0; x < width; ++x) {
         float nearest = 1e9f;
         for (const int at : {50, 100, 150}) nearest = std::min(nearest, std::abs(static_cast<float>(x - at)));
         INFO(x);
-        // Half a pixel to each side of its place, and half a pixel in which it fades.
+        // Half a pixel to each side of its position, and half a pixel of fading.
         CHECK(line[grid_index(x, 50, width)] == Approx(nearest < 0.5f ? 1.0f : 0.0f).margin(1e-3));
     }
 }
@@ -44,8 +44,8 @@ TEST_CASE("a constant value has no iso-lines and no relief, and a slope facing t
     for (float& v : field.value[0]) v = 1 - v;
     const std::vector<float> rising = relief(field, field.value[0], {0, 1}, 1);
     const std::size_t middle = grid_index(100, 50, width);
-    CHECK(relief(field, field.value[0], {1, 0}, 1) == rising);  // a range that runs down turns no hill into a valley
-    CHECK(falling[middle] > 1);                                 // it rises to the right: its side faces the left, where the lamp is
+    CHECK(relief(field, field.value[0], {1, 0}, 1) == rising);  // a descending range does not invert the relief
+    CHECK(falling[middle] > 1);                                 // it rises to the right, so its slope faces the lamp on the left
     CHECK(rising[middle] < 1);
     std::fill(field.value[0].begin(), field.value[0].end(), 0.5f);
     for (const float line : iso_lines(field, field.value[0], {0, 1}, 3)) CHECK(line == 0);
@@ -64,7 +64,7 @@ TEST_CASE("arrows point along the local flow, have the length of its path, and a
     CHECK(at(12, 25) == 0);
     CHECK(at(38, 25) == 0);
     CHECK(at(25, 35) == 0);
-    // No longer than there is room to the next.
+    // No longer than the distance to the next arrow.
     const Arrows fast = arrows(field, 4, 100, 0.01f);
     CHECK(fast.body[grid_index(50, 25, width)] == 0);
 }

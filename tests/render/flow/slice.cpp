@@ -1,4 +1,4 @@
-// Slices: fields in the pixels of a plane, streaks that go with the flow, solids that the plane cuts.
+// Slices: fields in the pixels of a plane, streaks along the flow, sections of solids.
 #include "render/flow/slice.h"
 
 #include <catch2/catch.hpp>
@@ -43,7 +43,7 @@ Frame uneven(int dimensions, F&& velocity) {
 
 Vec3f turning(const Vec3f& x) { return Vec3f(0.5f - x.y(), x.x() - 0.5f, 0); }
 
-/// Largest difference to a function of the place, over pixels at least `margin` from the edge.
+/// Largest difference from a function of position, over pixels at least `margin` from the edge.
 template <class F>
 float largest_error(const std::vector<float>& value, const PixelPlane& plane, int margin, F&& expected) {
     float most = 0;
@@ -64,7 +64,7 @@ double mean_square(const std::vector<float>& v) {
 
 }  // namespace
 
-TEST_CASE("a linear field is exact in every pixel, at the edges too, in the plane and in space", "[render][slice]") {
+TEST_CASE("a linear field is exact in every pixel, also at the edges, in 2D and 3D", "[render][slice]") {
     LookOptions look;
     for (const int dimensions : {2, 3})
         for (const char* axis : {"x", "y", "z"}) {
@@ -92,12 +92,12 @@ TEST_CASE("a slice continues across a periodic face", "[render][slice]") {
     for (const Vec3f& x : frame.position) value.push_back(std::sin(6.2831853f * x.x()));
     const PixelPlane plane = slice_plane(frame, LookOptions{}, 200);
     const PlaneField field = plane_field(frame, {value}, plane);
-    // A wave of 20 spacings, whose curvature a mean over two spacings flattens by 2 %.
+    // A mean over two spacings flattens the curvature of a wave of 20 spacings by 2 %.
     CHECK(largest_error(field.value[0], plane, 0, [](const Vec3f& x) { return std::sin(6.2831853f * x.x()); }) < 0.06f);
     CHECK(*std::min_element(field.cover.begin(), field.cover.end()) > 0.6f);
 }
 
-TEST_CASE("slices are the same bits for any number of threads", "[render][slice]") {
+TEST_CASE("slices are bit-identical for any number of threads", "[render][slice]") {
     const Frame frame = uneven(2, turning);
     LookOptions look;
     look.style = "slice";
@@ -110,7 +110,7 @@ TEST_CASE("slices are the same bits for any number of threads", "[render][slice]
     set_threads(before);
 }
 
-TEST_CASE("noise has mean 0 and variance 1 and goes with the particles", "[render][slice]") {
+TEST_CASE("noise has mean 0 and variance 1 and moves with the particles", "[render][slice]") {
     Frame frame = uneven(2, turning);
     frame.periodic = {true, true, false};
     const PixelPlane plane = slice_plane(frame, LookOptions{}, 400);
@@ -167,7 +167,7 @@ TEST_CASE("fluid at rest looks the same in every frame, and moving fluid nearly 
     CHECK(difference(first, second).mean < 3);
 }
 
-TEST_CASE("solids are cut as large as they are", "[render][slice]") {
+TEST_CASE("sections of solids have the right size", "[render][slice]") {
     Frame frame = uneven(3, turning);
     FrameSolid ball;
     ball.mesh = std::make_shared<const TriangleMesh>(test::sphere(Vec3f::Zero(), 0.25f, 0.02f).mesh);

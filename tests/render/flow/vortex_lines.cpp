@@ -59,7 +59,7 @@ Vec3f middle(const VortexLines& lines, std::size_t first) {
 
 }  // namespace
 
-TEST_CASE("the line of a vortex ring is a ring, and closes", "[render][flow]") {
+TEST_CASE("the line of a vortex ring is a closed ring", "[render][flow]") {
     const Vortex v = box(Vec3f(0.625f, 0.025f, 0.525f), round_axis, everywhere);
     const VortexLines lines = vortex_lines(v.frame, v.grid, one_line(0.04f));
     REQUIRE(lines.position.size() > 20 * around);
@@ -70,7 +70,7 @@ TEST_CASE("the line of a vortex ring is a ring, and closes", "[render][flow]") {
         CHECK(x.z() == Approx(0.525f).margin(1e-4));
         CHECK((lines.position[k] - x).norm() == Approx(0.02f).epsilon(1e-3));
     }
-    // Once round: 2 pi .6255 m in steps of 25 mm, the seed again, and two lids.
+    // One turn: 2 pi .6255 m in steps of 25 mm, the seed again, and two end caps.
     CHECK(static_cast<double>(lines.position.size()) / around == Approx(2 * std::numbers::pi * 0.6255 / 0.025 + 3).margin(1));
     CHECK(lines.index.size() % 3 == 0);
 }
@@ -85,7 +85,7 @@ TEST_CASE("a tube is thin where the field is weak, and no line starts there", "[
         const float away = (x.head<2>() - Eigen::Vector2f(0.025f, 0.025f)).norm();
         if (x.z() > 0.1f && x.z() < 0.4f) below = std::max(below, away);
         if (x.z() > 0.6f && x.z() < 0.9f) above = std::max(above, away);
-        CHECK((x.z() > -0.05f && x.z() < 1.05f));  // a line that leaves a periodic box comes in on the other side
+        CHECK((x.z() > -0.05f && x.z() < 1.05f));  // a line that leaves a periodic box re-enters on the other side
     }
     CHECK(below == Approx(0.02f).epsilon(0.02));
     CHECK(above == Approx(0.006f).epsilon(0.05));  // 2 (.25 - .1) of it
@@ -93,7 +93,7 @@ TEST_CASE("a tube is thin where the field is weak, and no line starts there", "[
     CHECK(vortex_lines(none.frame, none.grid, one_line(0.04f)).position.empty());
 }
 
-TEST_CASE("a ribbon turns as the neighbouring lines wind", "[render][flow]") {
+TEST_CASE("a ribbon twists as the neighbouring lines wind", "[render][flow]") {
     // Lines that wind once in a metre about the axis.
     const float wind = 2 * std::numbers::pi_v<float>;
     const auto winding = [&](const Vec3f& x) { return Vec3f(-wind * (x.y() - 0.025f), wind * (x.x() - 0.025f), 1); };
@@ -115,7 +115,7 @@ TEST_CASE("a ribbon turns as the neighbouring lines wind", "[render][flow]") {
     CHECK(std::remainder(high - low, 2 * std::numbers::pi_v<float>) == Approx(wind * (z_high - z_low)).epsilon(0.01));
 }
 
-TEST_CASE("vortex lines are the same bits for any number of threads", "[render][flow]") {
+TEST_CASE("vortex lines are bit-identical for any number of threads", "[render][flow]") {
     Vortex v = box(Vec3f(0.625f, 0.025f, 0.525f), round_axis, everywhere);
     LineShape shape = one_line(0.04f);
     shape.seeds = 50;

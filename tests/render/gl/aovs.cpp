@@ -1,4 +1,4 @@
-/// Images for compositors: depth, motion and transparency of things.
+/// Images for compositing: depth, motion and transparency.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -12,12 +12,12 @@ namespace gl_layers_test {
 namespace {
 
 constexpr int width = 160, height = 120;
-constexpr float tan_half = 0.26794919f;  // of 15 degrees: the half of the view's angle
+constexpr float tan_half = 0.26794919f;  // tangent of 15 degrees, half of the view's angle
 constexpr float pixels_a_metre_at_1 = height / 2 / tan_half;
 
 const View ahead{Vec3f(0, 0.1f, 0.6f), Vec3f(0, 0.1f, 0), Vec3f(0, 1, 0), 30};
 
-/// A white ball of radius 4 cm in the middle of the picture, behind nothing.
+/// A white ball of radius 4 cm in the middle of the image, unoccluded.
 Frame ball() {
     Frame frame;
     frame.spacing = 0.005f;
@@ -51,7 +51,7 @@ Seen at(const PictureLayers& layers, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("depth is the distance along the view axis, normals are the world's, and ids count from the fluid on", "[render][exr]") {
+TEST_CASE("depth is along the view axis, normals are in world space, and ids count from the fluid on", "[render][exr]") {
     Renderer renderer(width, height);
     Frame frame = ball();
     FrameSolid wall;
@@ -73,7 +73,7 @@ TEST_CASE("depth is the distance along the view axis, normals are the world's, a
     CHECK(at(layers, width / 2 + static_cast<int>(0.08f / 0.6f * pixels_a_metre_at_1), height / 2).id == 1);
 }
 
-TEST_CASE("motion is in pixels right and up until the next frame, of solids, fluid and camera", "[render][exr]") {
+TEST_CASE("motion of solids, fluid and camera is in pixels right and up until the next frame", "[render][exr]") {
     Renderer renderer(width, height);
     Frame frame = ball();
     Surface drop = test::sphere(Vec3f(0.08f, 0.1f, 0), 0.02f, 0.002f);
@@ -82,7 +82,7 @@ TEST_CASE("motion is in pixels right and up until the next frame, of solids, flu
     const int of_drop = width / 2 + static_cast<int>(0.08f / 0.58f * pixels_a_metre_at_1);
     frame.solids[0].velocity = Vec3f(0.25f, 0.5f, 0);
     const PictureLayers moved = renderer.draw_layers(frame, drop, {}, ahead, {ahead, interval});
-    // The ball's front is at 0.56 m, the drop's at 0.58 m; a hundredth of a pixel is what halves hold here.
+    // The ball's front is at 0.56 m, the drop's at 0.58 m; half floats resolve a hundredth of a pixel here.
     const float of_ball = interval * pixels_a_metre_at_1 / 0.56f, of_fluid = interval * pixels_a_metre_at_1 / 0.58f;
     CHECK((at(moved, width / 2, height / 2).motion - of_ball * Eigen::Vector2f(0.25f, 0.5f)).norm() < 0.02f);
     CHECK((at(moved, of_drop, height / 2).motion - of_fluid * Eigen::Vector2f(0, -0.5f)).norm() < 0.02f);
@@ -94,7 +94,7 @@ TEST_CASE("motion is in pixels right and up until the next frame, of solids, flu
     const PictureLayers turned = renderer.draw_layers(frame, Surface{}, {}, ahead, {ahead, interval});
     CHECK((at(turned, width / 2 + 10, height / 2).motion - Eigen::Vector2f(-10, 11)).norm() < 0.05f);
 
-    // The camera goes to the right by 1 cm: all goes to the left, what is near by more.
+    // The camera moves right by 1 cm: everything moves left, near objects farther.
     View aside = ahead;
     aside.position.x() += 0.01f, aside.target.x() += 0.01f;
     const PictureLayers passed = renderer.draw_layers(ball(), Surface{}, {}, ahead, {aside, interval});
@@ -115,7 +115,7 @@ TEST_CASE("a transparent image has alpha 1 in a solid and 0 beyond, and only the
     const Seen middle = at(layers, width / 2, height / 2), corner = at(layers, 2, 2);
     CHECK(middle.alpha == 1);
     CHECK((corner.alpha == 0 && corner.depth == nothing_there && corner.id == 0));
-    // The lamp is behind: the shadow falls towards the viewer, and takes more than a third of the light on the ground.
+    // The lamp is behind: the shadow falls towards the viewer and removes more than a third of the light on the ground.
     float darkest = 1;
     for (int y = height / 2; y < height; ++y) {
         const std::size_t i = grid_index(width / 2, y, width);
@@ -142,7 +142,7 @@ TEST_CASE("a transparent image has alpha 1 in a solid and 0 beyond, and only the
     CHECK(reddest > 0.1f);
 }
 
-TEST_CASE("a transparent image over its plate equals the opaque one, and honey over the studio honey in it", "[render][exr]") {
+TEST_CASE("a transparent image over its plate, or honey over the studio, equals the opaque image", "[render][exr]") {
     Renderer renderer(width, height);
     const Frame frame = ball();
     const Image opaque = renderer.draw(frame, Surface{}, {}, ahead),
@@ -162,7 +162,7 @@ TEST_CASE("a transparent image over its plate equals the opaque one, and honey o
         LookOptions clear = transparent(), studio;
         clear.material = studio.material = material;
         clear.ground = studio.ground = false;
-        // A pane across the view, which turns no ray aside.
+        // A pane across the view, which deflects no ray.
         const auto pane = [](const Vec3f& x) { return ((x - Vec3f(0, 0.1f, 0)).cwiseAbs() - Vec3f(0.02f, 0.02f, 0.0015f)).maxCoeff(); };
         const Surface drop = test::surface_of(pane, Vec3f(-0.025f, 0.075f, -0.005f), Vec3f(0.025f, 0.125f, 0.005f), 0.0005f);
         const PictureLayers laid = renderer.draw_layers(empty, drop, clear, ahead, {ahead, 0}),
@@ -172,19 +172,19 @@ TEST_CASE("a transparent image over its plate equals the opaque one, and honey o
         INFO(material << " has alpha " << laid.light[middle + 3]);
         CHECK(laid.light[middle + 3] > 0.01f);
         CHECK(laid.light[middle + 3] < 0.95f);
-        // Halves hold a two thousandth.
+        // Half floats resolve 1/2000.
         for (std::size_t c = 0; c < 3; ++c)
             CHECK(laid.light[middle + c] + (1 - laid.light[middle + 3]) * backdrop.light[middle + c] ==
                   Approx(whole.light[middle + c]).epsilon(0.005));
     }
 }
 
-TEST_CASE("the light of an opaque picture, made fit for screens, is the picture", "[render][exr]") {
+TEST_CASE("the light of an opaque image, converted for screens, equals the image", "[render][exr]") {
     Renderer renderer(width, height);
     const Surface drop = test::sphere(Vec3f(0.03f, 0.1f, 0.05f), 0.03f, 0.002f);
     const Image picture = renderer.draw(ball(), drop, {}, ahead), made = shown(renderer.draw_layers(ball(), drop, {}, ahead, {ahead, 0}));
     CHECK(made.alpha.empty());
-    // Light is kept as halves, a two thousandth of it: less than a step of 8 bits.
+    // Light is stored as half floats, with a resolution of 1/2000: finer than a step of 8 bits.
     int most = 0;
     for (std::size_t i = 0; i < picture.rgb.size(); ++i) most = std::max(most, std::abs(picture.rgb[i] - made.rgb[i]));
     CHECK(most <= 1);

@@ -30,7 +30,7 @@ LookOptions one_sample() {
 
 }  // namespace
 
-TEST_CASE("an EGL device works, and every tried device reports its outcome", "[render]") {
+TEST_CASE("an EGL device works, and the outcome of each tried device is reported", "[render]") {
     bool works = false;
     for (const DeviceAttempt& attempt : probe_devices()) {
         CHECK_FALSE(attempt.name.empty());
@@ -50,7 +50,7 @@ TEST_CASE("honey in the middle is golden, and the backdrop next to it is grey", 
     CHECK(std::abs(int(backdrop[0]) - int(backdrop[2])) < 16);
 }
 
-TEST_CASE("a frame without fluid is a picture of the studio, and two renderers live side by side", "[render]") {
+TEST_CASE("a frame without fluid shows the studio, and two renderers can coexist", "[render]") {
     Renderer first(64, 48), second(32, 32);
     const Image studio = first.draw(empty_frame(), Surface{}, one_sample(), from_the_front);
     CHECK(studio.rgb.size() == 3u * 64 * 48);
@@ -58,7 +58,7 @@ TEST_CASE("a frame without fluid is a picture of the studio, and two renderers l
     CHECK(first.draw(empty_frame(), Surface{}, one_sample(), from_the_front).rgb == studio.rgb);
 }
 
-TEST_CASE("particles take their colours from the map: fast ones yellow, slow ones dark in viridis", "[render]") {
+TEST_CASE("particles have the map's colours: in viridis yellow if fast, dark if slow", "[render]") {
     Renderer renderer(96, 64);
     Frame frame = empty_frame();
     frame.spacing = 0.06f;
@@ -83,7 +83,7 @@ TEST_CASE("a mesh without a distance field is drawn, though opaque", "[render]")
     CHECK(middle[0] > middle[2] + 60);
 }
 
-TEST_CASE("the same frame gives the same picture, bit for bit", "[render]") {
+TEST_CASE("equal frames give bit-identical images", "[render]") {
     const Surface ball = test::sphere(Vec3f(0, 0.05f, 0), 0.05f, 0.005f);
     Renderer renderer(64, 64), other(64, 64);
     const Image picture = renderer.draw(empty_frame(), ball, {}, from_the_front);
@@ -107,7 +107,7 @@ FrameSolid solid(TriangleMesh mesh) {
 
 }  // namespace
 
-TEST_CASE("a box darkens the plate at its foot and casts a soft shadow, without it the plate is even", "[render]") {
+TEST_CASE("a box darkens the plate at its foot and casts a soft shadow", "[render]") {
     Renderer renderer(192, 128);
     const View from_above{Vec3f(0, 0.35f, 0.5f), Vec3f(0, 0.02f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
@@ -127,11 +127,11 @@ TEST_CASE("a box darkens the plate at its foot and casts a soft shadow, without 
     CHECK(darkest_x > 80);
     CHECK(darkest_y > 50);
     CHECK(std::abs(brightness(alone, 50, 70) - brightness(both, 50, 70)) < 4);
-    // A solid does not shade itself: a lone plate's top differs only by what the studio mirrors in it.
+    // A solid does not shade itself: the top of a lone plate varies only by reflections of the studio.
     CHECK(std::abs(brightness(alone, 96, 70) - brightness(alone, 110, 70)) < 6);
 }
 
-TEST_CASE("with a fixed range a speed has the same colour whatever else moves", "[render]") {
+TEST_CASE("with a fixed range a speed has the same colour whatever other particles do", "[render]") {
     Renderer renderer(96, 64);
     Frame frame = empty_frame();
     frame.spacing = 0.06f;
@@ -154,7 +154,7 @@ TEST_CASE("with a fixed range a speed has the same colour whatever else moves", 
 
 namespace {
 
-/// A ball of fluid that turns about z, fast outside.
+/// A ball of fluid that rotates about z, faster outside.
 Frame turning_ball() {
     Frame frame = empty_frame();
     frame.spacing = 0.01f;
@@ -182,7 +182,7 @@ TEST_CASE("a slice shows the field in its plane: dark in the middle of a turning
     CHECK(middle[2] > middle[1] + 20);
 }
 
-TEST_CASE("a volume is a cloud: things behind its thin parts show through, strong parts glow", "[render]") {
+TEST_CASE("a volume is a cloud: objects show through its thin parts, and strong parts glow", "[render]") {
     Renderer renderer(160, 120);
     LookOptions look = one_sample();
     look.style = "volume";
@@ -191,7 +191,7 @@ TEST_CASE("a volume is a cloud: things behind its thin parts show through, stron
     const Image nothing = renderer.draw(empty_frame(), Surface{}, look, from_the_front);
     const Image cloud = renderer.draw(turning_ball(), Surface{}, look, from_the_front);
     const int rim = 80 + static_cast<int>(0.085 / 0.6 * 120 / (2 * 0.26795));
-    // The axis is still: the studio shows through it. The rim is fast.
+    // The axis is at rest, so the studio shows through it. The rim is fast.
     CHECK(std::abs(brightness(cloud, 80, 60) - brightness(nothing, 80, 60)) < 40);
     CHECK(cloud.pixel(rim, 60)[0] > cloud.pixel(rim, 60)[2] + 60);
 }
@@ -208,7 +208,7 @@ TEST_CASE("trails draw where a particle came from", "[render]") {
 
 namespace {
 
-/// Steps of brightness between neighbours along the middle row.
+/// Differences of brightness between neighbouring pixels of the middle row.
 int sharpest_step(const Image& picture) {
     int most = 0;
     for (int x = 1; x < picture.width; ++x)
@@ -227,7 +227,7 @@ Frame with_dark_post(float z) {
 
 }  // namespace
 
-TEST_CASE("a wide lens is as sharp as a pinhole at its focus, and blurs things behind it", "[render]") {
+TEST_CASE("a wide lens is as sharp as a pinhole at its focus, and blurs objects behind it", "[render]") {
     Renderer renderer(160, 96);
     LookOptions look;
     look.samples = 32;
@@ -270,14 +270,14 @@ TEST_CASE("an open shutter smears a surface by the velocity at its vertices", "[
     CHECK(sharpest_step(renderer.draw(empty_frame(), ball, look, open)) < 0.6 * sharp);
 }
 
-TEST_CASE("a look with a picture that is not there is refused", "[render]") {
+TEST_CASE("a look with a missing image file is refused", "[render]") {
     Renderer renderer(32, 32);
     LookOptions look = one_sample();
     look.environment = "/no/such/picture.exr";
     CHECK_THROWS_AS(renderer.draw(empty_frame(), Surface{}, look, from_the_front), InputError);
 }
 
-TEST_CASE("a picture round the scene is seen behind it, its upper half above", "[render]") {
+TEST_CASE("an environment image is visible behind the scene, its upper half above", "[render]") {
     const test::ScratchFolder folder;
     PictureLayers sky{4, 2};  // green above, red below
     for (int k = 0; k < 8; ++k)
@@ -290,8 +290,8 @@ TEST_CASE("a picture round the scene is seen behind it, its upper half above", "
     CHECK(picture.pixel(4, 8)[1] > picture.pixel(4, 8)[0] + 20);
 }
 
-// A lens of no width is no blur, but lets every sample see all. A delta E of 2.3 is a just noticeable difference; half floats round the
-// backdrop by .1 in the mean where it is a sum of samples.
+// A lens of zero width does not blur, but makes every pixel use all samples. A delta E of 2.3 is a just noticeable difference. Half floats
+// round a backdrop that is a sum of samples by .1 on average.
 TEST_CASE("pixels that stop at their first sample look as with all samples, on honey, glass and wood", "[render]") {
     Renderer renderer(320, 240);
     Frame frame = empty_frame();
@@ -314,14 +314,14 @@ TEST_CASE("pixels that stop at their first sample look as with all samples, on h
     CHECK(d.p99 < 1.5);
 }
 
-TEST_CASE("a nozzle is not seen through the honey below it", "[render]") {
+TEST_CASE("a nozzle is not visible through the honey below it", "[render]") {
     Renderer renderer(480, 320);
     const Surface thread =
         test::surface_of([](const Vec3f& x) { return std::max(std::hypot(x.x(), x.z()) - 0.02f, std::abs(x.y() - 0.1f) - 0.1f); },
                          Vec3f(-0.02f, 0, -0.02f), Vec3f(0.02f, 0.2f, 0.02f), 0.004f);
     const View from_above{Vec3f(0, 0.25f, 0.6f), Vec3f(0, 0.1f, 0), Vec3f(0, 1, 0), 30};
     Frame frame = empty_frame();
-    // Both images have a small solid far away, so that all is drawn in the same way.
+    // Both images have a small solid far away, so that both are drawn by the same path.
     frame.solids.push_back(solid(test::box_mesh(Vec3f(0.09f, 0, -0.1f), Vec3f(0.1f, 0.01f, -0.09f))));
     const Image without = renderer.draw(frame, thread, one_sample(), from_above);
     frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.03f, 0.12f, -0.03f), Vec3f(0.03f, 0.2f, 0.03f))));
@@ -339,7 +339,7 @@ TEST_CASE("a nozzle is not seen through the honey below it", "[render]") {
     }
 }
 
-TEST_CASE("a post in clear fluid is seen where light that bends at the surface comes from", "[render]") {
+TEST_CASE("a post in clear fluid is seen at the position that refraction predicts", "[render]") {
     constexpr float half = 0.08f, x = 0.06f, face = -0.06f, index = 2;
     Renderer renderer(320, 240);
     const Surface block = test::surface_of([&](const Vec3f& p) { return (p - Vec3f(0, half, 0)).cwiseAbs().maxCoeff() - half; },
@@ -378,7 +378,7 @@ TEST_CASE("earlier images of a renderer do not change the next one, whatever it 
     start.frame.solids.push_back(solid(test::box_mesh(Vec3f(-0.02f, 0, -0.02f), Vec3f(0.02f, 0.06f, 0.02f))));
     start.frame.solids[1].translation = Vec3f(0.04f, 0.02f, 0);
     const Surface ball = test::sphere(Vec3f(-0.03f, 0.06f, 0), 0.03f, 0.005f);
-    // Each changes one thing that something kept depends on.
+    // Each changes one input of a cached value.
     const std::vector<std::pair<const char*, void (*)(Scene&)>> changes{
         {"the camera moves", [](Scene& s) { s.view.position += Vec3f(0.1f, 0.05f, 0); }},
         {"the camera looks elsewhere", [](Scene& s) { s.view.target += Vec3f(0.02f, 0, 0); }},
@@ -411,7 +411,7 @@ TEST_CASE("earlier images of a renderer do not change the next one, whatever it 
             Renderer fresh(96, 64);
             const auto before = drawn(used, start), picture = drawn(fresh, changed);
             CHECK((picture != before));
-            CHECK((drawn(used, changed) == picture));  // to the bit: a film that is resumed is the film that was not disturbed
+            CHECK((drawn(used, changed) == picture));  // bit-identical, so that a resumed run equals an uninterrupted one
         }
     }
 }

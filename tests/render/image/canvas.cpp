@@ -36,7 +36,7 @@ TEST_CASE("a canvas draws shapes on white in their colours", "[render]") {
     CHECK(dark > 10);
 }
 
-TEST_CASE("a canvas writes the same SVG every time", "[render]") {
+TEST_CASE("a canvas writes identical SVG every time", "[render]") {
     const std::string svg = drawing().svg();
     CHECK(svg.find("<svg ") != std::string::npos);
     CHECK(svg.rfind("</svg>") != std::string::npos);

@@ -12,7 +12,7 @@ using namespace whorl;
 using test::flat_picture;
 using test::studio_picture;
 
-TEST_CASE("a PNG comes back with the same pixels", "[image]") {
+TEST_CASE("a PNG reads back with equal pixels", "[image]") {
     test::ScratchFolder folder;
     const Image image = studio_picture(131, 77);  // odd sizes: rows are not aligned
     write_png(folder / "a.png", image);
@@ -22,24 +22,24 @@ TEST_CASE("a PNG comes back with the same pixels", "[image]") {
     REQUIRE(back.rgb == image.rgb);
 }
 
-TEST_CASE("a picture that is being written is hidden and has another suffix", "[image]") {
+TEST_CASE("an image that is being written is hidden and has another suffix", "[image]") {
     test::ScratchFolder folder;
     const auto names = test::names_made(folder.path(), [&] { write_png(folder / "a.png", flat_picture(16, 9, 1, 2, 3)); });
     REQUIRE(names == std::vector<std::string>{".a.png.part"});
     REQUIRE(read_png(folder / "a.png").width == 16);
 }
 
-TEST_CASE("a missing or broken picture is the user's mistake", "[image]") {
+TEST_CASE("a missing or broken image is an input error", "[image]") {
     test::ScratchFolder folder;
     REQUIRE_THROWS_AS(read_png(folder / "none.png"), InputError);
     std::ofstream(folder / "broken.png") << "no picture";
     REQUIRE_THROWS_AS(read_png(folder / "broken.png"), InputError);
-    // A whole picture of another kind.
+    // A valid image of another format.
     std::ofstream(folder / "radiance.png") << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nabcd";
     REQUIRE_THROWS_AS(read_png(folder / "radiance.png"), InputError);
 }
 
-TEST_CASE("a JPEG begins and ends as one, and a better one is larger", "[image]") {
+TEST_CASE("a JPEG has its start and end markers, and higher quality makes it larger", "[image]") {
     const Image image = studio_picture(160, 90);
     const auto good = encode_jpeg(image, 90), poor = encode_jpeg(image, 30);
     REQUIRE(good.size() > poor.size());
@@ -47,7 +47,7 @@ TEST_CASE("a JPEG begins and ends as one, and a better one is larger", "[image]"
     REQUIRE((good[good.size() - 2] == 0xff && good.back() == 0xd9));
 }
 
-TEST_CASE("making smaller averages light, not bytes", "[image]") {
+TEST_CASE("downscaling averages light, not bytes", "[image]") {
     // A fine checkerboard of black and white is half the light: sRGB 188, where averaging the bytes would give 128.
     Image checks = flat_picture(64, 64, 0, 0, 0);
     for (int y = 0; y < 64; ++y)
@@ -56,7 +56,7 @@ TEST_CASE("making smaller averages light, not bytes", "[image]") {
     for (std::uint8_t byte : small.rgb) REQUIRE(byte == 188);
 }
 
-TEST_CASE("making smaller by any ratio keeps a flat colour", "[image]") {
+TEST_CASE("downscaling by any ratio keeps a flat colour", "[image]") {
     const Image flat = flat_picture(97, 53, 200, 120, 13);
     for (int width : {97, 60, 31, 1}) {
         const Image small = downscaled(flat, width, 17);
@@ -64,7 +64,7 @@ TEST_CASE("making smaller by any ratio keeps a flat colour", "[image]") {
     }
 }
 
-TEST_CASE("a contact sheet holds every picture in order", "[image]") {
+TEST_CASE("a contact sheet contains all images in order", "[image]") {
     std::vector<Image> images;
     for (int i = 0; i < 5; ++i) images.push_back(flat_picture(200, 100, static_cast<std::uint8_t>(50 * i), 0, 255));
     const Image sheet = contact_sheet(images, 3, 100);
@@ -88,7 +88,7 @@ TEST_CASE("the perceptual difference is that of CIE L*a*b*", "[image]") {
     REQUIRE(std::isinf(difference(a, studio_picture(64, 47)).mean));
 }
 
-TEST_CASE("an edge that moves by a pixel counts less than one that moves by four", "[image]") {
+TEST_CASE("an edge that moves by 1 pixel counts less than an edge that moves by 4", "[image]") {
     const auto edge = [](int at) {
         Image image = flat_picture(64, 64, 230, 230, 230);
         for (int y = 0; y < 64; ++y)

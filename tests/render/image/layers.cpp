@@ -16,7 +16,7 @@ namespace layers_test {
 
 namespace {
 
-/// A number that a half holds, as far as it is given: 11 bits, 2^-8 to 2^8.
+/// A number that a half float represents exactly: 11 bits, 2^-8 to 2^8.
 float some_half(RandomNumbers& random) {
     return std::ldexp(1 + static_cast<float>(static_cast<int>(1024 * random())) / 1024, static_cast<int>(16 * random()) - 8);
 }
@@ -40,7 +40,7 @@ Image pixel(const std::vector<float>& light, const std::vector<float>& shadow) {
 
 }  // namespace
 
-TEST_CASE("layers come back from an EXR file to the bit, and another program reads the same halves", "[image][exr]") {
+TEST_CASE("layers read back bit-identically from EXR, and another program reads equal halves", "[image][exr]") {
     const test::ScratchFolder folder;
     const PictureLayers layers = noise();
     write_exr(folder / "a.exr", layers, {24, 1.5});
@@ -67,7 +67,7 @@ TEST_CASE("layers come back from an EXR file to the bit, and another program rea
     CHECK(same == 4 * pixels);
 }
 
-TEST_CASE("an EXR file has only the layers that were asked for, and a broken one is the mistake of the user", "[image][exr]") {
+TEST_CASE("an EXR file has only the requested layers, and a broken one is an input error", "[image][exr]") {
     const test::ScratchFolder folder;
     PictureLayers plain = noise();
     plain.shadow.clear(), plain.depth.clear(), plain.normal.clear(), plain.motion.clear(), plain.id.clear();
@@ -84,12 +84,12 @@ TEST_CASE("an EXR file has only the layers that were asked for, and a broken one
 
 TEST_CASE("layers for screens have straight alpha with the shadow as black", "[image][exr]") {
     CHECK(pixel({0.5f, 0.5f, 0.5f, 1}, {}).alpha.empty());
-    // Half covered: as if wholly covered, and half of it.
+    // Half covered: the colour of full cover with alpha 1/2.
     const Image whole = pixel({0.4f, 0.2f, 0.1f, 1}, {1, 1, 1}), half = pixel({0.2f, 0.1f, 0.05f, 0.5f}, {1, 1, 1});
     CHECK(whole.alpha[0] == 255);
     CHECK(half.alpha[0] == 128);
     CHECK(half.rgb == whole.rgb);
-    // Empty there: the remaining light, as a screen's value of 0.735 for half of it; gathered light cannot be shown.
+    // Empty pixels: the remaining light, 0.735 on a screen for half of it. Added light cannot be represented.
     const Image shadow = pixel({0, 0, 0, 0}, {0.5f, 0.5f, 0.5f}), gathered = pixel({0, 0, 0, 0}, {1.5f, 1.5f, 1.5f});
     CHECK(shadow.alpha[0] == 255 - 188);
     CHECK(shadow.rgb == std::vector<std::uint8_t>{0, 0, 0});
@@ -107,7 +107,7 @@ TEST_CASE("a PNG keeps its alpha, and formats without alpha get the image over g
     CHECK(over_grey(image).alpha.empty());
 }
 
-TEST_CASE("words on a transparent picture are opaque, in their own colour", "[image][exr]") {
+TEST_CASE("text on a transparent image is opaque and keeps its colour", "[image][exr]") {
     Image image = plain_image(60, 30, 0);
     image.alpha.assign(1800, 0);
     TextStyle white;

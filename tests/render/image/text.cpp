@@ -25,13 +25,13 @@ TEST_CASE("every printable character has a distinct shape, also at the size of a
         const auto [place, is_new] = known.try_emplace(pixels(image), c);
         INFO(c << " looks like " << place->second);
         CHECK(is_new);
-        // No letter may be so narrow or so thick that it is a blot: ink on at most a quarter of the field of 36 x 36.
+        // No letter may be a blot: it covers at most a quarter of the field of 36 x 36.
         int ink = 0;
         for (std::size_t n = 0; n < image.rgb.size(); n += 3) ink += image.rgb[n] < 128 ? 1 : 0;
         if (c != ' ') CHECK(ink >= 2);
         CHECK(ink < 36 * 36 / 4);
     }
-    CHECK(known.count(pixels(letter('\x01', 12))) == 0);  // the box of what is not in the font
+    CHECK(known.count(pixels(letter('\x01', 12))) == 0);  // the box for a character that is missing in the font
 }
 
 TEST_CASE("text is as wide as predicted, scales with its height, and raises exponents", "[render]") {
@@ -55,7 +55,7 @@ TEST_CASE("a halo makes dark text readable on black", "[render]") {
     CHECK(light > 150);
 }
 
-TEST_CASE("text that reaches beyond the picture is cut, not written elsewhere", "[render]") {
+TEST_CASE("text that extends beyond the image is cut, not wrapped", "[render]") {
     Image image = plain_image(20, 20, 255);
     draw_text(image, 10, 15, "beyond", {14, Vec3f::Zero(), Vec3f::Ones(), 0.6f});
     draw_text(image, -100, -100, "far out", {14, Vec3f::Zero(), Vec3f::Ones(), 0.6f});

@@ -10,7 +10,7 @@ namespace {
 const Vec3f low(-0.1f, 0, -0.1f), high(0.1f, 0.2f, 0.1f);
 }
 
-TEST_CASE("a camera on keys passes through each of them and between them without a jump", "[render]") {
+TEST_CASE("a camera on keys passes through each key, and continuously between them", "[render]") {
     CameraOptions camera;
     camera.kind = "keys";
     for (int i = 0; i < 4; ++i) camera.keys.push_back({0.5 * i * i, Vec3f(float(i), 0, 1), Vec3f::Zero(), 30.0f + float(i)});
@@ -60,7 +60,7 @@ TEST_CASE("a camera rests between equal keys, overshoots none, and passes throug
     }
 }
 
-TEST_CASE("an orbit keeps its distance and comes round", "[render]") {
+TEST_CASE("an orbit keeps its distance and completes a turn", "[render]") {
     CameraOptions camera;
     camera.kind = "orbit";
     camera.degrees_per_second = 90;
@@ -75,7 +75,7 @@ TEST_CASE("the camera that frames the domain does not move while the fluid does"
     CHECK((first.target - first.position).norm() > 0.3f);
 }
 
-TEST_CASE("an automatic camera shows all of its box, as near as the picture's sides allow", "[render]") {
+TEST_CASE("an automatic camera shows its whole box, as near as the image's sides allow", "[render]") {
     CameraOptions camera;
     camera.aspect = GENERATE(16.0f / 9, 1.0f, 0.5f);
     const Vec3f size = GENERATE(Vec3f(1, 1, 1), Vec3f(0.1f, 3, 0.1f), Vec3f(4, 0.1f, 1), Vec3f(0.1f, 0.1f, 5), Vec3f(2, 1, 0));

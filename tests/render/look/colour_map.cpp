@@ -11,7 +11,7 @@ float lightness(const char* map, float t) { return lab_of(map_colour(map, t)).x(
 }  // namespace
 
 TEST_CASE("colour maps pass through their published colours", "[render]") {
-    // Entries of the published tables that are not among the ones kept here; what lies between is rounded to 8 bits and interpolated.
+    // Entries of the published tables that are not stored in the program, which interpolates stored entries and rounds them to 8 bits.
     CHECK((map_colour("viridis", 0) - Vec3f(0.267f, 0.005f, 0.329f)).cwiseAbs().maxCoeff() < 0.002f);
     CHECK((map_colour("viridis", 0.5f) - Vec3f(0.128f, 0.567f, 0.551f)).cwiseAbs().maxCoeff() < 0.01f);
     CHECK((map_colour("viridis", 1) - Vec3f(0.993f, 0.906f, 0.144f)).cwiseAbs().maxCoeff() < 0.002f);
@@ -21,7 +21,7 @@ TEST_CASE("colour maps pass through their published colours", "[render]") {
     CHECK((map_colour("coolwarm", 1) - Vec3f(0.706f, 0.016f, 0.150f)).cwiseAbs().maxCoeff() < 0.01f);
 }
 
-TEST_CASE("perceptual maps get lighter evenly: equal steps of a value are equal steps of lightness", "[render]") {
+TEST_CASE("perceptual maps get lighter evenly: equal steps of value give equal steps of lightness", "[render]") {
     for (const char* map : {"viridis", "inferno"}) {
         const float first = lightness(map, 0), mean = (lightness(map, 1) - first) / 100;
         for (int n = 0; n < 100; ++n) {
@@ -35,7 +35,7 @@ TEST_CASE("perceptual maps get lighter evenly: equal steps of a value are equal 
     }
 }
 
-TEST_CASE("the signed map is as light on one side as on the other, and lightest in its middle", "[render]") {
+TEST_CASE("the signed map is equally light on both sides, and lightest in its middle", "[render]") {
     float last = 101;
     for (int n = 0; n <= 50; ++n) {
         const float s = static_cast<float>(n) / 100, cool = lightness("coolwarm", 0.5f - s), warm = lightness("coolwarm", 0.5f + s);

@@ -24,7 +24,7 @@ Environment all_round(F&& radiance) {
 
 }  // namespace
 
-TEST_CASE("the middle of the picture lies towards -z, right of it is +x, its top is up", "[look]") {
+TEST_CASE("the image's middle is towards -z, its right towards +x, its top up", "[look]") {
     const Environment environment{64, 32, {}};
     CHECK((environment.direction(32, 16) - Vec3f(0, 0, -1)).norm() < 0.08f);
     CHECK(environment.direction(48, 16).x() > 0.99f);
@@ -37,16 +37,16 @@ TEST_CASE("under an even sky a white surface gives back the sky's radiance, whic
         CHECK(light_on(light, n).x() == Approx(2).epsilon(2e-3));  // the sum over 32 rows
 }
 
-TEST_CASE("under half a sky a surface receives all, half or nothing of it by its view, within 4 %", "[look]") {
+TEST_CASE("under half a sky a surface receives all, half or none of its light by its orientation", "[look]") {
     const auto light = light_of(all_round([](const Vec3f& d) { return d.x() > 0 ? 1.0f : 0.0f; }));
-    CHECK(light_on(light, Vec3f(1, 0, 0)).x() == Approx(1).margin(0.04));  // what the third order and higher would add
+    CHECK(light_on(light, Vec3f(1, 0, 0)).x() == Approx(1).margin(0.04));  // the contribution of the third order and higher
     CHECK(light_on(light, Vec3f(0, 0, 1)).x() == Approx(0.5).margin(0.04));
     CHECK(light_on(light, Vec3f(-1, 0, 0)).x() == Approx(0).margin(0.04));
     CHECK(brightest_side(light).x() > 0.8f);
     CHECK(brightest_side(light).y() > 0.5f);  // at least 35 degrees above the horizon
 }
 
-TEST_CASE("an EXR panorama is read as linear light, what is no light as none, and another file is refused", "[look]") {
+TEST_CASE("an EXR panorama is read as linear light, invalid values as 0, and other files are refused", "[look]") {
     const test::ScratchFolder folder;
     write_exr(folder / "two.exr", {2, 1, {1, 0.5f, 0.25f, 1, -4, INFINITY, NAN, 1}}, {});
     const Environment two = read_environment(folder / "two.exr");

@@ -6,7 +6,7 @@
 
 using namespace whorl;
 
-TEST_CASE("a scene file takes every material of solids that can be drawn, and no other", "[look]") {
+TEST_CASE("a scene file accepts exactly the solid materials that can be drawn", "[look]") {
     const Key* key = scene_keys().find_part("solid")->table->find_key("material");
     REQUIRE(key != nullptr);
     CHECK(key->choices == solid_material_names());

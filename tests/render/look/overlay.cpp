@@ -19,7 +19,7 @@ bool holds(const Image& image, const Vec3f& colour) {
 
 }  // namespace
 
-TEST_CASE("ticks are round numbers within the range, all written alike", "[render]") {
+TEST_CASE("ticks are round numbers within the range, in the same format", "[render]") {
     const Ticks speed = ticks_of(0, 2.5, 7);
     CHECK(speed.label == std::vector<std::string>{"0.0", "0.5", "1.0", "1.5", "2.0", "2.5"});
     CHECK(speed.power == 0);
@@ -87,7 +87,7 @@ TEST_CASE("no text overlaps the flow or is cut off, for any aspect of flow and i
         for (const float aspect : {0.4f, 1.0f, 1.78f, 3.1f, 6.0f}) {
             const PictureBox flow = layout_of(width, height, aspect, look, {0, 2}).flow;
             INFO(width << " x " << height << ", flow " << aspect << ": " << flow.width << " x " << flow.height);
-            // The flow has its sides, and of the picture what the words leave.
+            // The flow keeps its aspect ratio and uses the part of the image that the text leaves free.
             CHECK(std::abs(static_cast<float>(flow.width) - aspect * static_cast<float>(flow.height)) <= 0.51f * std::max(1.0f, aspect));
             CHECK((flow.width > 0.6 * width || flow.height > 0.6 * height));
             for (const auto& [x, y] : changed_pixels(look, 12.5, width, height, aspect)) {
@@ -98,7 +98,7 @@ TEST_CASE("no text overlaps the flow or is cut off, for any aspect of flow and i
         }
 }
 
-TEST_CASE("without words the flow has the whole picture", "[render]") {
+TEST_CASE("without text the flow uses the whole image", "[render]") {
     LookOptions look;
     look.style = "slice";
     const PictureBox wide = layout_of(640, 360, 16.0f / 9, look, {0, 1}).flow;

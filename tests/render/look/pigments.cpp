@@ -5,18 +5,18 @@
 
 using namespace whorl;
 
-TEST_CASE("a thick ink has its pure colour on any ground, no ink the ground's", "[render][ink]") {
+TEST_CASE("thick ink has its pure colour on any ground, and without ink the ground's colour remains", "[render][ink]") {
     for (const float ground : {0.0f, 0.3f, 1.0f}) {
         const Pigments pigments({"#1e50a0", "#e6b400"}, Vec3f::Constant(ground));
         Vec3f blue;
         REQUIRE(read_colour("#1e50a0", blue));
-        // Light that comes through a layer that hides what is behind it: less than 1/255 of white, of yellow, which absorbs least, 6 %.
+        // Light that passes an opaque layer: less than 1/255 of white, and 6 % for yellow, which absorbs least.
         CHECK((pigments(Vec3f(1, 0, 0)) - linear_of(blue)).cwiseAbs().maxCoeff() < 0.02f);
         CHECK((pigments(Vec3f::Zero()) - Vec3f::Constant(ground)).norm() == 0);
     }
 }
 
-TEST_CASE("blue and yellow make green, and ink that thins out goes over into the ground without a step", "[render][ink]") {
+TEST_CASE("blue and yellow make green, and thinning ink changes continuously to the ground", "[render][ink]") {
     const Pigments pigments({"#1e50a0", "#e6b400"}, Vec3f::Ones());
     const Vec3f mixed = pigments(Vec3f(0.5f, 0.5f, 0));
     CHECK(mixed.y() > 1.5f * mixed.x());

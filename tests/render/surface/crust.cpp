@@ -10,7 +10,7 @@ namespace {
 
 constexpr float d = 0.01f;
 
-/// A block of particles d apart whose grains are 0.5, which makes no plate.
+/// A block of particles d apart with grain 0.5, which makes no plate.
 struct Fluid {
     std::vector<Vec3f> position;
     std::vector<float> grain;
@@ -27,19 +27,19 @@ Fluid block(int n) {
 
 }  // namespace
 
-TEST_CASE("two plates meet half-way between their centres, and the distance to that edge is in spacings", "[render][surface]") {
+TEST_CASE("two plates meet half-way between their centres, with the distance to that edge in d", "[render][surface]") {
     Fluid fluid = block(4);
     fluid.position = {Vec3f(0, 0, 0), Vec3f(8 * d, 0, 0), Vec3f(2 * d, 5 * d, 0)};
     fluid.grain = {1e-3f, 2e-3f, 0.5f};
     const std::vector<Vec3f> vertex{{4 * d, 2 * d, 0}, {3 * d, -d, 2 * d}, {7 * d, 0, 0}, {0, 0, 0}};
     const auto places = crust_places(vertex, fluid.position, fluid.grain, d);
-    const float expected[] = {0, 1, 3, 4};  // linear in x: by one spacing a spacing
+    const float expected[] = {0, 1, 3, 4};  // linear in x, with slope 1
     for (int v = 0; v < 4; ++v) CHECK(places[v][0] == Approx(expected[v]).margin(1e-4));
     CHECK(places[1][2] == places[3][2]);  // the same plate
     CHECK(places[1][2] != places[2][2]);
 }
 
-TEST_CASE("plates go with the fluid: moved as a whole, every vertex keeps its place among them", "[render][surface]") {
+TEST_CASE("plates move with the fluid: after a translation every vertex has the same distance", "[render][surface]") {
     Fluid fluid = block(20);
     RandomNumbers random(3);
     for (float& g : fluid.grain) g = static_cast<float>(random());
@@ -58,7 +58,7 @@ TEST_CASE("plates go with the fluid: moved as a whole, every vertex keeps its pl
     CHECK(widest < 7);
 }
 
-TEST_CASE("where no particle is the middle of a plate there is no edge", "[render][surface]") {
+TEST_CASE("without a particle as plate centre there is no edge", "[render][surface]") {
     const Fluid fluid = block(4);
     const auto places = crust_places(std::vector<Vec3f>{Vec3f::Zero()}, fluid.position, fluid.grain, d);
     CHECK(places[0][0] > 5);

@@ -5,7 +5,7 @@
 
 using namespace whorl;
 
-TEST_CASE("every pattern of corners cuts each mixed edge of a cell once, in closed loops", "[surface]") {
+TEST_CASE("every pattern of corners cuts each edge of mixed signs once, in closed loops", "[surface]") {
     for (unsigned inside = 0; inside < 256; ++inside) {
         std::multiset<int> cut;
         for (const CubeLoop& loop : cube_case(inside).loops) {

@@ -48,7 +48,7 @@ float trilinear(const Volume& v, const Vec3f& at) {
     return sum;
 }
 
-/// From a place to a triangle, by its plane and its sides.
+/// Distance from a point to a triangle, from its plane and its sides.
 double distance_to(const Vec3d& x, const std::array<Vec3d, 3>& corner) {
     const Vec3d area = (corner[1] - corner[0]).cross(corner[2] - corner[0]), normal = area.normalized();
     double nearest = std::numeric_limits<double>::max();
@@ -63,7 +63,7 @@ double distance_to(const Vec3d& x, const std::array<Vec3d, 3>& corner) {
 
 }  // namespace
 
-TEST_CASE("no particles, no surface", "[surface]") {
+TEST_CASE("no particles give an empty surface", "[surface]") {
     Frame frame;
     frame.spacing = 1;
     REQUIRE(surface_of(frame).mesh.triangle.empty());
@@ -85,7 +85,7 @@ TEST_CASE("a sphere of particles is a closed, manifold sphere with outward norma
 }
 
 TEST_CASE("spheres and cylinders keep their radius", "[surface]") {
-    // The aim is 0.05 d for R = 1 to 5 d, the mean over some samples; spheres of 1.5 and 2 d come out 0.053 and 0.055 d small.
+    // The aim is 0.05 d for R = 1 to 5 d, as the mean over some samples. Spheres of 1.5 and 2 d are 0.053 and 0.055 d too small.
     for (double radius : {1.0, 1.5, 2.0, 3.0, 5.0}) {
         double sphere = 0, cylinder = 0;
         const int samples = radius < 3 ? 4 : 1;
@@ -125,7 +125,7 @@ TEST_CASE("a single file of particles is one unbroken tube", "[surface]") {
     }
 }
 
-TEST_CASE("two threads of radius 3 d that are 1 d apart stay two", "[surface]") {
+TEST_CASE("two threads of radius 3 d that are 1 d apart stay separate", "[surface]") {
     const Vec3f across = Vec3f(1, 0.31f, 0.17f).cross(Vec3f(0.2f, 1, 0.4f)).normalized();
     for (const std::uint64_t seed : {1, 2, 3}) {
         const Topology t = topology(mesh_of(joined(cylinder_frame(3, 24, seed), cylinder_frame(3, 24, seed + 7), 7.0f * across)));
@@ -142,7 +142,7 @@ TEST_CASE("a coil of thread is one closed piece without handles", "[surface]") {
     REQUIRE(t.euler == 2);
 }
 
-TEST_CASE("a cloud of particles at random is still closed and manifold", "[surface]") {
+TEST_CASE("the surface of random particles is closed and manifold", "[surface]") {
     RandomNumbers numbers(1);
     const auto random = [&] { return static_cast<float>(numbers()); };
     Frame frame;
@@ -158,7 +158,7 @@ TEST_CASE("stray and non-finite particles do not break or slow a surface", "[sur
     const int pieces = topology(mesh_of(frame)).components;
     frame.position.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
     frame.position.emplace_back(3000.0f, -2000.0f, 1000.0f);
-    frame.position.emplace_back(1e27f, 0, 0);  // further than nodes are counted: left out
+    frame.position.emplace_back(1e27f, 0, 0);  // beyond the range of node indices: ignored
     frame.position.emplace_back(0, -std::numeric_limits<float>::max(), 0);
     const Surface surface = surface_of(frame);
     REQUIRE(topology(surface.mesh).manifold);
@@ -166,7 +166,7 @@ TEST_CASE("stray and non-finite particles do not break or slow a surface", "[sur
     REQUIRE(surface.distance.value.size() < 20'000'000);
 }
 
-TEST_CASE("the surface has the same bits with 1, 2 and 4 threads", "[surface]") {
+TEST_CASE("the surface is bit-identical with 1, 2 and 4 threads", "[surface]") {
     const Frame frame = coil_frame(2, 6, 5, 1.5, 3);
     std::vector<Surface> made;
     for (int count : {1, 2, 4}) {
@@ -186,7 +186,7 @@ TEST_CASE("the surface has the same bits with 1, 2 and 4 threads", "[surface]") 
     for (const Vec3f& n : made[0].mesh.normal) REQUIRE(n.allFinite());
 }
 
-TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by one a unit", "[surface]") {
+TEST_CASE("the distance volume is 0 on the mesh, negative inside, and has slope 1", "[surface]") {
     const Frame frame = sphere_frame(5, 1);
     const Surface surface = surface_of(frame);
     const Volume& v = surface.distance;
@@ -198,7 +198,7 @@ TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by
             for (int i = 0; i < v.nx; ++i) {
                 const Vec3f at = v.origin + v.voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
                 const double exact = std::clamp((at - centre).norm() - radius, -8.0 * v.voxel, 8.0 * v.voxel);
-                // The mesh itself is off by up to 0.08 d here and there, the way to it by up to 0.07 d.
+                // The mesh has errors of up to 0.08 d in places, the distance to it of up to 0.07 d.
                 const float found = v.value[v.index(i, j, k)];
                 if (std::abs(found - exact) > 0.15) {
                     INFO(i << " " << j << " " << k << ": " << found << " for " << exact);
@@ -210,7 +210,7 @@ TEST_CASE("the distance volume is zero on the mesh, negative inside and grows by
 TEST_CASE("the distance volume equals a search over all triangles near the surface, and nearly so farther off", "[surface]") {
     TriangleMesh lump = test::sphere(Vec3f::Zero(), 1, 0.3f).mesh;
     for (Vec3f& x : lump.position) x = x.cwiseProduct(Vec3f(1, 0.6f, 0.45f));
-    for (const float voxel : {0.12f, 0.17f, 0.4f}) {  // wider and narrower than the rows that are looked at together
+    for (const float voxel : {0.12f, 0.17f, 0.4f}) {  // wider and narrower than the rows that are searched together
         const int band = 5;
         const Volume v = distance_volume(lump, voxel, band);
         double near_error = 0, most = 0, least = 0;
@@ -233,12 +233,12 @@ TEST_CASE("the distance volume equals a search over all triangles near the surfa
         CHECK(wrong_sides == 0);
         CHECK(near_error < 1e-4);  // voxels: rounding
         CHECK(least > -1e-4);
-        CHECK(most < 0.15);  // as surface.h says
+        CHECK(most < 0.15);  // as surface.h states
     }
 }
 
 TEST_CASE("beyond the sharp edge of a flat body no voxel counts as inside", "[surface]") {
-    // Planes of voxels lie in its ends: where the side's triangles and an end's are as near, rounding must not choose between them.
+    // Planes of voxels lie in its ends. If triangles of the side and of an end are equally near, rounding must not decide the sign.
     const Vec3d from(0, -0.006, 0), to(0, 0, 0);
     for (const double radius : {0.05, 0.06, 0.07, 0.075, 0.08}) {
         const Volume v = distance_volume(make_cylinder(from, to, radius)->mesh(0, 0), 1.5e-3f, 64);
@@ -255,7 +255,7 @@ TEST_CASE("beyond the sharp edge of a flat body no voxel counts as inside", "[su
     }
 }
 
-TEST_CASE("a periodic fluid is cut off flat at the sides of its period, and both sides fit together", "[surface]") {
+TEST_CASE("a periodic fluid is cut flat at the sides of its period, and both sides match", "[surface]") {
     // A thread of radius 3 d along x through a domain of 12 d: the rims of its two ends are the same circle, and no cap bulges beyond.
     Frame frame = cylinder_frame(3, 24, 1);
     const Vec3f axis = Vec3f(1, 0.31f, 0.17f).normalized();  // of cylinder_frame()
@@ -288,7 +288,7 @@ TEST_CASE("a periodic fluid is cut off flat at the sides of its period, and both
     REQUIRE(volume(mesh) == Approx(static_cast<double>(period.position.size())).epsilon(0.03));
 }
 
-TEST_CASE("water fills its glass: a surface follows the walls of a box and a cylinder in any rotation", "[surface]") {
+TEST_CASE("the surface of water follows the walls of a box and a cylinder in any rotation", "[surface]") {
     // A lattice half a spacing from the walls of the lower half of a vessel: the volume is that of the vessel's lower half.
     const bool round = GENERATE(false, true);
     const Mat3f turn = GENERATE(Mat3f::Identity().eval(), Eigen::AngleAxisf(0.7f, Vec3f(1, 2, 3).normalized()).toRotationMatrix());
@@ -301,7 +301,7 @@ TEST_CASE("water fills its glass: a surface follows the walls of a box and a cyl
     frame.spacing = 1;
     frame.solids = {vessel};
     for (float y = 0.5f; y < 8; ++y) {
-        if (round) {  // rings, each with as many particles as its length has room for
+        if (round) {  // rings, each with as many particles as fit its length
             for (float r = 0.5f; r < 8; ++r) {
                 const int count = static_cast<int>(std::lround(6.2832f * r));
                 for (int k = 0; k < count; ++k) {
@@ -333,10 +333,11 @@ TEST_CASE("water fills its glass: a surface follows the walls of a box and a cyl
     CHECK(on_floor > 3.5 * floor_area);       // voxels are half a spacing wide
     CHECK(on_wall > 3 * (round ? 50 * 8 : 64 * 8));
 
-    // Exported meshes have no triangle of zero area and no two vertices at one place. Only triangles on the edges between walls go.
+    // Exported meshes have no triangle of zero area and no two vertices at one position. This removes only triangles on the edges between
+    // walls.
     const TriangleMesh clean = without_slivers(mesh);
     CHECK(topology(clean).manifold);
-    CHECK(volume(clean) == Approx(volume(mesh)).epsilon(5e-5));  // a round wall's facets are cut a little
+    CHECK(volume(clean) == Approx(volume(mesh)).epsilon(5e-5));  // the facets of a round wall are cut slightly
     CHECK(clean.normal.size() == clean.position.size());
     CHECK(clean.triangle.size() > 0.9 * static_cast<double>(mesh.triangle.size()));
     float flattest = 1;
@@ -350,7 +351,7 @@ TEST_CASE("water fills its glass: a surface follows the walls of a box and a cyl
     CHECK(places.size() == clean.position.size());
 }
 
-TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surface]") {
+TEST_CASE("smoothing keeps a rough ball's vertices and smooths its normals", "[surface]") {
     TriangleMesh ball = test::sphere(Vec3f::Zero(), 1, 0.1f).mesh;
     RandomNumbers random(1);
     for (Vec3f& x : ball.position) x *= 1 + 0.01f * static_cast<float>(random() - 0.5);
@@ -363,11 +364,11 @@ TEST_CASE("a ball's rough mesh keeps its place and gets smooth normals", "[surfa
     set_smooth_normals(ball, 0);
     const double before = roughness();
     set_smooth_normals(ball, 10);
-    CHECK(roughness() < 0.3 * before);  // the blur is over some ten vertices: of what is random it leaves a third and less
+    CHECK(roughness() < 0.3 * before);  // the blur averages some ten vertices: a third or less of the noise remains
     CHECK(ball.position == place);
 }
 
-TEST_CASE("smoothing takes the mean of all neighbours, of however many", "[surface]") {
+TEST_CASE("smoothing takes the mean of all neighbours, for any number of them", "[surface]") {
     // Two tips over a ring of twelve.
     constexpr std::uint32_t around = 12;
     TriangleMesh mesh;
@@ -398,7 +399,7 @@ TEST_CASE("smoothing takes the mean of all neighbours, of however many", "[surfa
     for (std::size_t v = 0; v < expected.size(); ++v) CHECK((mesh.position[v].cast<double>() - expected[v]).norm() < 1e-6);  // rounding
 }
 
-TEST_CASE("bunches hold every particle once, in order, and are no longer than asked for", "[surface]") {
+TEST_CASE("bunches contain every particle once, in order, and do not exceed the requested length", "[surface]") {
     RandomNumbers random(3);
     std::vector<Vec3f> place;
     for (int n = 0; n < 2000; ++n)
@@ -428,7 +429,7 @@ TEST_CASE("drops of single particles shrink with their distance from all others,
         CHECK(topology(mesh).components == 2);
         return volume(mesh) / 2;
     };
-    // Near others a drop may be a part of a thread: it is thick. How the grid lies changes small drops by a third.
+    // Near other particles a drop may be part of a thread, so it stays thick. The position of the grid changes small drops by a third.
     CHECK(drop_beside(3) > 0.9);
     CHECK(drop_beside(8) < 0.7 * drop_beside(3));
     CHECK(drop_beside(8) > 0.2);

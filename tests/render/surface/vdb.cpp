@@ -56,7 +56,7 @@ TEST_CASE("a VDB file contains a level set, a velocity and a cloud's density wit
         const openvdb::Coord c = value.getCoord();
         REQUIRE(*value == distance.value[distance.index(c.x(), c.y(), c.z())]);
     }
-    // Nodes are at the grid's positions; halves of these numbers are exact, 0.1 is not.
+    // Nodes are at the grid's positions. Half floats represent these numbers exactly, except 0.1.
     CHECK((flow->indexToWorld(openvdb::Coord(2, 1, 3)) - openvdb::Vec3d(2, 2.25, 6)).length() < 1e-6);
     const openvdb::Vec3s u = flow->tree().getValue(openvdb::Coord(9, 2, 3));
     CHECK(u.x() == 9);

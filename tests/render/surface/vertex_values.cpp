@@ -6,7 +6,7 @@
 
 using namespace whorl;
 
-TEST_CASE("particle values reach the surface as the mean of near particles", "[render][surface]") {
+TEST_CASE("vertex values are the mean of near particles", "[render][surface]") {
     const std::vector<Vec3f> particle{{0, 0, 0}, {1, 0, 0}, {10, 0, 0}};
     const std::vector<float> value{2, 4, 9};
     const std::vector<Vec3f> vertex{{0.5f, 0, 0}, {0, 0, 0}, {10, 0.5f, 0}, {5, 5, 5}};
@@ -34,7 +34,7 @@ TEST_CASE("a surface has the fluid's age at its vertices if and only if the fram
                                     .margin(0.08));  // the mean over 0.2 of a linear field, cut off at the ends
 }
 
-TEST_CASE("linear fields reach the surface exactly within the values of the particles in reach", "[render][surface]") {
+TEST_CASE("linear fields are exact at vertices within the range of values of the particles in reach", "[render][surface]") {
     Frame frame;
     frame.spacing = 0.1f;
     const auto field = [](const Vec3f& x) { return Vec3f(2 * x.x() - x.y(), 3 * x.y() + 1, x.z()); };
@@ -80,7 +80,7 @@ TEST_CASE("linear fields reach the surface exactly within the values of the part
 TEST_CASE("splashes carry no value outside those of the particles in reach", "[render][surface]") {
     Frame frame;
     frame.spacing = 0.1f;
-    for (const float apart : {0.0f, 1e-8f, 1e-4f, 0.03f, 0.1f}) {  // one alone, and pairs at one place and apart
+    for (const float apart : {0.0f, 1e-8f, 1e-4f, 0.03f, 0.1f}) {  // a lone particle, and pairs at one position and apart
         const auto n = static_cast<float>(frame.position.size());
         frame.position.push_back({n, 0.37f, 0.11f});
         frame.position.push_back({n + apart, 0.37f, 0.11f});

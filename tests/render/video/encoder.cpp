@@ -27,7 +27,7 @@ std::string output_of(const std::vector<std::string>& arguments) {
     return child.output();
 }
 
-// Every frame of the video as ffmpeg decodes it, going by the file's own tags.
+// Every frame of the video, decoded by ffmpeg according to the file's tags.
 std::vector<Image> decoded(const std::filesystem::path& video, const test::ScratchFolder& folder) {
     output_of({"ffmpeg", "-nostdin", "-loglevel", "error", "-i", video.string(), "-vf",
                "scale=out_range=pc:flags=bicubic+accurate_rnd+full_chroma_int", "-pix_fmt", "rgb24", (folder / "frame%04d.png").string()});
@@ -46,7 +46,7 @@ std::string tags(const std::filesystem::path& video) {
                       "default=nk=0:nw=1", video.string()});
 }
 
-// Whoever looks for *.mp4 must not find half a film.
+// A search for *.mp4 must not find a partial video.
 void check_hidden(const std::vector<std::string>& names, const std::filesystem::path& video) {
     CHECK_FALSE(names.empty());
     for (const std::filesystem::path name : names) {
@@ -55,7 +55,7 @@ void check_hidden(const std::vector<std::string>& names, const std::filesystem::
     }
 }
 
-// The order of a file's top-level boxes, by their four-letter names.
+// A file's top-level boxes in order, by their four-letter names.
 std::vector<std::string> boxes(const std::filesystem::path& video) {
     std::ifstream in(video, std::ios::binary);
     std::vector<std::string> names;
@@ -133,7 +133,7 @@ TEST_CASE("the suffix decides how a video is encoded", "[video]") {
     }
 }
 
-TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", "[video]") {
+TEST_CASE("a video plays nearly to the end after run and encoder are killed", "[video]") {
     test::ScratchFolder folder;
     const int frames = 72;
     int ready[2];
@@ -149,13 +149,13 @@ TEST_CASE("a video whose maker and encoder are killed plays nearly to the end", 
     }
     char byte;
     REQUIRE(read(ready[0], &byte, 1) == 1);
-    // The file on disk now is what remains when all processes are killed together: check a copy of it.
+    // The current file is what remains if all processes are killed together: check a copy of it.
     std::filesystem::copy_file(partial_video(folder / "film.mp4"), folder / "seized.mp4");
     kill(maker, SIGKILL);
     waitpid(maker, nullptr, 0);
     close(ready[0]);
     close(ready[1]);
-    // Held back: 8 frames that x264 looks ahead, its B frames, and a fragment of a quarter of a second (6 frames).
+    // Missing frames: 8 of x264's look-ahead, its B frames, and a fragment of a quarter of a second (6 frames).
     const auto seized = decoded(folder / "seized.mp4", folder).size();
     REQUIRE(seized >= frames - 20);
     REQUIRE(seized <= frames);
@@ -206,7 +206,7 @@ TEST_CASE("an encoder that fails reports why and raises no signal", "[video]") {
     } catch (const EnvironmentError& error) { message = error.what(); }
     REQUIRE(message.find("No such file") != std::string::npos);
     REQUIRE(check_encoder() == encoder_version());
-    // One without a message, one that is killed, one that does not report its version.
+    // Encoders without a message, killed by a signal, and without a version.
     const std::string path = std::getenv("PATH");
     setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
     const auto words_of = [&](const std::string& script) {
