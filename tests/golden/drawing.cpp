@@ -1,4 +1,4 @@
-/// Pictures of fixed meshes, compared with the ones in pictures/. They were drawn with Mesa's software driver; on other devices small
+/// Images of fixed meshes, compared with those in pictures/. They were drawn with Mesa's software driver; on other devices small
 /// differences are expected and the tolerance is the same. WHORL_UPDATE_GOLDEN=1 redraws them: look at them before you commit them.
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -48,8 +48,8 @@ void compare(const Picture& picture, const std::string& name) {
     const PictureDifference d = difference(drawn, read_png(file));
     INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E); drawn on "
               << renderer.device());
-    // A delta E of 2.3 is a just noticeable difference on flat colour. The mean must be invisible; where light is refracted often (1 % of
-    // the pixels) rounding may send a ray elsewhere.
+    // A delta E of 2.3 is a just noticeable difference on flat colour. The mean must be invisible. If light is refracted often (1 % of the
+    // pixels), rounding may deflect a ray elsewhere.
     CHECK(d.mean < 0.3);
     CHECK(d.p99 < 4);
 }
@@ -73,7 +73,7 @@ TEST_CASE("honey runs from a metal nozzle onto a ceramic plate", "[golden]") {
     compare(picture, "honey_plate");
 }
 
-TEST_CASE("a wooden ball on a ceramic plate, in the shadow of a metal rod", "[golden]") {
+TEST_CASE("a wooden ball on a ceramic plate, shadowed by a metal rod", "[golden]") {
     Picture picture = blank("honey");
     picture.frame.domain_min.y() = -0.008f;
     add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, -0.008f, 0), 0.07f, 0.008f), "ceramic");
@@ -167,7 +167,7 @@ TEST_CASE("lava of all ages with a crust on it, over rock that it lights", "[gol
 
 namespace {
 
-/// Particles in the coil, which move as `velocity` says.
+/// Particles in the coil with the velocity `velocity`.
 template <class F>
 Picture particles(F&& velocity) {
     Picture picture = blank("honey");
@@ -221,7 +221,7 @@ TEST_CASE("two inks in paint", "[golden]") {
 
 namespace {
 
-/// A ball of fluid in which the vorticity of two linked rings shows, or ink fills them.
+/// A ball of fluid with two linked rings of vorticity or ink.
 Picture linked_rings() {
     Picture picture = blank("water");
     picture.look.style = "volume";

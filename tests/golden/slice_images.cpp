@@ -15,7 +15,7 @@ namespace plates {
 
 namespace {
 
-/// Particles of a plane 0.24 m x 0.12 m, 2 mm apart and uneven, that turn about its middle, the faster the nearer.
+/// Uneven particles 2 mm apart in a plane of 0.24 m x 0.12 m, which turn about its middle, faster the nearer they are.
 Frame vortex() {
     Frame frame;
     frame.dimensions = 2;
@@ -59,7 +59,7 @@ void compare_plate(const LookOptions& look, int width, int height, const std::st
     if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
     const PictureDifference d = difference(drawn, read_png(file));
     INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E)");
-    // Words and lines may move by a part of a pixel with another Cairo; nothing else depends on the machine.
+    // Text and lines may move by a fraction of a pixel with another version of Cairo; nothing else depends on the machine.
     CHECK(d.mean < 0.3);
     CHECK(d.p99 < 4);
 }
