@@ -19,7 +19,7 @@ Table reading(const Simulation& simulation, const std::string& probe);
 /// Columns of numbers of the CSV file of this name in the scenes' folder.
 Table reference(const std::string& name);
 
-/// The value at x of a function given at rising places, by the cubic through the four nearest.
+/// Value at x of a function given at ascending points, by the cubic through the four nearest.
 double between(const std::vector<double>& places, const std::vector<double>& values, double x);
 
 }  // namespace whorl::test

@@ -86,7 +86,7 @@ Browser::Browser(int width, int height) : width_(width), height_(height) {
 Browser::~Browser() {
     try {
         send(R"({"id": 0, "method": "Browser.close"})");
-    } catch (const std::exception&) {  // gone already
+    } catch (const std::exception&) {  // already closed
     }
     for (int k = 0; k < 100 && waitpid(pid_, nullptr, WNOHANG) == 0; ++k) {
         if (k == 50) kill(-pid_, SIGKILL);
@@ -174,7 +174,7 @@ json Browser::evaluate(const std::string& expression) {
 bool Browser::wait_for(const std::string& expression, double seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (std::chrono::steady_clock::now() < end) {
-        // Before the page has been read, what the expression looks for is not there yet.
+        // Before the page has loaded, the expression may throw.
         if (evaluate("(() => { try { return !!(" + expression + "); } catch (e) { return false; } })()") == true) return true;
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// A real browser without a window (Chromium), driven over its debugging pipe: what a page does, tested as people meet it.
+/// A real browser without a window (Chromium), driven over its debugging pipe: tests the page as a user sees it.
 #include <sys/types.h>
 
 #include <filesystem>
@@ -12,10 +12,10 @@ namespace whorl::test {
 
 class Browser {
 public:
-    /// Whether the program is there; a test without it is skipped, saying so.
+    /// Whether the browser is installed. Without it, tests report this and are skipped.
     static bool installed();
     Browser(int width, int height);
-    /// Closes all pages; those that open next are this large.
+    /// Closes all pages. Pages opened later have this size.
     void start_again(int width, int height);
     ~Browser();
     Browser(const Browser&) = delete;
@@ -28,16 +28,16 @@ public:
     void close(int page);
     /// "light" or "dark".
     void scheme(const std::string& name);
-    /// The value of a JavaScript expression in the page in front; promises are waited for. @throws std::runtime_error where it throws
+    /// The value of a JavaScript expression in the page in front; waits for promises. @throws std::runtime_error if the expression throws
     nlohmann::json evaluate(const std::string& expression);
-    /// Until the expression is true; false after some seconds.
+    /// Waits until the expression is true. @return false after some seconds
     bool wait_for(const std::string& expression, double seconds = 20);
     void click(const std::string& selector);
     void drag(const std::string& selector, double dx, double dy);
     void wheel(const std::string& selector, double dy);
     /// One key: "a", "ArrowLeft", " ".
     void press(const std::string& key);
-    /// Moves a slider to this value as a person does: input events on the way.
+    /// Moves a slider to this value as a user does, with input events on the way.
     void slide(const std::string& selector, double value);
     void screenshot(const std::filesystem::path& png, bool whole_page = false);
 

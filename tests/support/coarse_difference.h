@@ -9,10 +9,10 @@
 namespace whorl::test {
 
 struct CoarseDifference {
-    double largest = 0, difference = 0;  ///< of the entries of R^T A R; from the coarse matrix
+    double largest = 0, difference = 0;  ///< of the entries of R^T A R; difference from the coarse matrix
 };
 
-/// @param A called as A(Span<const Vec3> u, Span<Vec3> Au) @param particles how many
+/// @param A called as A(Span<const Vec3> u, Span<Vec3> Au) @param particles number of particles
 template <class Operator>
 CoarseDifference coarse_difference(const Operator& A, const RigidAggregates& R, const SymmetricBlocks& coarse, std::size_t particles) {
     CoarseDifference found;

@@ -17,14 +17,14 @@ struct CoupledWorld {
     Span<Vec3> position() { return world.fluid.column<field::position>(); }
     Span<Vec3> velocity() { return world.fluid.column<field::velocity>(); }
     Span<std::int16_t> role() { return world.fluid.column<field::role>(); }
-    /// Adds particles at rest; returns the place of the first.
+    /// Adds particles at rest. @return index of the first
     Index add(const std::vector<Vec3>& x);
     /// One step of dt [s]; false if the solve did not converge.
     bool step(Real dt, bool at_frame_time = false);
     /// A step without move, shift and contact.
     bool solve_only(Real dt);
     const SolveReport& last_solve() const { return world.report.solves.back().report; }
-    double time = 0, seconds = 0;  ///< s simulated, s of wall time spent in stages
+    double time = 0, seconds = 0;  ///< simulated time; wall time spent in stages [s]
     StageTimes times;
 
 private:

@@ -8,7 +8,7 @@
 
 namespace whorl::test {
 
-/// A PLY file whose numbers all have four bytes. @throws std::runtime_error where it is none
+/// A PLY file whose numbers all have four bytes. @throws std::runtime_error if the file is not of this kind
 struct Ply {
     std::string header;
     std::vector<std::string> properties;                     ///< in the file's order
@@ -27,7 +27,7 @@ struct Vtk {
 };
 Vtk read_vtk(const std::filesystem::path& file);
 
-/// A binary glTF file. @throws std::runtime_error where its parts are not as the format wants them
+/// A binary glTF file. @throws std::runtime_error if its parts violate the format
 struct Glb {
     nlohmann::json json;
     std::string binary;

@@ -9,7 +9,7 @@
 
 namespace whorl::test {
 
-/// A short thread of honey and a lump of it, enough particles (> 512) that parallel loops do run in parallel.
+/// A short thread of honey and a lump, with enough particles (> 512) for parallel loops to use several threads.
 extern const std::string honey;
 
 /// A folder with a scene file and runs.
@@ -22,7 +22,7 @@ struct FilmScratch : ScratchFolder {
 std::vector<std::string> lines(const std::filesystem::path& file);
 /// Rows of diagnostics.csv without the wall and CPU seconds (columns 21 and 22), which no two runs share.
 std::vector<std::string> reproducible(std::vector<std::string> rows);
-/// In the order of their names.
+/// Files in order of their names.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
 /// run.json
 nlohmann::json report(const std::filesystem::path& run);

@@ -14,8 +14,8 @@ struct Reply {
     nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
 };
 
-/// A thread of honey of 2.5 mm particles that coils from its first turn on, at 0.8 s: the plate circles as the coil will, and what was laid
-/// is taken away.
+/// A thread of honey of 2.5 mm particles that coils from its first turn on, at 0.8 s: the plate circles like the coil, and a drain removes
+/// earlier turns.
 extern const char* const coiling_honey;
 
 class LiveProgram {
@@ -28,15 +28,15 @@ public:
     Reply post(const std::string& path, const std::string& body, const std::map<std::string, std::string>& headers = {});
     nlohmann::json state() { return get("/state").json(); }
     Reply order(const std::string& what) { return post("/control", "{\"do\": \"" + what + "\"}"); }
-    /// Until the state fulfils it; false after five minutes.
+    /// Waits until the state fulfils the condition. @return false after five minutes
     bool wait_for(const std::function<bool(const nlohmann::json& state)>& condition);
-    /// One frame, and waits for it and its picture.
+    /// Steps by one frame, and waits for it and its image.
     nlohmann::json step();
     /// Opens a connection, sends these bytes and leaves it open; returns its descriptor.
     int open(const std::string& bytes) const;
-    /// Sends bytes that are no request, and goes when it is answered or after a moment.
+    /// Sends bytes that are not a request, and disconnects after an answer or a moment.
     void send_raw(const std::string& bytes) const;
-    /// Ends it as Ctrl-C does.
+    /// Ends the program as Ctrl-C does.
     Outcome end();
 
     std::filesystem::path scene() const { return folder_ / "scene.toml"; }

@@ -99,7 +99,7 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
     const auto u = w.column<field::velocity>();
     const auto spin = w.column<field::spin>();
     if (jitter > 0) shake(x, jitter * d, 3, dimensions);
-    // Sums against the mode, over the mode's own: an amplitude also for uneven particles.
+    // Projection onto the mode over the projection of the mode itself: the amplitude also for uneven particles.
     const auto amplitudes = [&] {
         double uu = 0, ww = 0, u2 = 0, w2 = 0;
         for (std::size_t i = 0; i < x.size(); ++i) {

@@ -12,7 +12,7 @@ struct MicropolarStep {
 };
 MicropolarStep micropolar_step(TestWorld& w, MicropolarOptions options);
 
-/// curl u and curl w as the stage takes them, with the lattice's factor.
+/// curl u and curl w as the stage uses them, with the lattice's factor.
 struct Curls {
     std::vector<Vec3> velocity, spin;
 };
@@ -24,7 +24,7 @@ struct Micropolar2 {
     double a = 1, kappa = 1, g = 0.02, theta = 0.05;
 };
 
-/// Amplitudes after the time t from U = 1, W = 0: Runge-Kutta with steps that leave no error to speak of. @param k 1/m
+/// Amplitudes after the time t from U = 1, W = 0: Runge-Kutta with steps of negligible error. @param k 1/m
 std::pair<double, double> exact_vortex(const Micropolar2& c, double t, double k);
 
 struct VortexError {
@@ -39,14 +39,14 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
 struct Drift {
     double momentum = 0;          ///< largest change over sum m |u|
     double angular_momentum = 0;  ///< largest change of orbital and spin together, over its value at the start
-    double exchange = 0;  ///< | sum m u.(lambda curl w) - sum m w.(lambda curl u) |/rho over the larger: energy that exchange makes or
-                          ///< loses, at the start
+    double exchange = 0;  ///< | sum m u.(lambda curl w) - sum m w.(lambda curl u) |/rho over the larger: energy that the exchange adds or
+                          ///< removes, at the start
 };
 /// A round blob with uneven particles and a free surface that turns faster inside, with spin, over `steps` steps of weakly compressible
 /// flow.
 Drift blob_drift(const Micropolar2& c, MicropolarOptions options, bool central, int steps, int dimensions = 3);
 
-/// @param central the second form of the Laplacian rather than the first; "split" is set by hand
+/// @param central use the second form of the Laplacian instead of the first; the caller sets "split"
 MicropolarOptions with_coefficients(MicropolarOptions options, const Micropolar2& c, bool central);
 
 }  // namespace whorl::test

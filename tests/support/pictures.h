@@ -4,7 +4,7 @@
 
 namespace whorl::test {
 
-/// Soft gradients, shaded balls with sharp outlines and a touch of noise: about as hard to compress as a rendered frame.
+/// Soft gradients, shaded balls with sharp outlines and a little noise: about as hard to compress as a rendered frame.
 Image studio_picture(int width, int height);
 Image flat_picture(int width, int height, std::uint8_t r, std::uint8_t g, std::uint8_t b);
 

@@ -10,13 +10,13 @@
 namespace whorl::test {
 
 struct Outcome {
-    int code = 0;  ///< exit status; 128 + the signal's number where a signal ended it
+    int code = 0;  ///< exit status; 128 + the signal's number if a signal ended it
     std::string out, err;
 };
 
 class Program {
 public:
-    /// Starts whorl with these arguments (or another program, where its name is given).
+    /// Starts whorl with these arguments, or another program if its name is given.
     explicit Program(const std::vector<std::string>& arguments, const std::string& program = WHORL_PROGRAM);
     ~Program();
     Program(const Program&) = delete;

@@ -30,7 +30,7 @@ radius = 5e-3
 speed = 0.3
 )";
 
-/// A viscosity that the numbers of this build cannot reckon with once fluid is 0.06 s old.
+/// A viscosity for which this build's Real overflows once fluid is 0.06 s old.
 inline const char* const diverging_viscosity = sizeof(Real) == 4 ? "age > 0.06 ? 1e38 : 200" : "age > 0.06 ? 1e307 : 200";
 
 }  // namespace whorl::test

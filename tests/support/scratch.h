@@ -6,7 +6,7 @@
 
 namespace whorl::test {
 
-/// A fresh folder that goes away with its owner.
+/// A new folder that is deleted with its owner.
 class ScratchFolder {
 public:
     ScratchFolder();
@@ -20,7 +20,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// Names that files in a folder were made under during the work, in order; those that they were given later are not among them.
+/// Names under which `work` created files in a folder, in order; without names that renaming gave them later.
 std::vector<std::string> names_made(const std::filesystem::path& folder, const std::function<void()>& work);
 
 }  // namespace whorl::test

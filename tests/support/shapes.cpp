@@ -153,7 +153,7 @@ Surface coiled_thread(float radius, float coil, int turns, float height, float v
     }
     const auto distance = [&](const Vec3f& x) {
         std::size_t first = 0;
-        const auto nearest = [&](bool elsewhere) {  // elsewhere: of the turns that `first` does not belong to
+        const auto nearest = [&](bool elsewhere) {  // distance to the turns without `first`
             float least = 1;
             for (std::size_t n = 0; n + 1 < axis.size(); ++n) {
                 if (std::abs(x.y() - axis[n].y()) > 6 * radius || (elsewhere && std::max(n, first) - std::min(n, first) < 16)) continue;
@@ -168,7 +168,7 @@ Surface coiled_thread(float radius, float coil, int turns, float height, float v
         };
         const float own = nearest(false), thread = joined(own, nearest(true), 0.4f * radius);
         const float puddle = (x.cwiseProduct(Vec3f(1, 3.2f, 1)).norm() - 1.75f * coil) / 2;
-        return std::max(joined(thread, puddle, radius), -0.4f * radius - x.y());  // sinks a little into the ground, as a level set does
+        return std::max(joined(thread, puddle, radius), -0.4f * radius - x.y());  // extends slightly into the ground, as a level set does
     };
     const float wide = 1.9f * coil + 2 * radius;
     return surface_of(distance, Vec3f(-wide, -0.4f * radius, -wide), Vec3f(wide, height, wide), voxel);

@@ -1,5 +1,5 @@
 #pragma once
-/// Surfaces from formulas: fixed meshes for pictures, without a simulation.
+/// Surfaces from formulas: fixed meshes for images, without a simulation.
 #include <functional>
 
 #include "render/surface/surface.h"

@@ -29,8 +29,8 @@ Frame frame_of(const std::vector<Vec3>& x) {
     return frame;
 }
 
-// One particle a unit volume of the shape: a lattice moved at random, thinned or filled up to the right number; then relaxed to blue noise
-// where that is wanted.
+// One particle per unit volume of the shape: a randomly displaced lattice, thinned or filled up to the right number, then relaxed to blue
+// noise if requested.
 Frame filled(const Distance& distance, const Vec3d& low, const Vec3d& high, double volume_wanted, bool blue_noise, std::uint64_t seed) {
     RandomNumbers random(seed);
     std::vector<Vec3> x;
@@ -89,7 +89,7 @@ Topology topology(const TriangleMesh& mesh) {
         while (parent[v] != v) v = parent[v] = parent[parent[v]];
         return v;
     };
-    // Triangles round a vertex: from each one's second to its third corner. One fan: one cycle.
+    // Triangles around a vertex: edges from each second to its third corner. They are one fan if these edges are one cycle.
     std::vector<std::vector<Edge>> fan(mesh.position.size());
     for (const auto& t : mesh.triangle)
         for (int c = 0; c < 3; ++c) {

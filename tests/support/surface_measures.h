@@ -23,13 +23,13 @@ Frame cylinder_frame(double radius, double length, std::uint64_t seed);
 Frame pool_frame(double width, double depth, bool jittered_lattice, std::uint64_t seed);
 /// Particles along a curve of the given radius: y rises along a spiral of `turns`.
 Frame coil_frame(double thread_radius, double coil_radius, double pitch, double turns, std::uint64_t seed);
-/// Particles one after the other along x.
+/// A single file of particles along x.
 Frame file_frame(double distance, int count);
 
 struct Deviation {
-    double mean = 0, rms = 0;  ///< of the surface from the shape of the particles' volume, and its spread about the mean
+    double mean = 0, rms = 0;  ///< mean distance of the surface from the shape of the particles' volume, and its spread about the mean
 };
-/// Over the mesh's area, ends of a cylinder left out (two radii and two spacings).
+/// Mean over the mesh's area, without the ends of a cylinder (two radii and two spacings).
 Deviation sphere_deviation(const TriangleMesh& mesh, const Frame& frame);
 Deviation cylinder_deviation(const TriangleMesh& mesh, const Frame& frame, double length);
 

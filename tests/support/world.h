@@ -13,7 +13,7 @@ struct TestWorld {
     std::vector<Stage> stages;
     NeighbourSearch search, solid_search;
 
-    /// @param spacing d [m] @param support kernel radius over d @param domain without depth: a flow of two dimensions
+    /// @param spacing d [m] @param support kernel radius over d @param domain a domain without depth makes the flow 2D
     TestWorld(double spacing, double support, const Domain& domain, KernelKind kernel = KernelKind::cubic);
 
     /// Stages to run in a step, in order; allocates their fields. Call before placing fluid.
@@ -24,7 +24,7 @@ struct TestWorld {
     /// axis: 0, 1, 2; side: +1 where the normal is +axis.
     void add_wall(int axis, int side, double at, double slip_length = 0);
 
-    /// Neighbours at the present positions.
+    /// Neighbours at the current positions.
     void find_pairs();
     void step(double dt);
 

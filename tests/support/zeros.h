@@ -1,14 +1,14 @@
 #pragma once
-/// Times at which a signal that is stepped through changes its sign.
+/// Times at which a stepped signal changes its sign.
 #include <cstddef>
 #include <vector>
 
 namespace whorl {
 
-/// Zeros of a signal, by a straight line between the two samples around each.
+/// Zeros of a signal, by linear interpolation between samples.
 class Zeros {
 public:
-    /// @param apart s; a zero nearer to the last one is noise that crosses to and fro
+    /// @param apart shortest time between zeros [s]; nearer zeros are noise
     explicit Zeros(double apart = 0) : apart_(apart) {}
     void sample(double time, double value) {
         if (before_ * value < 0) {
