@@ -31,12 +31,12 @@ TEST_CASE("a camera that shows nothing of the scene is reported with its key", "
     CHECK(one({"camera.kind=auto", "camera.min=[-0.1, 0, -0.1]", "camera.max=[0.1, 0.2, 0.1]"}) == "none");
     CHECK(one({"camera.kind=auto", "camera.min=[9, 0, 0]", "camera.max=[9.1, 0.1, 0.1]"}).find("camera: at") == 0);
     CHECK(one({"camera.kind=auto", "camera.min=[-100, 0, -100]", "camera.max=[100, 200, 100]"}).find("camera: the domain is") == 0);
-    // Close-ups, between any grid of points: part of one side, and the camera inside.
+    // Close-ups smaller than any grid of sample points: part of one side, and the camera inside.
     const std::string box = "domain.min=[-0.5, -0.01, -0.5]", box_too = "domain.max=[0.5, 1, 0.5]";
     CHECK(one({box, box_too, fixed, "camera.position=[0, 0.5, 2]", "camera.target=[0, 0.5, 0]", "camera.fov=5"}) == "none");
     CHECK(one({box, box_too, fixed, "camera.position=[0.06, 0.56, 2]", "camera.target=[0.06, 0.56, 0]", "camera.fov=2"}) == "none");
     CHECK(one({box, box_too, fixed, "camera.position=[0.06, 0.56, 0.1]", "camera.target=[0.06, 0.56, 0]", "camera.fov=2"}) == "none");
-    // A shallow pool fills the picture's width.
+    // A shallow pool fills the image's width.
     CHECK(one({"domain.max=[5, 0.15, 0.08]", fixed, "camera.position=[2.5, 0.01, 40]", "camera.target=[2.5, 0.01, 0]"}) == "none");
     const std::string keys = "camera.kind=keys", first = "camera.key[0]={time=0, position=[0, 0.1, 0.4], target=[0, 0.05, 0]}";
     CHECK(one({"camera.kind=orbit", "camera.distance=400"}).find("camera: the domain is") == 0);
@@ -53,7 +53,7 @@ TEST_CASE("a camera that shows nothing of the scene is reported with its key", "
 
 namespace {
 
-/// The scenes of its panels that are runs, else itself. No fluid is placed: at fine that takes long.
+/// The scenes of its panels that are runs, or else the scene itself. Places no fluid, which takes long at quality fine.
 std::vector<SceneFile> runs_of(const SceneFile& file) {
     SceneFile alone = file;
     alone.scene.panels.clear(), alone.scene.output.chart.clear();
@@ -68,15 +68,15 @@ std::vector<SceneFile> runs_of(const SceneFile& file) {
 
 }  // namespace
 
-TEST_CASE("no shipped film and no panel of one gets a camera warning at any quality", "[tools][scene]") {
+TEST_CASE("no shipped scene and none of its panels gets a camera warning at any quality", "[tools][scene]") {
     for (const auto& [name, path] : shipped_scenes()) {
-        if (path.parent_path().filename() != "scenes") continue;  // studies have no pressure, too few particles, ...: what they study
+        if (path.parent_path().filename() != "scenes") continue;  // studies intentionally have no pressure, too few particles, ...
         for (const char* quality : {"draft", "standard", "fine"}) {
             Options options;
             options.scene = path.string();
             options.quality = quality;
             const std::vector<SceneFile> runs = runs_of(read_scene_file(options));
-            // Films that compare the notes as printed with the amended forms show what the plan warns of.
+            // Scenes that compare the notes as printed with the amended forms intentionally cause warnings.
             if (std::any_of(runs.begin(), runs.end(), [](const SceneFile& run) { return run.scene.models.printed(); })) continue;
             for (const SceneFile& run : runs) {
                 CAPTURE(name, quality, run.scene.models.micropolar);

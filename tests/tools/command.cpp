@@ -74,7 +74,7 @@ TEST_CASE("output that cannot be written is an error", "[tools]") {
     }
 }
 
-TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]") {
+TEST_CASE("a mistyped command line exits with 2 and suggests the nearest word", "[tools]") {
     CHECK(whorl_in(".", "").code == 2);
     const Outcome command = whorl_in(".", "shema");
     CHECK(command.code == 2);
@@ -84,7 +84,7 @@ TEST_CASE("a mistyped command line ends with 2 and the nearest word", "[tools]")
     CHECK(option.text == "whorl schema: unexpected argument \"--markdwn\"; did you mean \"--markdown\"?; see whorl schema --help\n");
 }
 
-TEST_CASE("a wrong number names its range, an unknown scene the nearest name", "[tools]") {
+TEST_CASE("an invalid number is reported with its range, an unknown scene with the nearest name", "[tools]") {
     const fs::path folder = empty_folder("numbers");
     write(folder / "my scene.toml", "");
     for (const auto& [arguments, expected] : std::vector<std::pair<std::string, std::string>>{
@@ -112,7 +112,7 @@ TEST_CASE("a wrong number names its range, an unknown scene the nearest name", "
     fs::remove_all(folder);
 }
 
-TEST_CASE("the schema that the program prints is JSON and has the sections of the picture too", "[tools]") {
+TEST_CASE("the printed schema is JSON and includes the sections of images", "[tools]") {
     const Outcome schema = whorl_in(".", "schema");
     CHECK(schema.code == 0);
     const nlohmann::json json = nlohmann::json::parse(schema.text);
@@ -129,7 +129,7 @@ TEST_CASE("the reference page in the repository equals the program's output", "[
     CHECK(page.str() == markdown_reference(known_sections()));
 }
 
-TEST_CASE("no two scenes that ship have one name, or the wrong one would be found by it", "[tools]") {
+TEST_CASE("no two shipped scenes have the same name", "[tools]") {
     const auto scenes = shipped_scenes();
     CHECK(scenes.size() > 30);
     for (std::size_t k = 1; k < scenes.size(); ++k) {
@@ -138,7 +138,7 @@ TEST_CASE("no two scenes that ship have one name, or the wrong one would be foun
     }
 }
 
-TEST_CASE("the options of the command line change the scene and show up in the resolved one", "[tools]") {
+TEST_CASE("command line options change the scene and appear in the resolved scene", "[tools]") {
     const fs::path folder = empty_folder("options");
     write(folder / "s.toml",
           "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n"
@@ -202,7 +202,7 @@ TEST_CASE("an invalid option is reported as the user typed it", "[tools]") {
     fs::remove_all(folder);
 }
 
-TEST_CASE("bad input ends with 2, reports every mistake, and writes nothing", "[tools]") {
+TEST_CASE("invalid input exits with 2, reports every mistake, and writes nothing", "[tools]") {
     const fs::path folder = empty_folder("bad_input");
     write(folder / "s.toml", "[time]\nend = \"x\"\n[fluid]\nspacng = 0.01\n");
     const Outcome bad = whorl_in(folder, "plan s.toml --set look.stile=opaque");
@@ -242,7 +242,7 @@ TEST_CASE("a plan lists models with reasons, fields, stages in order and the bin
     for (const auto& limit : json.at("limits")) binding += limit.at("binds").get<bool>();
     CHECK(binding == 1);
     const auto& cost = json.at("cost");
-    CHECK(cost.at("iterations_per_step").get<double>() >= 0);  // water at rest on a lattice may need none
+    CHECK(cost.at("iterations_per_step").get<double>() >= 0);  // water at rest on a lattice may need no iteration
     CHECK(cost.at("film_seconds").get<double>() > cost.at("last_frame_seconds").get<double>());
     CHECK(cost.at("bytes_a_particle").get<double>() > json.at("bytes_a_particle").get<double>());
     CHECK(whorl_in(folder, "plan s.toml").text.find("stages of a step, in order") != std::string::npos);

@@ -1,4 +1,4 @@
-// Films for compositors: EXR pictures, and pictures without a background.
+// Runs for compositing: EXR images, and images without a background.
 #include <catch2/catch.hpp>
 
 #include "engine/io/csv.h"
@@ -52,7 +52,7 @@ std::string stream_of(const fs::path& video, const std::string& entry) {
     return probe.output().substr(0, probe.output().find('\n'));
 }
 
-/// The first frame as a program for video decodes it, with alpha.
+/// The first frame of a video as ffmpeg decodes it, with alpha.
 Image first_frame(const fs::path& video, const fs::path& file, const std::vector<std::string>& decoder = {}) {
     std::vector<std::string> words{"ffmpeg", "-nostdin", "-loglevel", "error", "-y"};
     words.insert(words.end(), decoder.begin(), decoder.end());
@@ -66,7 +66,7 @@ Image first_frame(const fs::path& video, const fs::path& file, const std::vector
 
 }  // namespace
 
-TEST_CASE("a film of EXR pictures: resumed and drawn again it is the same, and its video is made of them", "[tools][exr]") {
+TEST_CASE("EXR images of a run are the same when resumed or drawn again, and make its video", "[tools][exr]") {
     const Scratch scratch(drop + camera);
     done({"render", scratch.scene(), "--out", scratch.run("whole"), "--quiet"});
     done({"render", scratch.scene(), "--out", scratch.run("run"), "--frames", "2", "--quiet"});
@@ -88,13 +88,13 @@ TEST_CASE("a film of EXR pictures: resumed and drawn again it is the same, and i
     CHECK((read_whole(scratch / "whole/little_honey.mp4") == film));
     done({"draw", scratch.run("whole"), "--quiet", "--out", scratch.run("again")});
     CHECK((picture("again", 3) == picture("whole", 3)));
-    // In another format: in the place of those that are there.
+    // Another format replaces the existing images.
     done({"draw", scratch.run("whole"), "--quiet", "--frames", "3", "--set", "output.format=png"});
     CHECK(fs::exists(picture_file(scratch / "whole", 3)));
     CHECK_FALSE(fs::exists(picture_file(scratch / "whole", 3, "exr")));
 }
 
-TEST_CASE("a transparent film keeps its alpha in PNG, MOV and WebM, and MP4 has it over grey", "[tools][exr]") {
+TEST_CASE("a transparent run keeps its alpha in PNG, MOV and WebM, and MP4 shows it over grey", "[tools][exr]") {
     const Scratch scratch(drop);
     done({"render", scratch.scene(), "--out", scratch.run(), "--frames", "2", "--set", "look.background=transparent", "--set",
           "output.format=png", "--quiet"});
@@ -105,7 +105,7 @@ TEST_CASE("a transparent film keeps its alpha in PNG, MOV and WebM, and MP4 has 
     CHECK(stream_of(scratch / "a.mov", "codec_name") == "prores");
     CHECK(stream_of(scratch / "a.mov", "pix_fmt").substr(0, 7) == "yuva444");
     done({"video", scratch.run(), "--out", (scratch / "a.webm").string()});
-    // ProRes is all but lossless; VP9 is not, and its alpha neither.
+    // ProRes is nearly lossless. VP9 and its alpha are lossy.
     for (const auto& [name, decoder, mean] :
          {std::tuple{"a.mov", std::vector<std::string>{}, 0.5}, {"a.webm", {"-c:v", "libvpx-vp9"}, 4.0}}) {
         const Image frame = first_frame(scratch / name, scratch / "frame.png", decoder);

@@ -25,7 +25,7 @@ SceneFile shipped(const std::string& name, std::vector<std::string> set = {}) {
     return read_scene_file(options);
 }
 
-/// Costs as another machine might have measured them.
+/// Costs that another machine might have measured.
 CoarseRun costs() {
     CoarseRun c;
     c.particles = 3000, c.iterations = 10, c.bytes_a_particle = 1000;
@@ -34,7 +34,7 @@ CoarseRun costs() {
     return c;
 }
 
-/// A variable of the environment while it lives.
+/// Sets an environment variable for its lifetime.
 struct Environment {
     Environment(const char* variable, const std::string& value) : name(variable) {
         if (const char* text = std::getenv(name)) before = text;
@@ -47,7 +47,7 @@ struct Environment {
 
 }  // namespace
 
-TEST_CASE("a finer spacing costs more steps and particles, a poured film less than N times its last frame", "[cost]") {
+TEST_CASE("finer spacing costs more steps and particles, pouring less than N times the last frame", "[cost]") {
     const auto of = [&](const char* spacing) {
         const SceneFile file = shipped("honey_coil", {std::string("fluid.spacing=") + spacing, "time.max_step=0.1"});
         const Plan plan = make_plan(file.scene);
@@ -91,14 +91,14 @@ TEST_CASE(
     chosen.camera.min = Vec3f(-1, 0, -1), chosen.camera.max = Vec3f(1, 1, 1);
     chosen.scene.output.exports = {"raw"}, chosen.scene.output.video = false;
     CHECK(find_coarse_run(chosen).has_value());
-    // A box of the scene's own is another picture, and so is another size.
+    // A box set by the scene makes another image, and so does another size.
     CHECK_FALSE(find_coarse_run(
                     shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "camera.min=[-1, 0, -1]", "camera.max=[1, 1, 1]"}))
                     .has_value());
     CHECK_FALSE(find_coarse_run(shipped("honey_coil", {"camera.kind=auto", "look.style=particles", "output.size=[320, 180]"})).has_value());
 }
 
-TEST_CASE("images cost by their moment of the film, and the time left uses that and the current pace", "[cost]") {
+TEST_CASE("image costs depend on the time in the run, and the time left uses them and the current pace", "[cost]") {
     const SceneFile file = shipped("honey_coil");
     const Plan plan = make_plan(file.scene);
     const Simulation simulation(file.scene, plan);
@@ -132,14 +132,14 @@ TEST_CASE("a coarse run takes at most 5 % of the film's predicted work, with and
         const SceneFile file = shipped(scene, {"time.end=0.1", std::string("output.images=") + images, "output.size=[64, 36]"});
         const Simulation start(file.scene, make_plan(file.scene));
         const CoarseRun run = coarse_run(file, start);
-        // As in rough_seconds(): 5e-6 s a particle-step of these models.
+        // rough_seconds() uses 5e-6 s per particle-step for these models.
         CHECK(run.particle_steps * 5e-6 < 0.05 * rough_film_seconds(file, start));
         CHECK(run.pictures.empty() == (images[0] == 'f'));
         CHECK(find_coarse_run(file)->particle_steps == run.particle_steps);
     }
 }
 
-TEST_CASE("an interrupt ends a coarse run at its next step, and nothing is kept of it", "[cost]") {
+TEST_CASE("an interrupt ends a coarse run at its next step and discards it", "[cost]") {
     const test::ScratchFolder cache;
     const Environment home("XDG_CACHE_HOME", cache.path().string());
     const SceneFile file = shipped("dam_break", {"output.images=false"});
@@ -180,13 +180,13 @@ TEST_CASE("a coarse frame is split into the film's number of particles, with the
     for (const Vec3f& x : fine.position) CHECK((x.x() >= 0 && x.x() < 1));
 }
 
-TEST_CASE("a film takes as many steps as the flow of its coarse run asks for, moment by moment", "[cost]") {
+TEST_CASE("the predicted steps follow the flow of the coarse run, frame by frame", "[cost]") {
     const SceneFile file = shipped("honey_coil");
     const Plan plan = make_plan(file.scene);
     CoarseRun c = costs();
-    c.pace = {24, 240};  // a step a frame at first, ten at the end
+    c.pace = {24, 240};  // one step per frame at first, ten at the end
     const Estimate e = estimate(file, plan, Simulation(file.scene, plan), c);
-    CHECK(e.steps_a_frame == Approx(6).epsilon(0.02));  // rounded up a frame
+    CHECK(e.steps_a_frame == Approx(6).epsilon(0.02));  // rounded up per frame
 }
 
 TEST_CASE("the cost of steps is split into particles and waiting threads, and measuring changes no bit", "[cost]") {

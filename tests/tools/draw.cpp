@@ -49,7 +49,7 @@ video = false
 
 }  // namespace
 
-TEST_CASE("draw makes the pictures that render made, to the bit, and others with another look") {
+TEST_CASE("draw makes bit-identical images to render, and other images with another look") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
@@ -70,7 +70,7 @@ TEST_CASE("draw makes the pictures that render made, to the bit, and others with
     CHECK(picture(other, 3) != third);
 }
 
-TEST_CASE("drawing a range into its run keeps the film's exports, and elsewhere replaces another film") {
+TEST_CASE("drawing a range into its run keeps its exports, and elsewhere replaces another run") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
@@ -118,7 +118,7 @@ TEST_CASE("images of a run that was replaced are replaced with --overwrite only"
     REQUIRE(test::whorl({"render", scene.string(), "--frames", "2", "--no-draw", "--out", run.string(), "--quiet"}).code == 0);
     REQUIRE(draw().code == 0);
     REQUIRE(test::whorl({"resume", run.string(), "--frames", "3", "--no-draw", "--quiet"}).code == 0);
-    CHECK(draw().err == "");  // the same run, made longer
+    CHECK(draw().err == "");  // the same run, extended
     REQUIRE(test::whorl({"render", scene.string(), "--frames", "1", "--no-draw", "--overwrite", "--out", run.string(), "--quiet"}).code ==
             0);
     const Outcome other = draw();
@@ -129,7 +129,7 @@ TEST_CASE("images of a run that was replaced are replaced with --overwrite only"
     CHECK_FALSE(fs::exists(drawn / "frames/000003.png"));
 }
 
-TEST_CASE("a film with gaps gets its video and contact sheet, and existing files are reported") {
+TEST_CASE("a run with gaps gets its video and contact sheet, and existing files are reported") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle;
@@ -150,7 +150,7 @@ TEST_CASE("a film with gaps gets its video and contact sheet, and existing files
     }
 }
 
-TEST_CASE("ranges that a new look leaves open use the whole film, whichever frames are drawn") {
+TEST_CASE("ranges that a new look leaves open use the whole run, whichever frames are drawn") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle << "[camera]\nkind = \"fixed\"\nposition = [0, 0.02, 0.1]\ntarget = [0, 0.02, 0]\n";
@@ -160,7 +160,7 @@ TEST_CASE("ranges that a new look leaves open use the whole film, whichever fram
     const std::vector<int> frames = exported_frames(run);
     REQUIRE(frames.size() == 3);
     const SceneFile chosen = with_choices_from(file, run, frames);
-    // It falls for .1 s and lands then: about 1 m/s, where the start has none. It is 24 mm thick and falls by 8.
+    // It falls for .1 s and then lands, at about 1 m/s from rest. It is 24 mm thick and falls by 8 mm.
     CHECK(chosen.look.range[0] == 0);
     CHECK(chosen.look.range[1] >= 0.4f);
     CHECK(chosen.look.range[1] <= 1.2f);
@@ -191,7 +191,7 @@ TEST_CASE("ranges that a new look leaves open use the whole film, whichever fram
     CHECK((one == draw("given", given, {})));
 }
 
-TEST_CASE("draw follows a running film, next to its images or in its folder if it makes none") {
+TEST_CASE("draw follows a running render, next to its images, or in its folder if it makes none") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
     std::ofstream(scene) << puddle;
@@ -201,7 +201,7 @@ TEST_CASE("draw follows a running film, next to its images or in its folder if i
     if (!draws_itself) words.emplace_back("--no-draw");
     test::Program program(words);
     REQUIRE(program.wait_until([&] { return fs::exists(run / "raw/000001.frame"); }));
-    program.signal(SIGSTOP);  // so that it still runs
+    program.signal(SIGSTOP);  // slow enough to be still running
     std::vector<std::string> draw{"draw", run.string(), "--quiet", "--set", "look.style=particles"};
     if (draws_itself) {
         const Outcome refused = test::whorl(draw);
@@ -269,7 +269,7 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     refused({}, "render the scene with --export raw");
 }
 
-TEST_CASE("a film with images of another size does not continue, and names the image") {
+TEST_CASE("a run with images of another size does not continue, and the error names the image") {
     const test::ScratchFolder folder;
     const fs::path scene = folder / "scene.toml", run = folder / "run";
     std::ofstream(scene) << puddle;
@@ -285,7 +285,7 @@ TEST_CASE("a film with images of another size does not continue, and names the i
     CHECK(fs::exists(run / "puddle.mp4"));
 }
 
-TEST_CASE("a picture of one pixel makes no video") {
+TEST_CASE("images of one pixel make no video") {
     const test::ScratchFolder folder;
     std::ofstream(folder / "scene.resolved.toml") << puddle;
     fs::create_directories(folder / "frames");

@@ -56,7 +56,7 @@ delay = 0.1
         std::map<std::int32_t, Seen> now;
         for (std::size_t i = 0; i < id.size(); ++i)
             now[id[i]] = {Vec3f(ply.number.at("x")[i], ply.number.at("y")[i], ply.number.at("z")[i]), ply.number.at("age")[i], source[i]};
-        REQUIRE(now.size() == id.size());  // no number twice
+        REQUIRE(now.size() == id.size());  // no id twice
         for (const auto& [number, seen] : now) {
             const auto known = before.find(number);
             if (known == before.end()) {
@@ -76,7 +76,7 @@ delay = 0.1
     CHECK(some_came);
     CHECK(some_left);
 
-    // Files of particles cannot begin half-way.
+    // An export of particles cannot start in the middle of a run.
     const std::vector<std::string> other{"render", scratch.scene(), "--no-images", "--until",
                                          "0.05",   "--quiet",       "--out",       scratch.run("other")};
     REQUIRE(test::whorl(other).code == 0);
@@ -87,11 +87,11 @@ delay = 0.1
     CHECK(refused.err.find("know their number and age") != std::string::npos);
 }
 
-TEST_CASE("every export writes files under the scene's name, changes no particle, and resumes the same", "[tools][export]") {
+TEST_CASE("every export writes files named as the scene, changes no particle, and resumes identically", "[tools][export]") {
     const Scratch scratch;
     const auto render = [&](const std::string& kinds, const std::string& until, const std::string& folder) {
         std::vector<std::string> words{"render", scratch.scene(), "--no-images", "--until", until, "--quiet", "--out", scratch.run(folder)};
-        // A film that is made longer keeps the box that its camera began with.
+        // An extended run keeps the box that its camera began with.
         words.insert(words.end(), {"--set", "camera.min=[-0.03, 0, -0.03]", "--set", "camera.max=[0.03, 0.05, 0.03]"});
         if (!kinds.empty()) words.insert(words.end(), {"--export", kinds});
         const Outcome done = test::whorl(words);
@@ -120,7 +120,7 @@ TEST_CASE("every export writes files under the scene's name, changes no particle
     CHECK(spent["cpu_seconds"].get<double>() > 0);
 }
 
-TEST_CASE("a file that cannot be written ends the run with its reason, and leaves nothing half written", "[tools][export]") {
+TEST_CASE("a file that cannot be written ends the run with the reason, and leaves no partial file", "[tools][export]") {
     const Scratch scratch;
     // Files are limited to some kilobytes, which looks like a full disk to the program.
     const auto refused = [&](const std::string& options, const std::string& file) {

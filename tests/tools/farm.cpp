@@ -53,7 +53,7 @@ void check_same_pictures(const fs::path& a, const fs::path& b, std::size_t count
 
 }  // namespace
 
-TEST_CASE("a film that is simulated once and drawn in pieces is the film of one run, bit for bit", "[tools][farm]") {
+TEST_CASE("a scene simulated once and drawn in pieces is bit-identical to a single run", "[tools][farm]") {
     const Scratch scratch;
     REQUIRE(scratch.whorl({"render", "--quiet", "--export", "scene,vtk,mesh"}, "whole").code == 0);
     const Outcome farmed = scratch.whorl({"farm", "--on", "local", "--pieces", "3", "--export", "scene,vtk,mesh"}, "farmed");
@@ -63,17 +63,17 @@ TEST_CASE("a film that is simulated once and drawn in pieces is the film of one 
     check_same_pictures(scratch / "whole", scratch / "farmed", 9);
     CHECK(fs::exists(scratch / "farmed/little_honey.mp4"));
     CHECK(fs::exists(scratch / "farmed/contact.png"));
-    CHECK(read_whole(scratch / "farmed/farm/simulate.0.log").empty());  // it replaces nothing
+    CHECK(read_whole(scratch / "farmed/farm/simulate.0.log").empty());  // replaces no files
     for (const char* file : {"scene/little_honey.glb", "vtk/little_honey.pvd", "mesh/little_honey.0005.ply"})
         CHECK((read_whole(scratch / "farmed" / file) == read_whole(scratch / "whole" / file)));
-    // Equal settings, except for the frames that it keeps.
+    // Equal settings, except that it keeps frames.
     std::string kept = read_whole(scratch / "farmed/scene.resolved.toml"), plain = read_whole(scratch / "whole/scene.resolved.toml");
     for (std::string* text : {&kept, &plain})
         text->erase(text->find("\nexport = "), text->find('\n', text->find("\nexport = ") + 1) - text->find("\nexport = "));
     CHECK(kept == plain);
 }
 
-TEST_CASE("the panels of a film are runs of their own, put side by side at the end", "[tools][farm]") {
+TEST_CASE("panels are separate runs, put side by side at the end", "[tools][farm]") {
     const Scratch scratch(
         "[[panel]]\nlabel = \"thick\"\n[[panel]]\nlabel = \"thin\"\nset = [\"fluid.viscosity=60\", \"fluid.density=40000\"]\n");
     REQUIRE(scratch.whorl({"render", "--quiet"}, "whole").code == 0);
@@ -101,7 +101,7 @@ TEST_CASE("a farm reports the failed task with its output, and refuses an unknow
     CHECK_FALSE(fs::exists(scratch / "nowhere"));
 }
 
-TEST_CASE("of films that are farmed together one that fails leaves the others, and is named at the end", "[tools][farm]") {
+TEST_CASE("a failing scene does not stop the others of a farm, and is named at the end", "[tools][farm]") {
     const Scratch scratch;
     std::string bad = read_whole(scratch / "scene.toml");
     bad.replace(bad.find("little_honey"), 12, "bad");
@@ -119,7 +119,7 @@ TEST_CASE("of films that are farmed together one that fails leaves the others, a
     CHECK_FALSE(fs::exists(scratch / "films/bad/farm/draw.0.log"));
 }
 
-TEST_CASE("one impossible film stops all at the start, and an interrupted farm prints how to continue", "[tools][farm]") {
+TEST_CASE("one invalid scene stops all at the start, and an interrupted farm prints how to continue", "[tools][farm]") {
     const Scratch scratch;
     std::string huge = read_whole(scratch / "scene.toml");
     huge.replace(huge.find("little_honey"), 12, "huge");
@@ -129,7 +129,7 @@ TEST_CASE("one impossible film stops all at the start, and an interrupted farm p
     INFO(refused.err);
     CHECK(refused.code == 2);
     CHECK_FALSE(fs::exists(scratch / "films"));
-    // Also if the folder of the second is not available: the existing run of the first stays there.
+    // Also if the folder of the second is not available: the first keeps its existing run.
     for (const char* name : {"little_honey", "huge"}) fs::create_directories(scratch / "films" / name);
     for (const char* file : {"little_honey/scene.resolved.toml", "huge/thesis.txt"}) std::ofstream(scratch / "films" / file) << "# text";
     const auto together = [&] { return scratch.whorl({"farm", "--overwrite", (scratch / "huge.toml").string()}, "films").err; };
@@ -188,7 +188,7 @@ TEST_CASE("while jobs of a farm run, another farm in its folder is refused", "[t
         std::ofstream(scratch / name) << "#!/bin/sh\n" << does << "\n";
         fs::permissions(scratch / name, fs::perms::owner_all);
     };
-    program("sbatch", "echo \"$@\" >>'" + (scratch / "asked").string() + "'\necho 7");  // takes jobs, and does not run them yet
+    program("sbatch", "echo \"$@\" >>'" + (scratch / "asked").string() + "'\necho 7");  // accepts jobs, but does not run them yet
     program("squeue", "echo 7");
     const std::string run = (scratch / "run").string();
     const auto farm = [&] {

@@ -50,7 +50,7 @@ TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run
     REQUIRE(done.code == 0);
     CHECK(done.err.find("coarse run of the whole film") != std::string::npos);
     const SeenBox seen = shown_by(scratch.run());
-    // The opening, and the board, which is little larger than the thread is long; nothing of the hall.
+    // The box contains the opening and the board, which is little larger than the thread is long, but not the hall.
     CHECK(seen.contains(Vec3f(0.006f, 0.04f, 0)));
     CHECK(seen.contains(Vec3f(0.029f, -0.005f, -0.029f)));
     CHECK(seen.sizes().maxCoeff() < 0.1f);
@@ -58,7 +58,7 @@ TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run
     const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run("two"), "--no-video", "--threads", "2"});
     REQUIRE(again.code == 0);
     CHECK(shown_by(scratch.run("two")).isApprox(seen, 0));
-    // A test of one frame has the film's camera, and so does a film that continues from it.
+    // A test of one frame has the same camera as the whole run, and so does a run that continues from it.
     REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"}).code == 0);
     CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
     REQUIRE(test::whorl({"resume", scratch.run("one"), "--frames", "4"}).code == 0);
@@ -115,7 +115,7 @@ TEST_CASE("panels make one coarse run for equal flows, and one each if their emi
     }
 }
 
-TEST_CASE("a camera of the scene's own stays, and so does the box that it gives an automatic one") {
+TEST_CASE("a camera set by the scene stays, and so does a box that it sets for an automatic camera") {
     const test::FilmScratch scratch(std::string(hall) + "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n");
     const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--until", "0.05"});
     REQUIRE(done.code == 0);
@@ -129,13 +129,13 @@ TEST_CASE("a camera of the scene's own stays, and so does the box that it gives 
     CHECK_THROWS_WITH(read(hall, {"camera.min=[0, 0, 0]", "camera.max=[1, -1, 1]"}), Catch::Contains("is not above camera.min"));
 }
 
-TEST_CASE("a box is written in round numbers that enclose the extent") {
+TEST_CASE("a box is rounded outward to numbers that enclose the extent") {
     CameraOptions camera;
     look_at(camera, SeenBox());
     CHECK_FALSE(camera.min.has_value());
     look_at(camera, SeenBox(Vec3f(-0.1, 0, 0), Vec3f(0.1234f, 0.5f, 0.5f)));
     CHECK(*camera.min == Vec3f(-0.1f, 0, 0));
-    CHECK(*camera.max == Vec3f(0.124f, 0.5f, 0.5f));  // to a hundredth of the size's power of ten, outwards
+    CHECK(*camera.max == Vec3f(0.124f, 0.5f, 0.5f));  // outward, to a hundredth of the power of ten of the size
 }
 
 TEST_CASE("moving solids count with their whole path, and parts outside the domain do not") {
@@ -146,7 +146,7 @@ TEST_CASE("moving solids count with their whole path, and parts outside the doma
     CHECK(cut.max().x() == 0.25f);
 }
 
-TEST_CASE("a jet counts as far as it flies, and without gravity as far as it gets") {
+TEST_CASE("a jet counts up to its landing, and without gravity up to its position at the end") {
     // From 1 m up, 2 m/s to the side: it lands 2 sqrt(2/9.81) = .903 m away.
     const std::vector<std::string> jet{"emitter[0].position=[0, 1, 0]", "emitter[0].direction=[1, 0, 0]", "emitter[0].speed=2",
                                        "time.end=2", "domain.min=[-4, 0, -4]"};
@@ -161,7 +161,7 @@ TEST_CASE("a jet counts as far as it flies, and without gravity as far as it get
     CHECK(flight.min().y() > 0.95f);
 }
 
-TEST_CASE("frames of two scenes are seen together, whatever solids they have") {
+TEST_CASE("one box contains the frames of two scenes with different solids") {
     const SceneFile file = read(std::string(hall) + flying);
     const Simulation start(file.scene, make_plan(file.scene));
     const Frame frame = Snapshots(start, {}).take(start, 1);
@@ -198,7 +198,7 @@ TEST_CASE("panels side by side share one box") {
     const SceneFile same = with_choices_of(file, runs);
     CHECK(panel_scenes(same)[0].camera.max == runs[0].camera.max);
 
-    // If only a panel's camera is automatic, the file written for the film also contains its box.
+    // If only a panel's camera is automatic, the settings file also contains its box.
     const std::string fixed = "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n";
     const SceneFile one =
         read(std::string(hall) + fixed + "[[panel]]\nlabel = \"fixed\"\n[[panel]]\nlabel = \"auto\"\nset = [\"camera.kind=auto\"]\n");

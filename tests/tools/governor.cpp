@@ -37,12 +37,12 @@ std::string blob(double end, double spacing, const std::string& rest) {
 
 }  // namespace
 
-TEST_CASE("slow frames reduce tolerance, then step length, surface and samples, each within its bound", "[governor]") {
+TEST_CASE("slow frames loosen tolerance, then step length, surface and samples, each within its bound", "[governor]") {
     Governor governor(with_budget(0.1), 100);
     CHECK(governor.now().amount == 0);
     double last = 0;
     for (int frame = 2; frame < 60; ++frame) {
-        governor.after_frame(0.5, frame, 0);  // whatever is given up, it does not help
+        governor.after_frame(0.5, frame, 0);  // no reduction helps
         const QualityReduction s = governor.now();
         CHECK(s.amount >= last);
         last = s.amount;
@@ -71,7 +71,7 @@ TEST_CASE("a surface's voxels stay finer than its kernel, in the scene's checks 
                                                                   "surface.voxel = 1"));
 }
 
-TEST_CASE("a governor settles at its budget, and restores all settings when there is time again", "[governor]") {
+TEST_CASE("a governor converges to its budget, and restores all settings when time allows", "[governor]") {
     Governor governor(with_budget(0.1), 1000);
     // A frame costs as tolerance^-0.3 and steps^-1.
     const auto seconds = [&](double base) { return base * std::pow(governor.now().tolerance, -0.3) * 0.4 / governor.now().cfl; };
@@ -82,7 +82,7 @@ TEST_CASE("a governor settles at its budget, and restores all settings when ther
     CHECK(governor.now().amount == 0);
 }
 
-TEST_CASE("a budget for the film is shared out over the frames that are left", "[governor]") {
+TEST_CASE("a budget for the run is divided over the remaining frames", "[governor]") {
     SceneFile file = with_budget(0);
     file.scene.budget.seconds = 10;
     Governor governor(file, 101);
@@ -103,7 +103,7 @@ TEST_CASE("a run with too small a budget reduces quality, reports it per frame, 
     REQUIRE(table.rows.size() == 20);
     CHECK(table.rows.back()[table.index("given_up")] == 4);
     CHECK(table.rows.back()[table.index("tolerance_factor")] == Approx(10));
-    // The price: the solves end with larger residuals than at first, and the table lists them.
+    // The cost: solves end with larger residuals than at first, and the table lists them.
     CHECK(table.rows.back()[table.index("largest_residual")] > table.rows.front()[table.index("largest_residual")]);
     const CsvTable figures = read_csv(folder / "out" / "diagnostics.csv");
     CHECK(figures.rows.back()[figures.index("particles")] == figures.rows.front()[figures.index("particles")]);
@@ -123,7 +123,7 @@ TEST_CASE("a budget set during a run acts from then on, also after a resume", "[
     INFO(resumed.err);
     REQUIRE(resumed.code == 0);
     const CsvTable table = read_csv(out / "budget.csv");
-    // One row a frame, in their order, but for the first of a run, for which nothing was simulated.
+    // One row per frame, in order, except for the first frame of a run, which needs no simulation.
     REQUIRE(table.rows.size() >= 49);
     for (std::size_t k = 1; k < table.rows.size(); ++k)
         CHECK(table.rows[k][table.index("frame")] > table.rows[k - 1][table.index("frame")]);

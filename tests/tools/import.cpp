@@ -1,4 +1,4 @@
-// Scenes of SPlisHSPlasH, written for these tests from that program's page on its format.
+// Scenes of SPlisHSPlasH, written for these tests from that program's documentation of its format.
 #include <zlib.h>
 
 #include <bit>
@@ -83,7 +83,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(scene.time.cfl == Approx(0.2));
     CHECK(scene.fluid.spacing == 0.04);
     CHECK(scene.fluid.density == 900);
-    CHECK(scene.fluid.viscosity(0) == 450);  // kinematic, times the density
+    CHECK(scene.fluid.viscosity(0) == 450);  // kinematic viscosity times density
     CHECK(scene.models.pressure == PressureModel::ppe);
     CHECK(scene.pressure.limits.tolerance == Approx(5e-4));  // per cent
     CHECK(scene.domain.gravity(0) == Vec3d(0, -10, 0));
@@ -105,7 +105,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(scene.solids[0].shape.max == Vec3d(1, 3, 1));
     CHECK(scene.solids[2].density == 400);
     CHECK(scene.solids[1].shape.file.filename() == "tank_body_1.obj");  // so that several scenes can be imported into one folder
-    // The mesh's own file holds it turned about y and half as high.
+    // The mesh is rotated about y and half as high in its file.
     const TriangleMesh wedge = read_mesh(scratch / scene.solids[1].shape.file.filename());
     Vec3f low = wedge.position[0], high = low;
     for (const Vec3f& x : wedge.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
@@ -152,7 +152,7 @@ TEST_CASE("import reports file, line and column of a fault, and writes nothing",
     CHECK_THAT(of_folder.err, Catch::Contains("is a folder, not a file"));
 }
 
-TEST_CASE("numbers that no setting takes, and a file's name of any bytes, make a scene that can be read", "[tools][import]") {
+TEST_CASE("out-of-range numbers and file names of any bytes still give a readable scene", "[tools][import]") {
     const Scratch scratch;
     const std::filesystem::path file = scratch / "a\nb = 1 \xfc.json";
     std::ofstream(file) << R"({"Configuration": {"particleRadius": 0.05, "maxIterations": 1e30},
@@ -164,7 +164,7 @@ TEST_CASE("numbers that no setting takes, and a file's name of any bytes, make a
     CHECK(read_scene_file(scratch / "made.toml").scene.pressure.limits.max_iterations == 1'000'000'000);
 }
 
-TEST_CASE("import reads parameters in a method's section, with that format's numbers of methods", "[tools][import]") {
+TEST_CASE("import reads parameters of a method's section by that format's method numbers", "[tools][import]") {
     const auto made = [](const std::string& material) {
         return convert_splishsplash(
                    Scratch(R"({"Configuration": {"particleRadius": 0.01, "stopAt": 1, "simulationMethod": 4, "DFSPH": {"maxError": 0.05},
@@ -183,7 +183,8 @@ TEST_CASE("import reads parameters in a method's section, with that format's num
     CHECK(has(made(R"("viscosityMethod": 6, "Weiler et al. 2018": {"viscosity": 5, "viscosityBoundary": 4})"), "viscosity = 6000.0"));
     CHECK(has(made(R"("viscosityMethod": 6, "Standard viscosity": {"viscosity": 1}, "Weiler et al. 2018": {"viscosity": 5})"),
               "viscosity = 6000.0"));  // the section of the chosen method
-    const std::string bender = made(R"("viscosityMethod": 2, "Bender and Koschier 2017": {"viscosity": 0.5})");  // 2 was XSPH before
+    const std::string bender =
+        made(R"("viscosityMethod": 2, "Bender and Koschier 2017": {"viscosity": 0.5})");  // 2 meant XSPH in older versions
     CHECK(has(bender, "viscosity = 0.0"));
     CHECK_FALSE(has(bender, "viscosity = \"xsph\""));
     const auto is_water = [&](const std::string& toml) { return has(toml, "material = \"water\""); };
@@ -197,7 +198,7 @@ TEST_CASE("import reads parameters in a method's section, with that format's num
     CHECK(has(thin, "xsph_spin = 0.1"));
 }
 
-TEST_CASE("particles of a .bgeo file, packed or not, become a block with the volume of their number", "[tools][import]") {
+TEST_CASE("particles of a .bgeo file, packed or not, become a block of the same volume", "[tools][import]") {
     const double d = 0.02;
     std::string bytes = "BgeoV";
     const auto put = [&](std::uint32_t value, int size) {
@@ -206,7 +207,7 @@ TEST_CASE("particles of a .bgeo file, packed or not, become a block with the vol
     put(5, 4);
     for (const std::uint32_t count : {1000, 0, 0, 0, 2, 0, 0, 0}) put(count, 4);
     put(2, 2), bytes += "id", put(1, 2), put(1, 4), put(0, 4);
-    put(4, 2), bytes += "kind", put(1, 2), put(4, 4), put(1, 4), put(3, 2), bytes += "wet";  // one of several texts
+    put(4, 2), bytes += "kind", put(1, 2), put(4, 4), put(1, 4), put(3, 2), bytes += "wet";  // one of several strings
     for (int k = 0; k < 1000; ++k) {
         for (const int along : {k % 10, k / 10 % 10, k / 100}) put(std::bit_cast<std::uint32_t>(static_cast<float>(d * along)), 4);
         put(std::bit_cast<std::uint32_t>(1.0f), 4), put(k, 4), put(0, 4);

@@ -58,7 +58,7 @@ TEST_CASE("a live run reports its state, applies changes, steps, and ends cleanl
     CHECK(first.at("playing") == false);
     CHECK(first.at("particles").get<int>() > 100);
     CHECK(first.at("values").at("fluid.viscosity") == 200);
-    CHECK(first.at("values").at("pressure.tolerance") == 2e-3);  // draft, when nothing else is asked for
+    CHECK(first.at("values").at("pressure.tolerance") == 2e-3);  // draft is the default
     CHECK(first.at("values").contains("solid[0].position"));
     CHECK_FALSE(first.at("values").contains("fluid.spacing"));
 
@@ -73,7 +73,7 @@ TEST_CASE("a live run reports its state, applies changes, steps, and ends cleanl
     CHECK(second.at("ms").contains("pressure"));
     CHECK(second.at("ms").contains("draw"));
     CHECK(second.at("energy").at("kinetic").get<double>() > 0);
-    CHECK(live.state().at("frame") == 2);  // one step, and then it waits again
+    CHECK(live.state().at("frame") == 2);  // one step, then paused again
 
     const Reply picture = live.get("/frame.png");
     CHECK(picture.headers.at("content-type") == "image/png");
@@ -148,7 +148,7 @@ TEST_CASE("changes are applied completely or not at all, and the answer gives th
     CHECK(wanted(live) == before);
     CHECK(live.post("/set", R"({"time.cfl": ".4", "camera.target": ["0", ".05", 0], "look.title": "2024"})").status == 200);
 
-    // Changes that need a restart are made with one.
+    // Changes that need a restart are applied with a restart.
     CHECK(live.post("/control", R"({"do": "restart", "set": {"fluid.spacing": 0.005}})").status == 200);
     CHECK(live.wait_for([](const json& s) { return s.at("particles") < 120; }));
 }
@@ -179,7 +179,7 @@ TEST_CASE("a page opened late gets the earlier frames, and a restart discards th
     CHECK(live.get("/history").json().size() == 1);
 }
 
-TEST_CASE("the page gets the variables of each key, and each film once", "[tools][live]") {
+TEST_CASE("the page gets the variables of each key, and each scene once", "[tools][live]") {
     LiveProgram live(honey);
     const json keys = live.get("/keys").json();
     std::map<std::string, std::string> variables;
@@ -189,14 +189,14 @@ TEST_CASE("the page gets the variables of each key, and each film once", "[tools
     std::multiset<std::string> films;
     for (const json& name : keys.at("scenes")) films.insert(name.get<std::string>());
     CHECK(films.count("honey_coil") == 1);
-    CHECK(films.count("taylor_green") == 1);  // a study of that name ships, too
+    CHECK(films.count("taylor_green") == 1);  // a study with that name also ships
     for (const char* study : {"lid_driven_cavity", "column", "shear_decay"}) CHECK(films.count(study) == 0);
     for (const std::string& name : films) CHECK(films.count(name) == 1);
 }
 
-TEST_CASE("a change acts from the next frame on, and a film of the recording is the same run", "[tools][live]") {
+TEST_CASE("a change acts from the next frame on, and rendering the recording repeats the run", "[tools][live]") {
     LiveProgram live(honey);
-    live.post("/set", R"({"look.exposure": 1.5, "emitter[0].speed": 0.25})");  // before anything moved
+    live.post("/set", R"({"look.exposure": 1.5, "emitter[0].speed": 0.25})");  // before any motion
     live.step(), live.step();
     CHECK(
         live.post(
@@ -228,9 +228,8 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
     CHECK(column("particles") == last.at("particles"));
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
     CHECK(column("potential_energy") == Approx(last.at("energy").at("potential").get<double>()).epsilon(1e-8));
-    // From the same particles, meshes and poses, a renderer that drew other pictures before gives some pixels that differ by rounding (one
-    // here; so does a film that was resumed). It is not the solids' distance field, which is rebuilt for each image; the cause is not
-    // known.
+    // For equal particles, meshes and poses, a renderer that drew other images before gives some pixels that differ by rounding (one here;
+    // also in a resumed run). The cause is unknown. It is not the solids' distance field, which is rebuilt for each image.
     const fs::path shown = live.folder() / "seen.png";
     std::ofstream(shown, std::ios::binary) << seen;
     CHECK(difference(read_png(fs::path(film) / "frames" / "000006.png"), read_png(shown)).max < 1);
@@ -245,7 +244,7 @@ TEST_CASE("a change acts from the next frame on, and a film of the recording is 
           values.at(std::find(names.begin(), names.end(), "kinetic_energy") - names.begin()));
 }
 
-TEST_CASE("changes while the run plays act between frames, and a film of the recording has the same bits", "[tools][live]") {
+TEST_CASE("changes of a playing run act between frames, and its recording renders bit-identically", "[tools][live]") {
     LiveProgram live(honey);
     live.order("play");
     int number = 0;
@@ -255,7 +254,7 @@ TEST_CASE("changes while the run plays act between frames, and a film of the rec
         CHECK(live.post("/set", "{\"fluid.viscosity\": " + std::to_string(100 + 40 * number) +
                                     ", \"camera.fov\": " + std::to_string(20 + number) + "}")
                   .status == 200);
-        CHECK(live.post("/set", R"({"look.exposure": 1.)" + std::to_string(number) + "}").status == 200);  // of the picture alone
+        CHECK(live.post("/set", R"({"look.exposure": 1.)" + std::to_string(number) + "}").status == 200);  // changes only the image
     }
     REQUIRE(live.wait_for([&](const json& s) { return s.at("frame") >= 14; }));
     const json last = live.state();
@@ -266,7 +265,7 @@ TEST_CASE("changes while the run plays act between frames, and a film of the rec
     INFO(render.err);
     REQUIRE(render.code == 0);
     const CsvTable table = read_csv(fs::path(film) / "diagnostics.csv");
-    const auto frame = last.at("frame").get<std::size_t>();  // the run may have gone on until it ended
+    const auto frame = last.at("frame").get<std::size_t>();  // the run may have continued to its end
     REQUIRE(table.rows.size() >= frame);
     const auto column = [&](const std::string& name) { return table.rows[frame - 1].at(table.index(name)); };
     CHECK(column("kinetic_energy") == Approx(last.at("energy").at("kinetic").get<double>()).epsilon(1e-8));  // the table's nine digits
@@ -301,7 +300,7 @@ TEST_CASE("a saved scene file acts during the run, a broken one is reported with
     CHECK(live.program().output().find('\n') != std::string::npos);
 }
 
-TEST_CASE("only our own page and programs on this machine are answered", "[tools][live]") {
+TEST_CASE("only the program's own page and local programs are answered", "[tools][live]") {
     LiveProgram live(honey);
     const std::string before = wanted(live), port = std::to_string(live.port()), change = R"({"fluid.viscosity": 1})";
     CHECK(live.post("/set", change, {{"Host", "evil.example:" + port}}).status == 403);
@@ -316,7 +315,7 @@ TEST_CASE("only our own page and programs on this machine are answered", "[tools
     CHECK(live.get("/", {{"Origin", "http://127.0.0.1:" + port}}).body.find("Whorl") != std::string::npos);
     CHECK(live.get("/state", {{"Host", "localhost:" + port}}).status == 200);
 
-    // A page elsewhere writes a whole request into the body of one that is refused.
+    // A foreign page writes a whole request into the body of a request that is refused.
     const std::string own = "Host: 127.0.0.1:" + port + "\r\nContent-Length: ";
     const std::string inner = "POST /set HTTP/1.1\r\n" + own + std::to_string(change.size()) + "\r\n\r\n" + change;
     const int s = live.open("POST /set HTTP/1.1\r\nOrigin: http://evil.example\r\n" + own + std::to_string(inner.size()) + "\r\n\r\n");
@@ -326,7 +325,7 @@ TEST_CASE("only our own page and programs on this machine are answered", "[tools
     close(s);
     CHECK(wanted(live) == before);
 
-    // From elsewhere: only with the token.
+    // Remote requests need the token.
     const AccessRules open("0.0.0.0", 8080, "secret");
     CHECK(open.refusal({"box:8080", "", "", ""}) != "");
     CHECK(open.refusal({"box:8080", "", "", "secre"}) != "");
@@ -354,7 +353,7 @@ TEST_CASE("unbounded requests are refused: ranges, compressed bodies and bodies 
     CHECK(wanted(live) == before);
 }
 
-TEST_CASE("a live run that others can reach asks for a token", "[tools][live]") {
+TEST_CASE("a live run that other machines can reach requires a token", "[tools][live]") {
     LiveProgram live(honey, {"--paused", "--host", "0.0.0.0"});
     const std::string address = live.program().output();
     const std::string token = address.substr(address.find("?token=") + 7, 32);
@@ -366,7 +365,7 @@ TEST_CASE("a live run that others can reach asks for a token", "[tools][live]") 
     CHECK(live.post("/control?token=" + std::string(32, '0'), R"({"do": "play"})").status == 403);
 }
 
-TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tools][live]") {
+TEST_CASE("invalid requests to any endpoint change no state and do not end the program", "[tools][live]") {
     LiveProgram live(honey);
     const std::string before = wanted(live);
     std::mt19937 random(7);
@@ -380,7 +379,7 @@ TEST_CASE("nonsense at every endpoint changes nothing and kills nothing", "[tool
     };
     for (int k = 0; k < 120; ++k) {
         std::string body = seeds[random() % seeds.size()];
-        // Cut, so that it is no JSON; or its values made into something that no key takes.
+        // Truncated, so that it is invalid JSON, or with values that no key accepts.
         if (k % 3 == 0) body = body.substr(0, 1 + random() % (body.size() - 1));
         else if (k % 3 == 1)
             body = "{\"" + std::string(random() % 40, 'a') + "[" + std::to_string(random()) +
@@ -415,11 +414,11 @@ TEST_CASE("a viewer that does not read, or disconnects, blocks no other", "[tool
     const int silent = live.open("GET /stream HTTP/1.1\r\nHost: localhost:" + std::to_string(live.port()) + "\r\n\r\n");
     const int gone = live.open("GET /stream HTTP/1.1\r\nHost: localhost:" + std::to_string(live.port()) + "\r\n\r\n");
     ::close(gone);
-    // A third sees new pictures.
+    // A third viewer gets new images.
     int pictures = 0;
     std::string head;
     httplib::Client client("127.0.0.1", live.port());
-    client.set_read_timeout(60);  // the first picture of a machine that has other work
+    client.set_read_timeout(60);  // the first image on a busy machine
     client.Get("/stream", [&](const char* data, std::size_t n) {
         const std::string part(data, n);
         for (std::size_t at = 0; (at = part.find("Content-Type: image/jpeg", at)) != std::string::npos; ++at) ++pictures;
@@ -445,7 +444,7 @@ TEST_CASE("a live run keeps its budget, reports each frame's reductions, and rev
     CHECK(live.state().at("frame_seconds_allowed").is_null());
     CHECK_FALSE(fs::exists(live.run() / "budget.csv"));
 
-    // No frame is as fast as that: everything is given up, in the order of the list.
+    // No frame is that fast, so all reductions are made, in the order of the list.
     const double cfl = live.state().at("values").at("time.cfl");
     CHECK(live.post("/set", R"({"budget.seconds_per_frame": 1e-4})").status == 200);
     for (int k = 0; k < 12; ++k) live.step();
@@ -455,7 +454,7 @@ TEST_CASE("a live run keeps its budget, reports each frame's reductions, and rev
     CHECK(tight.at("given_up").at("tolerance_factor") == Approx(10));
     CHECK(tight.at("given_up").at("cfl").get<double>() > cfl);
     CHECK(tight.at("given_up").at("samples") == 1);
-    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // what the user set stays
+    CHECK(tight.at("values").at("pressure.tolerance") == 2e-3);  // the user's value stays
     CHECK(tight.at("values").at("fluid.viscosity") == 200);
 
     const CsvTable noted = read_csv(live.run() / "budget.csv");
@@ -468,13 +467,13 @@ TEST_CASE("a live run keeps its budget, reports each frame's reductions, and rev
         if (column("cfl", k) > cfl * 1.0001) CHECK(column("tolerance_factor", k) == Approx(10));
         CHECK(std::isfinite(column("density_error_mean", k)));
     }
-    CHECK(column("largest_residual", 11) > column("largest_residual", 0));  // measured, and what the tolerance is worth
+    CHECK(column("largest_residual", 11) > column("largest_residual", 0));  // measured; effect of the tolerance
 
     CHECK(live.post("/set", R"({"budget.seconds_per_frame": 1000})").status == 200);
     for (int k = 0; k < 12; ++k) live.step();
     CHECK(live.state().at("given_up").at("amount") == 0);
 
-    // A budget for the film is used up by its frames.
+    // Frames use up a budget for the whole run.
     CHECK(live.post("/set", R"({"budget.seconds_per_frame": 0, "budget.seconds": 1000})").status == 200);
     const double first = live.step().at("frame_seconds_allowed");
     CHECK(first < 1000.0 / 50);
@@ -489,7 +488,7 @@ TEST_CASE("a live run keeps its budget, reports each frame's reductions, and rev
     CHECK_FALSE(fs::exists(live.run() / "budget.csv"));
 }
 
-TEST_CASE("the state has theory's frequency and radius next to the coil's, for the current scene", "[tools][live]") {
+TEST_CASE("the state has frequency and radius of the coil and of theory, for the current scene", "[tools][live]") {
     LiveProgram live(test::coiling_honey, {"--unpaced"});
     live.order("play");
     const auto seen = [&](double speed, double viscosity, double gravity) {
@@ -510,7 +509,7 @@ TEST_CASE("the state has theory's frequency and radius next to the coil's, for t
     CHECK(seen(0.25, 0.3, 9.81));
     CHECK(live.post("/set", R"({"emitter[0].speed": 0.3, "domain.gravity": [0, -5, 0]})").status == 200);
     CHECK(seen(0.3, 0.3, 5));
-    CHECK(live.post("/set", R"json({"emitter[0].speed": "0.2*(1+0.8*sin(12*t))"})json").status == 200);  // nothing steady
+    CHECK(live.post("/set", R"json({"emitter[0].speed": "0.2*(1+0.8*sin(12*t))"})json").status == 200);  // no steady coil
     CHECK(live.wait_for([](const json& s) { return s.at("probes").at("coil").at("theory_frequency").is_null(); }));
     CHECK(live.end().code == 0);
 }

@@ -153,7 +153,7 @@ class Numerics(unittest.TestCase):
         z, u = theory.falling_thread_speed(nu, U, 0.25)
         stretch = np.gradient(np.log(u), z)
         self.assertAlmostEqual(u[0], U, delta=1e-6)
-        self.assertAlmostEqual(stretch[-1], 0, delta=0.05)  # no tension where it is taken away
+        self.assertAlmostEqual(stretch[-1], 0, delta=0.05)  # no tension where fluid is removed
         weight = theory.gravity * np.trapz(1 / u, z)
         self.assertAlmostEqual((u[-1] - u[0] + 3 * nu * stretch[0]) / weight, 1, delta=1e-3)
 

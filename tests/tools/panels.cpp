@@ -80,7 +80,7 @@ TEST_CASE("a panel's label is the title of its images unless it has a title") {
     CHECK(panels[2].look.title == "mine");
 }
 
-TEST_CASE("a scene may give keys that only a panel's style or model takes") {
+TEST_CASE("a scene may set keys that only a panel's style or model uses") {
     const Scratch scratch(std::string(drop) + "set = [\"models.micropolar=notes\", \"look.style=opaque\"]\n[micropolar]\n" +
                           "transfer_viscosity = 0.5\n[look]\ncolour = \"#ff0080\"\n");
     std::string text = read_whole(scratch.scene());
@@ -122,7 +122,7 @@ TEST_CASE("panels that show the same field share the range of the colour map") {
     CHECK(scenes[0].scene.output.size == std::array<int, 2>{52, 90});
 }
 
-TEST_CASE("a scene with panels is one film of runs side by side, each whole in itself") {
+TEST_CASE("a scene with panels makes one video of complete runs side by side") {
     const Scratch scratch;
     const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
     INFO(outcome.err);
@@ -142,7 +142,7 @@ TEST_CASE("a scene with panels is one film of runs side by side, each whole in i
     CHECK(left.width == 80);
     // Below the label, the left half is the first panel.
     CHECK(std::equal(left.pixel(0, 60), left.pixel(0, 61), whole.pixel(0, 60)));
-    // Rendered again the folder starts empty.
+    // A second render starts with an empty folder.
     const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--overwrite", "--frames", "2"});
     CHECK(again.code == 0);
     CHECK_THAT(again.err, Catch::Contains("2 frames of 2 panels: " + scratch.run() + "/two_drops.mp4"));
@@ -158,7 +158,7 @@ TEST_CASE("interrupted panels continue to the same film") {
     REQUIRE(program.wait_until([&] { return fs::exists(parts / "panels/2/frames/000002.png"); }));
     program.signal(SIGINT);
     const Outcome stopped = program.wait();
-    // A quick machine may have finished before the signal.
+    // A fast machine may finish before the signal.
     if (stopped.code != 0) {
         CHECK(stopped.code == 130);
         CHECK(stopped.err.find("whorl resume " + parts.string()) != std::string::npos);
@@ -169,8 +169,8 @@ TEST_CASE("interrupted panels continue to the same film") {
     CHECK(difference(read_png(parts / "frames/000005.png"), read_png(fs::path(scratch.run("whole")) / "frames/000005.png")).max < 1);
 }
 
-TEST_CASE("a film of panels is extended with its first colours, and its settings make the same film again") {
-    // The speed's range depends on the whole film, so a longer film would have another.
+TEST_CASE("an extended run of panels keeps its first colours, and its settings repeat it") {
+    // The range of the speed depends on the whole run, so a longer run would have another range.
     const Scratch scratch;
     const std::vector<std::string> shown{"--set", "look.style=particles", "--set", "look.field=speed", "--no-video", "--quiet"};
     std::vector<std::string> arguments{"render", scratch.scene(), "--until", "0.05", "--out", scratch.run()};
@@ -193,7 +193,7 @@ TEST_CASE("a film of panels is extended with its first colours, and its settings
     CHECK((read_whole(run / "scene.resolved.toml") == settings));
 }
 
-TEST_CASE("a film of panels stays as it is if one cannot be made longer or has no valid checkpoint") {
+TEST_CASE("a run of panels stays unchanged if one cannot be extended or has no valid checkpoint") {
     // Ten times the largest speed that the plan sees until the end: the jet of the second panel gets faster.
     std::string text = drop;
     text.replace(text.find("[output]"), 0, "[[emitter]]\nposition = [0, 0.05, 0]\nradius = 5e-3\nspeed = \"0.3\"\n");
@@ -220,7 +220,7 @@ TEST_CASE("a film of panels stays as it is if one cannot be made longer or has n
     CHECK(run_json(run / "panels/1").at("frames") == 2);
 }
 
-TEST_CASE("warnings of panels are those of their own runs, and said once where all have them") {
+TEST_CASE("warnings of panels name their runs, and are printed once if all panels have them") {
     const auto warnings = [](const std::string& set, const std::string& other) {
         const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.density=" + other + "\"]\n");
         Options options;
@@ -258,7 +258,7 @@ TEST_CASE("a panel with images of another size, or without images, is refused be
     refused("output.images=false", "a panel without pictures leaves its place in the film empty");
 }
 
-TEST_CASE("panels whose pictures are left to draw are put together when each is drawn") {
+TEST_CASE("panels are combined when the images of each are drawn") {
     const Scratch scratch;
     const auto render = [&](const std::string& run, const std::string& more) {
         return test::whorl({"render", scratch.scene(), "--until", "0.05", "--quiet", "--out", run, more}).code;
@@ -333,7 +333,7 @@ difference = ["slow", "fast"]
 
 }  // namespace
 
-TEST_CASE("a third panel shows the difference of two runs, and a chart under them a probe of both") {
+TEST_CASE("a third panel shows the difference of two runs, and a chart below a probe of both") {
     const Scratch scratch(turning);
     const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
     INFO(outcome.err);
@@ -346,7 +346,7 @@ TEST_CASE("a third panel shows the difference of two runs, and a chart under the
     CHECK(whole.height == 360);
     const Image fast = read_png(run / "panels/2/frames/000001.png"), less = read_png(run / "panels/difference-3/frames/000001.png");
     REQUIRE(less.width == fast.width);
-    // Stripes of both signs.
+    // The difference has stripes of both signs.
     const auto blue_over_red = [](const Image& image, double height) {
         const std::uint8_t* p = image.pixel(image.width / 2, static_cast<int>(height * image.height));
         return static_cast<int>(p[2]) - static_cast<int>(p[0]);
@@ -355,7 +355,7 @@ TEST_CASE("a third panel shows the difference of two runs, and a chart under the
     for (double h = 0.1; h < 0.9; h += 0.01) most = std::max(most, blue_over_red(less, h)), least = std::min(least, blue_over_red(less, h));
     CHECK(most > 100);
     CHECK(least < -100);
-    // Chart and difference are made again from the existing files: the same film.
+    // Chart and difference are made again from the existing files, with equal results.
     REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
     CHECK(difference(read_png(run / "frames/000003.png"), whole).max == 0);
 }
@@ -374,7 +374,7 @@ TEST_CASE("an extended film with a difference equals a new film of its settings"
     REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
     for (const char* picture : {"frames/000001.png", "frames/000004.png"})
         CHECK((read_whole(run / picture) == read_whole(fs::path(scratch.run("again")) / picture)));
-    // With the frames kept, the panels continue from their end.
+    // If frames are kept, the panels continue from their end.
     REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--export", "raw", "--out", scratch.run("kept"), "--quiet"}).code ==
             0);
     const Outcome on = test::whorl({"resume", scratch.run("kept"), "--until", "0.03"});
@@ -401,7 +401,7 @@ TEST_CASE("a difference or chart of a missing panel is refused with its location
 }
 
 TEST_CASE("a film without a range uses the 99th percentile of a coarse run") {
-    // u = .1 sin(20 pi y) m/s: the speed is at most .1, a little more where coarse particles settle, and the next number is .12.
+    // u = .1 sin(20 pi y) m/s: the speed is at most .1, a little more as coarse particles settle, and the next round number is .12.
     std::string text = turning;
     text.erase(text.find("[[panel]]"));
     const Scratch scratch(text.replace(text.find("chart = \"flow.kinetic_energy\"\n"), 30, ""));

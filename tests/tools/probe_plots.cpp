@@ -55,7 +55,7 @@ struct Dam : Scratch {
     }
 };
 
-/// Whether every element of the text is closed in its order, and no text has a bare "<" or "&".
+/// Whether all elements are closed in nested order, and no text contains an unescaped "<" or "&".
 bool well_formed(const std::string& xml) {
     const std::regex tag(R"(<(/?)([A-Za-z:]+)((?:\s+[A-Za-z:_-]+="[^"<]*")*)\s*(/?)>|<\?[^>]*\?>)");
     std::vector<std::string> open;
@@ -96,7 +96,7 @@ TEST_CASE("every probe's table is plotted with names, units and the experiment",
     const std::string up = plot("up");
     for (const char* words : {"\ns [", "velocity_y [", "m/s]", "pressure [Pa]", "t = 0 s", "t = 0.15 s"})
         CHECK_THAT(up, Catch::Contains(words));
-    // The experiment is drawn: without it the plot is another, and shorter.
+    // The experiment is drawn: without it the plot is different and shorter.
     std::ofstream(scratch / "scene.toml") << std::regex_replace(dam, std::regex("compare = .*\n"), "");
     REQUIRE(scratch.render("alone").code == 0);
     const std::string alone = read_whole(scratch / "alone/probes/wave.svg");
@@ -132,7 +132,7 @@ TEST_CASE("a resumed run gives the same tables and plots, byte for byte", "[tool
         }
 }
 
-TEST_CASE("an experiment's table that goes while the run lasts is drawn at its end", "[tools][probe]") {
+TEST_CASE("an experiment's table that is deleted during the run is still drawn at its end", "[tools][probe]") {
     const Dam scratch;
     const Scene scene = read_scene(scratch.scene());
     const Simulation simulation(scene, make_plan(scene));
@@ -144,7 +144,7 @@ TEST_CASE("an experiment's table that goes while the run lasts is drawn at its e
     CHECK_THAT(read_whole(scratch / "run/probes/wave.svg"), Catch::Contains("\nlobovsky\n"));
 }
 
-TEST_CASE("a table that a probe cannot be compared with is refused at its key, before anything runs", "[tools][probe]") {
+TEST_CASE("a table that does not fit its probe is refused at its key before the run", "[tools][probe]") {
     const Dam scratch;
     const auto refused = [&](const std::string& why) {
         for (const std::string command : {"plan", "render"}) {

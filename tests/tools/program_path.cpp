@@ -5,7 +5,7 @@
 
 using namespace whorl;
 
-TEST_CASE("no program holds the folder that its scenes were built from", "[tools]") {
-    // A package would name the machine that built it, and show the scenes of a tree that may not be there any more.
+TEST_CASE("no program contains the path of its source folder", "[tools]") {
+    // Otherwise a package would reveal its build machine, and list scenes of a folder that may not exist.
     CHECK(read_whole(WHORL_PROGRAM).find(WHORL_SOURCE_DIR "/scenes") == std::string::npos);
 }

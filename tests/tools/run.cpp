@@ -43,8 +43,8 @@ void check_same_particles(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-TEST_CASE("a run whose end lies between two frames is done with the last of them", "[tools][run]") {
-    // Its time then is that of the frame to the bit.
+TEST_CASE("a run whose end lies between two frames ends with the earlier frame", "[tools][run]") {
+    // Its final time equals the frame time exactly.
     const Scratch scratch;
     for (const char* until : {"0.07", "0.13"}) {
         INFO(until);
@@ -116,7 +116,7 @@ TEST_CASE("an interrupted run prints how to continue, and continues bit-identica
     CHECK(run["resumed"] == 1);
 }
 
-TEST_CASE("a finished film continues to a later end, and its saved settings make the same film", "[tools][resume]") {
+TEST_CASE("a finished run continues to a later end, and its saved settings repeat it", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(
         test::whorl({"render", scratch.scene(), "--no-images", "--export", "points", "--until", "0.1", "--quiet", "--out", scratch.run()})
@@ -134,7 +134,7 @@ TEST_CASE("a finished film continues to a later end, and its saved settings make
     REQUIRE(test::whorl({"render", scratch.run() + "/scene.resolved.toml", "--quiet", "--out", scratch.run("again")}).code == 0);
     check_same_particles(scratch / "run", scratch / "again");
     CHECK(reproducible(lines(scratch / "run/diagnostics.csv")) == reproducible(lines(scratch / "again/diagnostics.csv")));
-    // It stays so when it continues once more, and existing frames are kept.
+    // The same holds after another extension, and existing frames are kept.
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
     CHECK(lines(scratch / "run/diagnostics.csv").size() == rows);
     const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05"});
@@ -143,7 +143,7 @@ TEST_CASE("a finished film continues to a later end, and its saved settings make
     CHECK(test::whorl({"resume", scratch.run(), "--until", "1", "--frames", "9"}).err.find("give one of them") != std::string::npos);
 }
 
-TEST_CASE("a longer film that would take other constants is refused, with these", "[tools][resume]") {
+TEST_CASE("an extension that would change constants is refused, with their names", "[tools][resume]") {
     // Ten times the largest speed that the plan sees until the end: the jet gets faster.
     std::string text = honey;
     text.replace(text.find("speed = \"0.3\""), 13, "speed = \"0.3+40*t\"");
@@ -157,14 +157,14 @@ TEST_CASE("a longer film that would take other constants is refused, with these"
     CHECK(refused.err.find("pressure.sound_speed") != std::string::npos);
 }
 
-TEST_CASE("a longer film continues if only the preconditioner differs, which is chosen per step", "[tools][resume]") {
+TEST_CASE("an extension continues if only the preconditioner differs, which is chosen per step", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--set", "models.pressure=ppe", "--until", "0.025", "--quiet", "--out",
                          scratch.run()})
                 .code == 0);
     Options options;
     options.scene = scratch.run() + "/scene.resolved.toml";
-    options.until = 600;  // 965 particles a second, and multigrid from half a million on
+    options.until = 600;  // 965 particles per second, and multigrid from half a million on
     RunRequest request;
     request.file = read_scene_file(options);
     request.folder = scratch.run();
@@ -175,7 +175,7 @@ TEST_CASE("a longer film continues if only the preconditioner differs, which is 
 
 TEST_CASE("a film with images left to draw continues when they are drawn, or without images", "[tools][resume]") {
     const Scratch scratch;
-    const Outcome slow = test::whorl({"render", scratch.scene(), "--fps", "1e-5", "--out", scratch.run()});  // not asked without a video
+    const Outcome slow = test::whorl({"render", scratch.scene(), "--fps", "1e-5", "--out", scratch.run()});  // not needed without a video
     CHECK(slow.code == 2);
     CHECK(slow.err.find("time.fps = 1e-05: too few frames a second for a video; set output.video = false") != std::string::npos);
     REQUIRE(test::whorl({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--until", "0.05", "--quiet",
@@ -205,7 +205,7 @@ TEST_CASE("an interrupted run without images reports that it continues without",
     CHECK_THAT(stopped.err, Catch::Contains("whorl resume " + scratch.run() + " --no-draw\n"));
 }
 
-TEST_CASE("resume refuses other settings and names them, and takes settings that only change the picture", "[tools][resume]") {
+TEST_CASE("resume refuses other settings by name, and accepts settings that only change images", "[tools][resume]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.05", "--quiet", "--out", scratch.run()}).code == 0);
     std::string scene = read_whole(scratch / "run/scene.resolved.toml");
@@ -279,7 +279,7 @@ TEST_CASE("solves that end at their limit are reported once, with residual and k
     }
 }
 
-TEST_CASE("a change of gravity that asks for other models is refused, with the key to set", "[tools][render]") {
+TEST_CASE("a change of gravity that needs other models is refused, with the key to set", "[tools][render]") {
     const std::string text =
         "[time]\nend = 0.02\nfps = 100\n[domain]\nmin = [-0.1, -0.1, -0.1]\nmax = [0.1, 0.1, 0.1]\ngravity = [0, 0, 0]\n[fluid]\n"
         "spacing = 0.01\nviscosity = 8\n[[block]]\nshape = \"box\"\nmin = [-0.05, -0.05, -0.05]\nmax = [0.05, 0.02, 0.05]\n[[change]]\n"
@@ -293,7 +293,7 @@ TEST_CASE("a change of gravity that asks for other models is refused, with the k
     CHECK(test::whorl({"render", given.scene(), "--no-images", "--quiet", "--out", given.run()}).code == 0);
 }
 
-TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
+TEST_CASE("a drop of 20 micrometres can be rendered", "[tools][render]") {
     const Scratch scratch;
     std::ofstream(scratch / "drop.toml")
         << "[time]\nend = 2e-6\nslow_motion = 4e4\n[domain]\nmin = [-2e-5, -4e-6, -2e-5]\nmax = [2e-5, 4e-5, 2e-5]\n[fluid]\nspacing = "
@@ -308,7 +308,7 @@ TEST_CASE("a drop of twenty micrometres is filmed", "[tools][render]") {
     CHECK(report(scratch / "run")["particles"] > 400);
 }
 
-TEST_CASE("a film is whole in a folder that is named like a protocol, from a parent that ignores its children", "[tools][render]") {
+TEST_CASE("a run completes in a folder named like a protocol, and if SIGCHLD is ignored", "[tools][render]") {
     const Scratch scratch;
     const std::string program = "trap '' CHLD; cd " + scratch.path().string() + " && exec " + WHORL_PROGRAM +
                                 " render scene.toml --frames 2 --size 64x36 --quiet --out 2024-01-01T12:00";
@@ -320,7 +320,7 @@ TEST_CASE("a film is whole in a folder that is named like a protocol, from a par
     CHECK(std::count_if(made.begin(), made.end(), [](const fs::path& file) { return file.extension() == ".mp4"; }) == 1);
 }
 
-TEST_CASE("a run that diverges reports place and time, ends with 1 and keeps its files", "[tools][render]") {
+TEST_CASE("a diverging run reports position and time, exits with 1 and keeps its files", "[tools][render]") {
     std::string text = honey;
     const std::size_t viscosity = text.find("viscosity");
     text.replace(viscosity, text.find('\n', viscosity) - viscosity, std::string("viscosity = \"") + test::diverging_viscosity + "\"");
@@ -379,7 +379,7 @@ TEST_CASE("a killed render leaves valid pictures and a playable video, and resum
     CHECK(fs::exists(scratch / "again.mp4"));
 }
 
-TEST_CASE("a run that has no checkpoint yet begins again, to the same film as one that never stopped", "[tools][resume]") {
+TEST_CASE("a run without a checkpoint restarts, and equals an uninterrupted run", "[tools][resume]") {
     const Scratch scratch;
     const auto arguments = [&](const std::string& name, const std::string& frames) {
         return std::vector<std::string>{"render",
@@ -409,7 +409,7 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
         state["status"] = status, state["frames"] = frames;
         std::ofstream(scratch / "run/run.json") << state;
     };
-    // Its end is what --frames asked, while the scene's own has not moved.
+    // Its end is set by --frames; the end in the scene is unchanged.
     const int all = state.at("frames_of_scene");
     for (const auto& [planned, of_scene, wanted] :
          std::vector<std::tuple<nlohmann::json, int, int>>{{3, 3, all}, {4, 5, all}, {"x", all, all}, {4, all, 4}}) {
@@ -431,7 +431,7 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     for (const char* same : {"frames/000004.png", "little_honey.mp4"})
         CHECK((read_whole(scratch / "run" / same) == read_whole(scratch / "whole" / same)));
     CHECK(fs::exists(scratch / "run/final_cut.mp4"));
-    // One that had a checkpoint is left alone; of one that was killed the frames are made again; videos stay that are not of the run.
+    // A run that had a checkpoint stays untouched. The frames of a killed run are made again. Videos of other runs stay.
     const auto again = [&](const std::string& name) { return test::whorl({"resume", scratch.run(name), "--frames", "2", "--quiet"}); };
     fs::remove_all(scratch / "run/checkpoints");
     write("interrupted", 3);
@@ -448,7 +448,7 @@ TEST_CASE("a run that has no checkpoint yet begins again, to the same film as on
     fs::copy(scratch / "run/run.json", scratch / "killed/run.json", fs::copy_options::overwrite_existing);
     CHECK(again("killed").code == 0);
     CHECK(files_in(scratch / "killed/frames").size() == 2);
-    // One that is done stays as it is.
+    // A finished run stays unchanged.
     write("done", 4);
     const Outcome done = test::whorl({"resume", scratch.run()});
     CHECK(done.code == 2);
@@ -468,7 +468,7 @@ TEST_CASE("a run whose folder is removed reports it, and resumes when the folder
     CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
 }
 
-TEST_CASE("a film of particles chooses and stores its colour range at the start, unless one is given", "[tools][render]") {
+TEST_CASE("a run chooses and stores the colour range of particles at the start, unless it is set", "[tools][render]") {
     const Scratch scratch;
     const auto range_of = [&](const std::vector<std::string>& more) {
         std::vector<std::string> arguments{"render", scratch.scene(), "--frames",    "1",     "--no-video",           "--size",
@@ -481,13 +481,13 @@ TEST_CASE("a film of particles chooses and stores its colour range at the start,
             if (line.rfind("range", 0) == 0) return line.substr(line.find('['), line.find(']') + 1 - line.find('['));
         return std::string();
     };
-    // The range is that of the whole film, also for a test of one frame: .25 m/s in the nozzle, and the heavy thread hardly speeds up in
-    // its fall of 45 mm.
+    // The range is that of the whole run, also for a test of one frame: .25 m/s in the nozzle. The heavy thread hardly accelerates in its
+    // fall of 45 mm.
     CHECK(range_of({"--set", "emitter[0].speed=0.25"}) == "[0.0, 0.3]");
     CHECK(range_of({"--set", "look.range=[0, 2]"}) == "[0.0, 2.0]");
 }
 
-TEST_CASE("a stage's CPU time is the simulation's, without other work of its thread", "[tools]") {
+TEST_CASE("a stage's CPU time excludes other work of its thread", "[tools]") {
     const auto work = [](double seconds) {
         const double began = simulation_cpu_seconds();
         while (simulation_cpu_seconds() - began < seconds) {}
@@ -498,7 +498,7 @@ TEST_CASE("a stage's CPU time is the simulation's, without other work of its thr
     times.simulate([&] { return work(0.05); });
     work(0.1);
     const StageTimes stages = times.stages({{"move", {0.02, 0, 1}}, {"pressure", {0.03, 0, 1}}}, {});
-    // A twentieth of a second by the scheduler's own count, which may lag by a tick of 4 ms.
+    // 0.05 s by the scheduler's count, which may lag by a tick of 4 ms.
     CHECK(stages.at("move").cpu == Approx(0.02).margin(0.004));
     CHECK(stages.at("pressure").cpu == Approx(0.03).margin(0.004));
 }

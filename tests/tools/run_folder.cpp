@@ -53,7 +53,7 @@ TEST_CASE("a run in the folder is replaced with --overwrite only, and other file
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
 }
 
-TEST_CASE("a video without ffmpeg is refused before an earlier run is touched", "[tools][render]") {
+TEST_CASE("without ffmpeg a video is refused before an earlier run is changed", "[tools][render]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "2", "--size", "64x36", "--quiet", "--out", scratch.run()}).code == 0);
     const auto first = files_in(scratch / "run");
@@ -77,7 +77,7 @@ TEST_CASE("a video without ffmpeg is refused before an earlier run is touched", 
     }
 }
 
-TEST_CASE("a folder in which another process is at work is left alone by all that write into it", "[tools][render]") {
+TEST_CASE("every command leaves a folder unchanged while another process works in it", "[tools][render]") {
     const Scratch scratch;
     REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--frames", "1", "--quiet", "--out", scratch.run()}).code == 0);
     const RunFolder held = RunFolder::existing(scratch.run());

@@ -48,7 +48,7 @@ std::string recorded(const Scratch& scratch) {
 
 }  // namespace
 
-TEST_CASE("the recording of a live run finds the scene's files, which lie in another folder", "[tools][live]") {
+TEST_CASE("the recording of a live run finds the scene's files in another folder", "[tools][live]") {
     const Scratch scratch(std::string(mesh) + "[look]\nenvironment = \"room.exr\"\n");
     const SceneFile again = read_scene_file(recorded(scratch));
     CHECK(again.scene.solids.at(0).shape.file == scratch.scenes() / "one.obj");
@@ -64,7 +64,7 @@ TEST_CASE("the recording of a scene without files keeps its text, but for a byte
     CHECK(read_scene_file(recording).scene.name == "little_honey_recording");
 }
 
-TEST_CASE("files that a panel, a change or a restart names are found from the scene's folder", "[tools][scene]") {
+TEST_CASE("file paths in a panel, a change or a restart are relative to the scene's folder", "[tools][scene]") {
     const Scratch scratch(std::string(mesh) +
                           "[[panel]]\nset = [\"solid[0].file=other.obj\"]\n[[panel]]\nset = [\"look.environment=room.exr\"]\n");
     const std::vector<SceneFile> panels = panel_scenes(read_scene_file(scratch.scene()));
@@ -99,7 +99,7 @@ TEST_CASE("mistakes found after a change name the scene's file, and the change i
     }
 }
 
-TEST_CASE("a mesh or picture whose path is not UTF-8 is refused, as the run's settings could not be read back", "[tools][scene]") {
+TEST_CASE("a mesh or image path that is not UTF-8 is refused", "[tools][scene]") {
     for (const char* what : {mesh, "[look]\nenvironment = \"room.exr\"\n"}) {
         const Scratch scratch(what);
         fs::rename(scratch.scenes(), scratch / "gr\xfcn");
@@ -107,7 +107,7 @@ TEST_CASE("a mesh or picture whose path is not UTF-8 is refused, as the run's se
     }
 }
 
-TEST_CASE("a run in a folder whose name is not UTF-8 goes well, and its report is JSON", "[tools][render]") {
+TEST_CASE("a run in a folder whose name is not UTF-8 succeeds, and its report is valid JSON", "[tools][render]") {
     const Scratch scratch("");
     const fs::path run = scratch / "gr\xfcn";
     REQUIRE(test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "1", "--quiet", "--out", run.string()}).code == 0);

@@ -27,14 +27,14 @@ void write(const fs::path& file, const std::string& text) {
     std::ofstream(file) << text;
 }
 
-/// A drop of honey that falls for a moment: cheap, and its path is known.
+/// A short fall of a honey drop: cheap, with a known path.
 const char* const falling =
     "name = \"falling\"\n[time]\nend = 0.1\nfps = 20\n[domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n[fluid]\nspacing = 0.05\nviscosity = "
     "100\n"
     "[[block]]\nshape = \"sphere\"\nposition = [0, 0.5, 0]\nradius = 0.15\n"
     "[[probe]]\nname = \"all\"\nkind = \"region\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
 
-/// This replacement of sbatch runs the job immediately; the long test uses a real one.
+/// Replacement of sbatch that runs the job immediately; tests/farm/slurm.py uses the real one.
 void write_sbatch(const fs::path& folder) {
     write(folder / "bin/sbatch", "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho \"$@\" >> " + (folder / "asked").string() +
                                      "\necho sbatch: 12 hours are left of your account >&2\necho '7;north'\nfor word; do case $word in "
@@ -50,7 +50,7 @@ TEST_CASE("the Pareto front contains the points that no other beats in cost and 
     CHECK(pareto_front(points) == std::vector<std::size_t>{0, 2, 4});
 }
 
-TEST_CASE("the search finds the front of a smooth sweep and runs little that lies off it", "[study]") {
+TEST_CASE("the search finds the front of a smooth sweep with few runs off the front", "[study]") {
     // A finer spacing costs 8 times and quarters the error; a tighter tolerance costs 3 times and removes a small share. Of
     // the 30 points 14 are on the front.
     const auto cost = [](const GridPoint& p) { return std::pow(8.0, p[0]) * std::pow(3.0, p[1]); };
@@ -64,7 +64,7 @@ TEST_CASE("the search finds the front of a smooth sweep and runs little that lie
         REQUIRE(found.size() <= all.size());
     }
     CHECK(found.size() <= 18);
-    // Its front is at most a fifth worse than the true front, so the remaining runs would not have been worthwhile.
+    // Its front is at most a fifth worse than the true front, so more runs would gain little.
     for (const std::size_t k : pareto_front(all)) {
         double least = 1e9;
         for (const Measured& m : found) least = std::min(least, std::max(m.cost / all[k].cost, m.error / all[k].error));
@@ -72,7 +72,7 @@ TEST_CASE("the search finds the front of a smooth sweep and runs little that lie
     }
 }
 
-TEST_CASE("goals are read, and nonsense is refused with an example", "[study]") {
+TEST_CASE("goals are read, and invalid goals are refused with an example", "[study]") {
     CHECK(parse_goal("error<2%").bound == Approx(0.02));
     CHECK(parse_goal("error < 0.02").holds(1, 0.019, 1));
     CHECK(parse_goal("fps>24").holds(1, 1, 25));
@@ -81,7 +81,7 @@ TEST_CASE("goals are read, and nonsense is refused with an example", "[study]") 
     CHECK_THROWS_AS(parse_goal("error>2%"), InputError);
 }
 
-TEST_CASE("errors of a run: against an expression, its first row, and a run that counts as true", "[study]") {
+TEST_CASE("errors of a run refer to an expression, its first row, or a reference run", "[study]") {
     const ScratchFolder folder;
     write(folder / "a" / "diagnostics.csv", "frame,time,kinetic_energy\n1,0,10\n2,1,4\n3,2,1\n");
     write(folder / "b" / "diagnostics.csv", "frame,time,kinetic_energy\n1,0,10\n2,2,2\n");
@@ -104,7 +104,7 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
         falling + std::string("[[solid]]\nshape = \"mesh\"\nfile = \"rock.obj\"\nscale = 0.1\nposition = [0, -0.9, 0]\n");
     write(folder / "rock.obj", rock);
     write(folder / "falling.toml", scene);
-    // Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator is wrong by g t dt/2.
+    // Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator has an error of g t dt/2.
     write(folder / "fall_study.toml",
           "scenes = [\"falling.toml\"]\nquality = \"draft\"\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n"
           "[accuracy]\ntable = \"probes/all.csv\"\n"
@@ -161,7 +161,7 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
         for (std::size_t at = 0; (at = again.out.find("kept from before", at)) != std::string::npos; ++at) ++kept;
         CHECK(kept == c.kept);
     }
-    // The overlay is one that render takes.
+    // `whorl render` accepts the overlay.
     const Outcome dry =
         test::whorl({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
     CHECK(dry.code == 0);
@@ -209,7 +209,7 @@ TEST_CASE("a stability map separates stable from unstable steps, with the plan's
     CHECK(cells[0].at("state") == "stable");
     CHECK(cells[1].at("state") == "stable");
     CHECK(cells[2].at("state") != "stable");
-    CHECK(cells[2].at("first_bad_step").get<long>() > 0);  // when it went wrong, from the run's own report
+    CHECK(cells[2].at("first_bad_step").get<long>() > 0);  // time of the divergence, from the run's report
     CHECK(cells[0].at("first_bad_step").is_null());
     CHECK(cells[0].at("limits").at("viscous").get<double>() == Approx(3.1e-3).epsilon(0.05));
     CHECK(fs::file_size(folder / "out" / "stability.png") > 1000);
@@ -252,7 +252,7 @@ TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without 
     std::getline(in, first);
     CHECK(first.find("--wait --requeue") != std::string::npos);
     CHECK(first.find("--cpus-per-task=1") != std::string::npos);
-    CHECK(first.find("--time=7 --partition=short") != std::string::npos);  // 100 s, 5 minutes to begin, rounded up
+    CHECK(first.find("--time=7 --partition=short") != std::string::npos);  // 100 s and 5 minutes to start, rounded up
     CHECK(first.find("timeout 100 ") != std::string::npos);
 
     const std::string study = (folder / "study.toml").string();
@@ -264,7 +264,7 @@ TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without 
     CHECK(local.err.find("--sbatch: has no effect on this machine") != std::string::npos);
 }
 
-TEST_CASE("whether a scene is refused is for the program of the point to say", "[study]") {
+TEST_CASE("the program of a point decides whether its scene is refused", "[study]") {
     // Too far from the origin for a program of single precision; this program has another message.
     const ScratchFolder folder;
     write(folder / "far.toml",
@@ -311,7 +311,7 @@ TEST_CASE("a study whose program was removed ends, and does not report refused p
     CHECK_FALSE(fs::exists(folder / "out" / "stability.csv"));
 }
 
-TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", "[study]") {
+TEST_CASE("braces in settings contain expressions of the knobs, or a knob's value", "[study]") {
     const std::vector<std::string> knobs{"d=1e-6", "time.fixed_step=0.5", "model=full"};
     CHECK(with_values("time.end={40*fixed_step}", knobs) == "time.end=20");
     CHECK(with_values("domain.min=[{-5*d}, 0, {2*sqrt(4)}]", knobs) == "domain.min=[-5e-06, 0, 4]");
@@ -323,7 +323,7 @@ TEST_CASE("braces in settings hold expressions of the knobs, or a knob's word", 
     CHECK(with_values("seed={radius}, {2*radius}", {"block[0].radius=1", "radius=4", "solid[0].radius=2"}) == "seed=4, 8");
 }
 
-TEST_CASE("a point reads scene, quality and seed of its settings, a scene next to the study first", "[study]") {
+TEST_CASE("a point uses scene, quality and seed of its settings, with scenes next to the study first", "[study]") {
     const ScratchFolder folder;
     write(folder / "falling.toml", falling);
     Study study;
