@@ -34,7 +34,7 @@ struct Thread : CoupledWorld {
         for (const Vec3& x : position()) c += std::cos(2 * pi * double(x.y()) / length), s += std::sin(2 * pi * double(x.y()) / length);
         return 2 * std::hypot(c, s) / static_cast<double>(position().size());
     }
-    /// The wave begins with the swing a, growing at the rate omega.
+    /// The wave begins with the relative amplitude a of the area, growing at the rate omega.
     void disturb(double a, double omega) {
         const double k = 2 * pi / length;
         const auto x = position();

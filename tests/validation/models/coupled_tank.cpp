@@ -76,8 +76,8 @@ TEST_CASE("coupled: a collapsing column of honey stays in one piece and less tha
 }
 
 TEST_CASE("coupled: a pool of honey 5 particles deep comes to rest and keeps its height within 4 %", "[validation][coupled][regression]") {
-    // 2 to 3.2 % are lost over 1.2 to 2 s: fluid is held to what its particles weigh (n/n0 <= 1) but not against walls. The lattice melts,
-    // and the least-squares divergence does not see every layer that falls into another.
+    // 2 to 3.2 % are lost over 1.2 to 2 s: the density limit (n/n0 <= 1) counts fluid particles but not walls. The lattice melts, and the
+    // least-squares divergence does not detect every layer that falls into another.
     Tank pool(12, 5, 12, 1);
     pool.run_until(1.2);
     CHECK(std::sqrt(pool.mean([&](std::size_t i) { return double(pool.velocity()[i].squaredNorm()); })) < 0.02);

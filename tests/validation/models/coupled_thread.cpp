@@ -25,7 +25,7 @@ struct HeldThread : CoupledWorld {
             role()[i] = position()[i][1] < clamp ? -1 : position()[i][1] > length - clamp ? -2 : 0;
     }
 
-    /// One step in which the upper end moves so that the thread's length grows by `rate` [1/s].
+    /// One step in which the upper end moves so that the thread's length grows at the relative rate `rate` [1/s].
     bool pull(double rate) {
         for (std::size_t i = 0; i < position().size(); ++i)
             if (role()[i] != 0) velocity()[i] = Vec3(0, role()[i] == -2 ? Real(rate * length) : 0, 0);
@@ -33,8 +33,7 @@ struct HeldThread : CoupledWorld {
         return step(Real(dt));
     }
 
-    /// Solves once more where the particles are, and hands `visit` each particle's force by its neighbours [N]: what the discrete form
-    /// itself says.
+    /// Solves again at the current positions, and passes each particle's force by its neighbours [N], from the discrete form, to `visit`.
     template <class F>
     void internal_forces(const F& visit) {
         solve_only(Real(dt));
@@ -60,7 +59,7 @@ struct HeldThread : CoupledWorld {
     }
 };
 
-/// The longest link of the shortest tree that joins all points: a gap shows as a long one.
+/// Longest link of the minimum spanning tree of all points: the size of the widest gap.
 double longest_link(const std::vector<Vec3d>& x) {
     std::vector<double> nearest(x.size(), 1e30);
     std::vector<bool> joined(x.size(), false);
@@ -156,8 +155,8 @@ TEST_CASE("a thread pulled until it is a single file of particles stays connecte
           "[validation][coupled][regression]") {
     // 20 particles a spacing of length at the start, one at a draw of 20: then a spacing apart along the axis. Stretching widens every gap
     // in proportion; without shifting along the axis the first gap of two spacings opens between draws of 9 and 12 and the thread tears at
-    // 13 to 16. Measured: tension 0.99 to 1.04 of 3 mu A rate down to 1.2 particles a spacing, 0.91 to 1.10 at one, where particles are
-    // to the left and right of the axis by turns.
+    // 13 to 16. Measured: tension 0.99 to 1.04 of 3 mu A rate down to 1.2 particles a spacing, 0.91 to 1.10 at one, where particles
+    // alternate between left and right of the axis.
     for (const unsigned seed : {1u, 2u, 3u}) {
         HeldThread w(24, Real(2.5), seed);
         const double rate = 5;
@@ -165,7 +164,7 @@ TEST_CASE("a thread pulled until it is a single file of particles stays connecte
         for (int steps = 0; drawn < 20; ++steps) {
             REQUIRE(steps < 800);
             CHECK(w.pull(rate));
-            // The middle half of what is free: its line density gives the cross-section, its velocities the rate.
+            // The middle half of the free part: its line density gives the cross-section, its velocities the rate.
             double low = 1e9, high = -1e9;
             for (std::size_t i = 0; i < w.position().size(); ++i)
                 if (w.role()[i] == 0) low = std::min<double>(low, w.position()[i][1]), high = std::max<double>(high, w.position()[i][1]);
@@ -184,7 +183,7 @@ TEST_CASE("a thread pulled until it is a single file of particles stays connecte
             if (drawn < next_check) continue;
             next_check = next_check < 16 ? 2 * next_check : 20;
 
-            constexpr int cuts = 5;  // the tension is the same in all cross-sections but for inertia; a mean of five
+            constexpr int cuts = 5;  // mean of five cross-sections; the tension is equal in all of them except for inertia
             double tension = 0, from_axis = 0, shortest = 1e9;
             w.internal_forces([&](const Vec3d& x, const Vec3d&, const Vec3d& force) {
                 for (int k = 0; k < cuts; ++k)
@@ -201,9 +200,8 @@ TEST_CASE("a thread pulled until it is a single file of particles stays connecte
             CHECK(share == Approx(1).epsilon(drawn < 18 ? 0.05 : 0.15));
             CHECK(link < 2);
             CHECK(shortest > 0.6 * d);  // no clumps
-            CHECK(
-                std::sqrt(from_axis) <
-                std::max(0.6 * d, 1.1 * std::sqrt(area / (2 * std::numbers::pi))));  // an even rod has 1 of the latter: it does not buckle
+            CHECK(std::sqrt(from_axis) <
+                  std::max(0.6 * d, 1.1 * std::sqrt(area / (2 * std::numbers::pi))));  // 1 for an even rod, so it does not buckle
         }
     }
 }

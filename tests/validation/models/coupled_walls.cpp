@@ -87,7 +87,7 @@ TEST_CASE("coupled: a block on a free-slip incline of 30 degrees accelerates by 
         }
         const double n = static_cast<double>(w.position().size());
         CAPTURE(nu, side);
-        // Nothing but gravity acts along the plane: what is missing is the unfinished solve's.
+        // Only gravity acts along the plane, so the error is that of the incomplete solve.
         CHECK(along / n == Approx(g * std::sin(slope) * w.time).epsilon(0.005));
         CHECK(lowest > 0.29 * d);
         CHECK(std::abs(lift / n) < 0.05);
@@ -146,7 +146,7 @@ TEST_CASE("coupled: a turning paddle drags syrup along, and none leaks into the 
         }
         turning /= static_cast<double>(w.position().size());
         CAPTURE(turning, deepest);
-        // A solid keeps the centres 0.3 d away; a turning one within what its chord differs from its arc in a step.
+        // A solid keeps particle centres 0.3 d away; a rotating solid keeps them so up to the difference between chord and arc in a step.
         CHECK(deepest > 0.1 * d);  // 0.14 d and 0.17 d
         CHECK(outside == 0);
         CHECK(turning > 0.5);
@@ -189,20 +189,20 @@ TEST_CASE(
         Solid lid = solid_of(make_plane(H * up, -up), 0);
         lid.position.component[along] = Expression("0.1*t");
         w.world.solids.all.push_back(lid);
-        for (int k = 0; k < 30; ++k) w.step(Real(k < 20 ? 2 * H * H / 0.1 / 20 : 0.02));  // nu t/H^2 = 2: all but 1e-8 of the way
+        for (int k = 0; k < 30; ++k) w.step(Real(k < 20 ? 2 * H * H / 0.1 / 20 : 0.02));  // nu t/H^2 = 2: steady within 1e-8
         double worst = 0;
         for (std::size_t i = 0; i < w.position().size(); ++i)
             worst = std::max(worst, std::abs(w.velocity()[i][along] / U - w.position()[i][a] / H));
         CAPTURE(gap.dimensions, gap.spacings, gap.across, gap.gravity, gap.loose, worst);
         CHECK(worst < 0.03);
-        // The fluid pulls the lid back by mu U/H times its area, and the floor along.
+        // The fluid drags the lid back with mu U/H times its area, and the floor forward.
         const double dt = 0.02;
         w.solve_only(Real(dt));
         std::vector<Vec3> y(w.velocity().size());
         w.system->form.apply(w.velocity(), y, true);
         double pull[2] = {0, 0};
         w.system->form.each_wall_force([&](const WallPoint& wall, const Vec3& v) { pull[wall.solid] -= 1000 * d * d * d / dt * v[along]; });
-        const double drag = 100 * U / H * 6 * d * (plane ? d : 6 * d);  // the plane's is that of a depth of d
+        const double drag = 100 * U / H * 6 * d * (plane ? d : 6 * d);  // in 2D the area is that of a depth d
         CHECK(pull[0] == Approx(drag).epsilon(0.03));
         CHECK(pull[1] == Approx(-drag).epsilon(0.03));
     }
@@ -257,8 +257,8 @@ struct Vessel {
 
 /// Honey 12 d wide and 8 d deep in a vessel that it sticks to.
 struct Rest {
-    double height;  ///< of the fluid's centre over half of the depth that its volume fills, less 1
-    double volume;  ///< coupled_volume() over that at the start, less 1
+    double height;  ///< height of the fluid's centre over half of the depth that its volume fills, minus 1
+    double volume;  ///< coupled_volume() over its initial value, minus 1
 };
 
 Rest rest_of(const Vessel& v, double seconds) {
@@ -289,7 +289,7 @@ Rest rest_of(const Vessel& v, double seconds) {
 
 TEST_CASE("coupled: honey at rest keeps its height within 1.5 % over 5 s, in 2D, in a box and in a jar",
           "[validation][coupled][boundary]") {
-    // The surface is uneven by some tenths of a spacing, and a start that is no lattice settles by as much.
+    // The surface is uneven by some tenths of a spacing, and a start off the lattice settles by as much.
     for (const Vessel& v : {Vessel{"plane", 1}, Vessel{"plane", 30}, Vessel{"plane", 1000, 0.004, "jittered"}, Vessel{"plane", 5, 0.008},
                             Vessel{"plane", 5, 0.002, "jittered"}}) {
         CAPTURE(v.kind, v.viscosity, v.d);
@@ -299,7 +299,7 @@ TEST_CASE("coupled: honey at rest keeps its height within 1.5 % over 5 s, in 2D,
         CAPTURE(kind);
         const Rest rest = rest_of({kind, 5}, 1);
         CHECK(std::abs(rest.height) < 0.015);
-        CHECK(std::abs(rest.volume - rest.height) < 0.012);  // what the column says
+        CHECK(std::abs(rest.volume - rest.height) < 0.012);  // value of the column
     }
 }
 

@@ -1,4 +1,4 @@
-/// Micropolar fluids against exact solutions, and what they conserve (docs/physics.md 8).
+/// Micropolar fluids against exact solutions, and conservation (docs/physics.md 8).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -114,7 +114,7 @@ TEST_CASE(
                 return f * (h * h - y * y) / twice - c.kappa * B / (c.a * m) * (std::cosh(m * h) - std::cosh(m * y));
             };
             const auto exact_w = [&](double y) { return f * y / twice - B * std::sinh(m * y); };
-            // From the exact flow: what the discrete one differs by has come up to 1 - exp(-0.7 pi^2 0.4) = 94 %.
+            // The run starts from the exact flow. Its error has then reached 1 - exp(-0.7 pi^2 0.4) = 94 % of the steady error.
             w.place(Vec3::Zero(), corner, 0, [&](const Vec3& at) { return Vec3(Real(exact_u(at.y() - h)), 0, 0); });
             for (Index i = 0; i < w.world.fluid.size(); ++i)
                 w.column<field::spin>()[i] = Vec3(0, 0, Real(exact_w(w.column<field::position>()[i].y() - h)));
@@ -138,7 +138,7 @@ TEST_CASE(
 
 TEST_CASE("a free blob keeps momentum and total angular momentum to 1e-4 with the adjoint curls", "[validation][micropolar][regression]") {
     // viscosity = coupling ("notes" with mu_t = 0, eringen with mu = 0, whatever effective_viscosity calibrates): the Laplacian's torque
-    // pays for curl u.
+    // balances that of curl u.
     MicropolarOptions options;
     options.implicit_exchange = false;
     options.smoothing_spin = 0.125;
@@ -150,17 +150,17 @@ TEST_CASE("a free blob keeps momentum and total angular momentum to 1e-4 with th
         CHECK(drift.momentum < 1e-5);
         CHECK(drift.exchange < 1e-4);
     }
-    // More viscosity than coupling (eringen): the rest in the Laplacian without torque.
+    // More viscosity than coupling (eringen): the excess is in the Laplacian without torque.
     options.central_viscosity = 1000 * 0.03;
     CHECK(blob_drift(equal, options, false, 300).angular_momentum < 1e-4);
     options.central_viscosity = 0;
 
-    // The implicit exchange takes from the spin what the orbit gets a step later: off by sum m 2 kappa dt (w - w at the start), here at
-    // most 0.6 % of the whole, however long the run.
+    // The orbital part gains one step after the implicit exchange takes from the spin. The sum is off by sum m 2 kappa dt (w - w at the
+    // start), here at most 0.6 % of the total, for any length of the run.
     options.implicit_exchange = true;
     for (const int steps : {300, 900}) CHECK(blob_drift(equal, options, false, steps).angular_momentum < 0.007);
-    // These lose some: XSPH of the velocity, a force between particles that is not along their distance; curl u - 2 w as written, next to a
-    // free surface.
+    // These do not conserve it: XSPH of the velocity, a force between particles that is not along their connecting line; curl u - 2 w as
+    // written, next to a free surface.
     options.implicit_exchange = false;
     options.smoothing_velocity = 0.002;
     CHECK(blob_drift(equal, options, false, 300).angular_momentum > 1e-4);
@@ -208,7 +208,7 @@ TEST_CASE("the energy budget closes to 1 % in both pressure models, with any vis
         while (simulation.time() < scene.time.end) REQUIRE(!simulation.step(scene.time.end).diverged);
         const EnergyBudget& work = simulation.totals().work;
         CHECK(std::abs(energy() - start - work.total()) < 0.01 * start);
-        // Every cause is at work; what dissipates does so.
+        // Every cause does work, and dissipative causes lose energy.
         CHECK(work.gravity > 0);
         CHECK(work.torque > 0);
         CHECK(work.viscosity < 0);
@@ -271,7 +271,7 @@ TEST_CASE("spinning fluid never gains energy with the plan's forms, in balls, di
             REQUIRE(!simulation.step(0.2).diverged);
             const EnergyWork& work = simulation.totals().work;
             const double now = work.viscosity + work.exchange;
-            // Steps may give back what pressure did to the mean velocity within them.
+            // A step may return the work that pressure did on the mean velocity within it.
             const Measures all = measure(simulation.world(), Vec3d::Zero(), plan.spin.micro_inertia);
             REQUIRE(now <= left + 1e-3 * all.kinetic_energy);
             left = std::min(left, now);

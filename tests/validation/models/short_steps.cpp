@@ -1,4 +1,4 @@
-/// Errors of the solver must not add up over short steps.
+/// Errors of the solver must not accumulate over short steps.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -31,12 +31,12 @@ double decay_rate(const std::string& max_step) {
 
 }  // namespace
 
-// A solve may leave a hundredth of what viscosity does in a step. An implicit step of 1 ms is .2 % too weak by itself.
+// A solve may leave an error of 1 % of the viscous change in a step. An implicit step of 1 ms is itself .2 % too weak.
 TEST_CASE("the full viscosity damps a wave equally within 1.2 % in steps of 1 ms and .2 ms", "[validation][viscosity]") {
     const double coarse = decay_rate("1e-3"), fine = decay_rate("2e-4");
     INFO("rates over nu k^2: " << coarse << " and " << fine);
     CHECK(coarse == Approx(fine).margin(0.012));
-    CHECK(fine == Approx(0.977).margin(0.012));  // what the lattice's sums make of it
+    CHECK(fine == Approx(0.977).margin(0.012));  // error of the lattice's sums
 }
 
 }  // namespace short_steps_test

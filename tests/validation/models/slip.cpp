@@ -42,7 +42,7 @@ Stage viscosity_of(Form form, Real factor) {
     return {};
 }
 
-/// Steady flow along x between walls at y = 0 and y = H with slip lengths and velocities of their own, driven by g. d u/dt = 0 in
+/// Steady flow along x between walls at y = 0 and y = H with separate slip lengths and velocities, driven by g. d u/dt = 0 in
 ///   nu u'' = -g,   u(0) - U0 = b0 u'(0),   u(H) - U1 = -b1 u'(H).
 struct Channel {
     double H = 1, nu = 1, g = 0, U0 = 0, U1 = 0, b0 = 0, b1 = 0;
@@ -53,7 +53,8 @@ struct Channel {
     }
 };
 
-/// Largest error of the velocity in what the exact flow has become after 1.5 times the slowest mode's time, over the exact flow's range.
+/// Starts from the exact flow and runs for 1.5 times the slowest mode's time. @return largest error of the velocity, over the exact flow's
+/// range
 double worst_error(Form form, const Channel& c, int across, int dimensions = 3) {
     const double d = c.H / across, support = support_of(form), width = 2 * std::ceil(support) * d, depth = dimensions == 3 ? width : 0;
     const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
@@ -72,8 +73,8 @@ double worst_error(Form form, const Channel& c, int across, int dimensions = 3) 
     for (Index s = 0; s < boundary.size(); ++s) { boundary.velocity[s] = w.world.solids.all[boundary.solid[s]].pose.velocity; }
     w.place(Vec3::Zero(), Vec3(Real(width), Real(c.H), Real(depth)), 1000 * c.nu,
             [&](const Vec3& x) { return Vec3(Real(c.exact(x.y())), 0, 0); });
-    // Slowest mode: in a channel that slips far it is the mean that the walls' friction brakes, at the rate nu (1/(b0 + H/2) + 1/(b1 +
-    // H/2))/H or so.
+    // Slowest mode: with long slip lengths it is the mean velocity, which wall friction slows at about the rate nu (1/(b0 + H/2) + 1/(b1 +
+    // H/2))/H.
     const double rate = c.nu / c.H * (1 / (c.b0 + c.H / 3) + 1 / (c.b1 + c.H / 3)), end = 2 / rate;
     const double dt = is_explicit(form) ? 0.5 * viscous_step(support * d, c.nu) : end / 40;
     for (int s = 0; s < static_cast<int>(std::ceil(end / dt)); ++s) w.step(dt);
@@ -115,7 +116,7 @@ void poiseuille(std::initializer_list<double> slip_lengths, int dimensions = 3) 
             const double error = worst_error(form, c, across, dimensions);
             CAPTURE(name(form), b, error, dimensions);
             // monaghan, with R = 4 d, uses the kernel's density: next to a wall of one layer, up to 8 % too
-            // little. The fourth moments of a square lattice are less round than those of a cubic one.
+            // little. The fourth moments of a square lattice are less isotropic than those of a cubic one.
             CHECK(error < (form == Form::monaghan && b > 0 ? 0.05 : dimensions == 2 ? 0.022 : 0.02));
         }
 }
@@ -152,11 +153,11 @@ TEST_CASE("a slip length of 1e-6 d is a wall that sticks, one of 1e6 d a wall th
     const int across = 16;
     for (Form form : all_forms) {
         CAPTURE(name(form));
-        // Sticking: Couette between the two, held to the straight profile as for walls that stick in their own way.
+        // Sticking: Couette flow between both, with the bound of no-slip walls for the straight profile.
         Channel c;
         c.U1 = 1, c.b0 = 1e-6 * c.H / across, c.b1 = c.b0;
         CHECK(worst_error(form, c, across) < 0.02);
-        // Sliding: what a wall that moves by 1 gives to fluid at rest in a step of nu dt/H^2 = 2 is 2 H/b, twice over.
+        // Sliding: walls of velocity 1 accelerate fluid at rest by 2 H/b each in a step of nu dt/H^2 = 2.
         TestWorld w(1.0 / across, support_of(form), Domain{Vec3::Zero(), Vec3(Real(0.5), 1, Real(0.5)), {true, false, true}});
         const Real factor = continued_lattice_factor(KernelKind::cubic, w.world.step.support, w.world.step.spacing);
         std::vector<Stage> stages{make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{})};

@@ -1,4 +1,4 @@
-/// The full viscosity over ten decades of viscosity, as scenes run it.
+/// The full viscous model over ten decades of viscosity, as in scenes.
 #include <catch2/catch.hpp>
 
 #include "tests/support/runs.h"

@@ -1,4 +1,4 @@
-/// Surface tension against its exact solutions: the pressure in a drop, its swing, and the shape that it takes.
+/// Surface tension against exact solutions: the pressure in a drop, its oscillation, and its final shape.
 #include "engine/models/surface_tension/surface_tension.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ namespace surface_tension_test {
 namespace {
 
 constexpr double sigma = 0.07, rho = 1000, d = 1e-3;
-const double unit = std::sqrt(rho * d * d * d / sigma);  // s, in which surface tension moves a particle by a spacing
+const double unit = std::sqrt(rho * d * d * d / sigma);  // time in which surface tension moves a particle by a spacing [s]
 
 /// A weightless drop of water-like fluid with the stages that models.pressure = "ppe" has.
 struct Drop : TestWorld {
@@ -33,7 +33,7 @@ struct Drop : TestWorld {
         : TestWorld(d, 2, Domain{Vec3::Constant(Real(-2 * across * d)), Vec3::Constant(Real(2 * across * d)), {}}) {
         PressureOptions options;
         options.slow_correction = true;  // as scenes with surface tension have it
-        options.limits = {1e-5, 1000};   // the pressure itself is asked for, not only the densities
+        options.limits = {1e-5, 1000};   // the test needs the pressure, not only the densities
         use({make_stage("surface tension", "", SurfaceTension{{sigma, {}, nullptr, true}}),
              make_stage("unresolved motion", "", DampUnresolved{2, sigma}),
              make_stage("density constraint", "", ConstraintPressure{options}), make_stage("move", "", Move{})});
@@ -54,7 +54,7 @@ struct Drop : TestWorld {
             for (Vec3& u : column<field::velocity>()) u *= Real(1 - lost);
         }
     }
-    /// Mean pressure 4 d and deeper below the surface, where next to nothing pulls: it holds up the curved surface [Pa].
+    /// Mean pressure at depths of at least 4 d, where almost no cohesion acts: it balances the curved surface [Pa].
     double excess_pressure() {
         const auto x = column<field::position>();
         const auto p = column<field::pressure>();
@@ -65,7 +65,7 @@ struct Drop : TestWorld {
         }
         return sum / count;
     }
-    /// How much longer it is along y than across.
+    /// Length along y minus width.
     double longer() {
         Vec3d square = Vec3d::Zero();
         for (const Vec3& x : column<field::position>()) square += x.cast<double>().cwiseAbs2();

@@ -13,19 +13,19 @@ namespace {
 
 constexpr double U0 = 0.1, a0 = 5e-3, nu = 0.05, fall = 0.25, d = 2e-3, gravity = 9.81;
 
-/// A steady slender thread that its own weight draws out (Trouton 1906). With u(y) the speed y below the nozzle and a its radius
+/// A steady slender thread stretched by its weight (Trouton 1906). With u(y) the speed y below the nozzle and a its radius
 ///     u a^2 = U0 a0^2,   3 nu (a^2 u')' + g a^2 = u u' a^2,   u(0) = U0,  u'(fall) = 0
 class FallingThread {
 public:
     FallingThread() {
-        double low = U0, high = std::sqrt(U0 * U0 + 2 * gravity * fall);  // viscosity only ever slows it
+        double low = U0, high = std::sqrt(U0 * U0 + 2 * gravity * fall);  // viscosity can only slow it
         for (int k = 0; k < 80; ++k) {
             const double middle = (low + high) / 2;
             (integrate(middle) < U0 ? low : high) = middle;
         }
         integrate(high);
     }
-    /// The speed with which a slice holds its volume: from `below` to `below` + `height` [m], the mean of 1/u, inverted.
+    /// Harmonic mean of the speed u over the slice from `below` to `below` + `height` [m], which determines the slice's volume.
     double mean_speed(double below, double height) const {
         constexpr int n = 100;
         double sum = 0;
@@ -36,8 +36,8 @@ public:
 
 private:
     static constexpr int steps = 2000;
-    /// Upward from the end, where it is stable, by Runge and Kutta's fourth order. @return the speed at the nozzle, 0 where the thread
-    /// cannot be so slow at its end
+    /// Upward from the end, where it is stable, by Runge and Kutta's fourth order. @return the speed at the nozzle, 0 if the thread cannot
+    /// be so slow at its end
     double integrate(double end) {
         using Eigen::Vector2d;  // speed and stretch u'/u, whose rates per metre up are
         const auto rate = [](const Vector2d& y) { return Vector2d(-y[0] * y[1], (gravity / y[0] - y[0] * y[1]) / (3 * nu)); };
@@ -55,7 +55,7 @@ private:
     std::vector<double> speed_;  ///< at even distances, from the end up
 };
 
-/// The longest link of the shortest tree that joins all points: a gap shows as a long one.
+/// Longest link of the minimum spanning tree of all points: the size of the widest gap.
 double longest_link(const std::vector<Vec3>& x) {
     std::vector<Real> nearest(x.size(), std::numeric_limits<Real>::max());
     std::vector<char> joined(x.size(), 0);

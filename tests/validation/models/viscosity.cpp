@@ -1,4 +1,4 @@
-/// Viscous models against exact solutions (no pressure: the flows are parallel or decay before particles have moved far).
+/// Viscous models against exact solutions. Runs have no pressure: the flows are parallel, or decay before particles have moved far.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -45,8 +45,8 @@ std::vector<Stage> viscous_step_of(Form form, Real solid_factor, double toleranc
 
 const char* name(Form form) { return form == Form::brookshaw ? "brookshaw" : form == Form::monaghan ? "monaghan" : "full"; }
 
-/// Kernel radius over spacing. Forces along the pairs take their isotropy from the neighbours' fourth moments: on a lattice with R = 2 d
-/// they make shear 0.70 and stretching 1.45 times as stiff as they are; they need more neighbours than the others.
+/// Kernel radius over spacing. Forces along the pairs are isotropic if the neighbours' fourth moments are. On a lattice with R = 2 d they
+/// make shear 0.70 and stretching 1.45 times as stiff, so they need more neighbours than the other forms.
 double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
 
 /// Longest step of an explicit form [s].
@@ -87,7 +87,7 @@ TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its ra
         w.place(Vec3::Zero(), Vec3(Real(L), Real(L), Real(depth)), 1000 * nu, [&](const Vec3& x) {
             return Vec3(Real(std::sin(k * x.x()) * std::cos(k * x.y())), Real(-std::cos(k * x.x()) * std::sin(k * x.y())), 0);
         });
-        // To 1/e. The implicit step is first order in time: its own factor 1/(1 + 2 nu k^2 dt) a step is what it is held to.
+        // To 1/e. The implicit step is first order in time, so it is compared with its factor 1/(1 + 2 nu k^2 dt) per step.
         const double end = 1 / (2 * nu * k * k);
         const int steps = is_implicit(form) ? 20 : static_cast<int>(std::ceil(end / longest_step(form, dimensions, d, nu)));
         const double dt = end / steps;
@@ -238,11 +238,10 @@ max = [0.25, 1, 0.25]
 }
 
 TEST_CASE("a film on an incline keeps its half parabola within 2 % with forms without surface shear", "[validation][viscosity][boundary]") {
-    // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: what the steady state differs by has come up to 1 - exp(-pi^2/4) =
-    // 92 %.
+    // u = g (2 H y - y^2)/(2 nu), from the exact flow, for nu t/H^2 = 1: the error has reached 1 - exp(-pi^2/4) = 92 % of the steady error.
     const double H = 1, d = H / 16, nu = 1, g = 2;  // largest speed g H^2/(2 nu) = 1
     in_space_and_plane(8 * d, [&](Form form, int dimensions, double depth) {
-        if (form == Form::monaghan && dimensions == 3) return;  // the dearest: in 3D the series above
+        if (form == Form::monaghan && dimensions == 3) return;  // the most expensive form; in 3D the series above tests it
         const double support = support_of(form), width = 8 * d;
         const Real factor = continued_lattice_factor({KernelKind::cubic, dimensions}, Real(support * d), Real(d));
         TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), Real(2 * H), Real(depth)), {true, false, dimensions == 3}});
@@ -314,7 +313,7 @@ double published_error(const PublishedFlow& one, int flow) {
 
 TEST_CASE("the published viscosity sticks to walls within 6 % (Couette, film, block), as printed it does not",
           "[validation][viscosity][boundary]") {
-    // On lattices within 2 %. Off them the printed gradient itself is a few per cent wrong.
+    // On lattices within 2 %. Off lattices the printed gradient itself has errors of a few per cent.
     const PublishedFlow all[] = {{false, 3, 10, 2, 0}, {true, 3, 9, 2, 0.1},   {false, 3, 10, 3, 0.1},  {false, 2, 20, 2, 0},
                                  {true, 2, 12, 2, 0},  {false, 2, 11, 2, 0.1}, {false, 2, 12, 2, 0, 0}, {true, 2, 11, 2, 0, 0}};
     for (const PublishedFlow& one : all)
@@ -327,7 +326,7 @@ TEST_CASE("the published viscosity sticks to walls within 6 % (Couette, film, bl
         }
 }
 
-TEST_CASE("a turning free body keeps angular momentum within 0.1 %, energy within 1 %, at nu dt/d^2 = 10", "[validation][viscosity]") {
+TEST_CASE("a rotating free body keeps angular momentum within 0.1 %, energy within 1 %, at nu dt/d^2 = 10", "[validation][viscosity]") {
     // A cube of 8^3; no pressure: a rigid rotation needs a centripetal force, so the body is turned, not moved.
     const double d = 0.1;
     TestWorld w(d, 2, Domain{Vec3(-4, -4, -4), Vec3(4, 4, 4), {}});

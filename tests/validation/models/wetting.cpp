@@ -21,7 +21,7 @@ const double unit = std::sqrt(rho * d * d * d / sigma);
 
 /// Height of the centre of mass of a spherical cap of volume 1 that meets the ground at this angle.
 double cap_centre(double angle) {
-    const double ground = std::cos(angle);  // of the unit ball about the origin the part above this counts; its slices are summed
+    const double ground = std::cos(angle);  // the cap is the part of the unit ball about the origin above this height; sums over its slices
     double volume = 0, moment = 0;
     const int n = 2000;
     for (int k = 0; k < n; ++k) {
@@ -36,8 +36,8 @@ double cap_centre(double angle) {
 TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 wetting - 1, within 12 degrees",
           "[validation][surface_tension][regression]") {
     // The angle is that of the spherical cap of the drop's volume whose centre of mass is as high as the drop's. Started as half a ball
-    // (90 degrees), 8 to 12 spacings across: half a spacing of height is 5 to 8 degrees. Measured: 112 and 61 degrees where 120 and 60 are
-    // asked.
+    // (90 degrees), 8 to 12 spacings across: half a spacing of height is 5 to 8 degrees. Measured: 112 and 61 degrees for 120 and 60
+    // degrees.
     double before = 200;
     for (const double wetting : {0.25, 0.75}) {
         test::TestWorld w(

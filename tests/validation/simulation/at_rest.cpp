@@ -103,8 +103,8 @@ const std::string wcsph = text::models("wcsph"), ppe = text::models("ppe"), xsph
 
 TEST_CASE("still water presses with its weight: wcsph and in 2D 2 %, a column 1 %, a slot of six spacings 2.5 %",
           "[validation][sim][plane][regression]") {
-    // Single layers scatter by 2 %: what the particles of a settled packing press with is not the same in all directions, and the pressure
-    // is the mean over them. In the slot two of three particles are next to a wall: 2.0 to 2.2 % (1 % was aimed at).
+    // Single layers scatter by 2 %: the pressure of a settled packing depends on the direction, and the measured pressure is the mean over
+    // layers. In the slot two of three particles are next to a wall: 2.0 to 2.2 % (1 % was aimed at).
     const Vessel flat{"open box", 0.0075, 0.06, 0.15, 2};
     for (const Settled& one : {Settled{{"gap"}, wcsph, 0.5, 0.7, 0.02, 0.02, "blue_noise"},
                                Settled{{"column", d, 0.06, 0.2}, ppe, 0.8, 1.1, 0.01, 0.05, "lattice", 5e-3},
@@ -130,10 +130,10 @@ struct Energy {
 };
 
 void published_rest(const std::string& kind, double correction) {
-    // 2 s from a lattice, without viscosity. What the lattice sets free as it melts (0.2 to 0.6 % of m g H) dies, and nothing else is there
-    // that could do work but the unevenness of the start, which a share of 1 takes back in one step (2e-4 of m g H). The motion that is
-    // left: 4e-6 to 6e-5. The pressure over the last second: 0.7 % too low to 1.2 % too high (1 % was aimed at): a settled packing does
-    // not press alike in all directions.
+    // 2 s from a lattice, without viscosity. The energy that the melting lattice releases (0.2 to 0.6 % of m g H) dissipates. The only
+    // other source of work is the uneven start, which a share of 1 corrects in one step (2e-4 of m g H). Remaining motion: 4e-6 to 6e-5.
+    // The pressure over the last second: 0.7 % too low to 1.2 % too high (1 % was aimed at): the pressure of a settled packing depends on
+    // the direction.
     INFO(kind << ", correction " << correction);
     Vessel vessel{kind, 0.0125, 6 * 0.0125, 12 * 0.0125};
     if (kind == "slot") vessel.width = 5 * 0.0125;
@@ -173,14 +173,15 @@ TEST_CASE("pressure.source density: still water in any vessel gains no energy an
     for (const std::string kind : {"column", "open box", "full box", "slot"}) published_rest(kind, kind == "open box" ? 1 : 0.1);
 }
 
-TEST_CASE("pressure.source density: the same with either share of the density error corrected in a step", "[validation][sim][long]") {
+TEST_CASE("pressure.source density: either share of the density error per step has the same bounds", "[validation][sim][long]") {
     for (const std::string kind : {"column", "open box", "full box", "slot"})
         for (const double correction : {0.1, 1.0}) published_rest(kind, correction);
 }
 
 TEST_CASE("pressure.source density: water between floor and ceiling rests with the pressure of its weight", "[validation][sim]") {
     // Within 1 %. No free surface: the pressure has no natural zero. The ceiling must mirror the pressure less the weight up to it, or the
-    // topmost layer falls (the run diverged within 0.2 s). Held until the lattice, which is no stable packing, starts to melt (0.3 s).
+    // topmost layer falls (the run diverged within 0.2 s). Checked until the lattice, which is not a stable packing, starts to melt (0.3
+    // s).
     keeps_its_weight({{"gap", d, 0.1, 0.1}, density_source, 0.1, 0.2, 0.01, 0.002});
 }
 
@@ -234,10 +235,11 @@ Rest settle(const Vessel& vessel, const std::string& viscosity, double end, doub
 }
 
 void comes_to_rest(const Vessel& vessel, const std::string& viscosity) {
-    // A lattice is no stable packing: it melts, and what its fall to a denser one sets free (1 % of the height) has to die out. Speeds in
-    // units of sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached), and falling: below half of what it was at 0.5 s
-    // (0.7 to 2 %, by when the lattice melts). Single particles that find a better place jump: the fastest of 1000, 1 to 3 % from run to
-    // run (float and double are two runs), below 5 %. The densest particle scatters in the same way (.02 to .3 %), the mean does not.
+    // A lattice is not a stable packing: it melts, and the energy released by its fall to a denser packing (1 % of the height) must
+    // dissipate. Speeds in units of sqrt(2 g H): the root mean square below 0.7 % (0.2 to 0.4 % is reached), and falling: below half of
+    // what it was at 0.5 s (0.7 to 2 %, by when the lattice melts). Single particles that find a better place jump: the fastest of 1000, 1
+    // to 3 % from run to run (float and double are two runs), below 5 %. The densest particle scatters in the same way (.02 to .3 %), the
+    // mean does not.
     INFO(vessel.kind << (viscosity.empty() ? "" : ", XSPH"));
     const Rest rest = settle(vessel, viscosity, 2.4);
     CAPTURE(rest.early, rest.late, rest.fastest, rest.density, rest.densest);
@@ -302,8 +304,8 @@ std::string square_of_water(const std::string& time, const std::string& tank) {
 }  // namespace
 
 TEST_CASE("still water has rho g depth within 5 % at 99 of 100 frame times for any rhythm of steps", "[validation][sim]") {
-    // Mean pressure of 16 x 16 particles over the weight's. The last steps before a frame are half as long as the others. It was .97
-    // to 1.24 with steps of 2 and 1 ms, and .60 to 1.30 with 1 and .5 ms, when a step left a residual that all particles share. Where
+    // Mean pressure of 16 x 16 particles over the weight's. The last steps before a frame are half as long as the others. A step that
+    // leaves a residual shared by all particles gives .97 to 1.24 with steps of 2 and 1 ms, and .60 to 1.30 with 1 and .5 ms. Where
     // neighbours change places, a short step pushes harder: one frame of 330 has 1.057.
     struct Rhythm {
         double max_step, fps;
@@ -329,7 +331,7 @@ TEST_CASE("still water has rho g depth within 5 % at 99 of 100 frame times for a
 }
 
 TEST_CASE("a tank of boxes, thin or thick, holds still water as calm as one container", "[validation][sim]") {
-    // K/P is 1e-7 as in a container. It was 1e-4 to 3e-4 when faces that lie on each other, or the far edges of a thin box, spoilt images.
+    // K/P is 1e-7 as in a container. If coinciding faces, or the far edges of a thin box, made wrong images, it would be 1e-4 to 3e-4.
     const double wall = GENERATE(0.025, 0.05);
     Simulation simulation = simulation_of(square_of_water(
         "", text::box({-wall, -wall}, {0.2 + wall, 0}) + text::box({-wall, 0}, {0, 0.3}) + text::box({0.2, 0}, {0.2 + wall, 0.3})));
@@ -361,8 +363,8 @@ TEST_CASE("a deep tank in 2D stays calm when its first steps are short, on a lat
 }
 
 TEST_CASE("water that fills the gap between floor and ceiling lies still", "[validation][sim]") {
-    // No surface makes room for what the particles' motion bends. Root mean square over sqrt(2 g H): 0.010; where the pressure is asked for
-    // it nevertheless, 0.24.
+    // No free surface absorbs the density change from curved particle paths. Root mean square speed over sqrt(2 g H): 0.010, or 0.24 if the
+    // pressure has to correct this change.
     const Rest rest = settle(gap, xsph, 1);
     CHECK(rest.early < 0.02);
     CHECK(rest.lost == 0);
@@ -395,8 +397,8 @@ TEST_CASE(
     "half of it",
     "[validation][sim]") {
     // The compression by gravity in a step is far less than the density error that a step may leave: a solve that stops there lets the
-    // column fall for some steps and catches it in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density error
-    // alone). Mean over the lowest four layers.
+    // column fall for some steps and then stops it in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density
+    // error alone). Mean over the lowest four layers.
     for (const double cfl : {0.4, 0.2}) {
         Simulation simulation = simulation_of(scene_of({"open box", 0.0125, 0.1, 0.2}, fmt::format("cfl = {}", cfl), ppe));
         run_until(simulation, 0.5);
@@ -454,7 +456,7 @@ void check_paraboloid(const Simulation& simulation, double spacing, double toler
 }  // namespace
 
 TEST_CASE("a bucket of honey that spins keeps the paraboloid and its energy", "[pressure][boundary]") {
-    // The packing gives way slowly: at 3 s the energy is 2.1 % below the exact one, 1.5 % with 6 mm.
+    // The packing yields slowly: at 3 s the energy is 2.1 % below the exact one, 1.5 % with 6 mm.
     constexpr double spacing = 8e-3;
     Simulation simulation = simulation_of(spun_bucket(spacing, 4));
     simulation.count_energy();

@@ -1,4 +1,4 @@
-/// Free bodies in water, held against Archimedes and against the added mass of a sphere.
+/// Free bodies in water, compared with Archimedes and with the added mass of a sphere.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -37,8 +37,8 @@ double deepest_inside(const Simulation& simulation) {
 }
 
 void floats(double ratio) {
-    // It is dropped with a tilt of 8 degrees, and still bobs a little at the end: by 0.002 m/s. Its own layer of water, four particles
-    // high, settles by 1 % of the pool's depth as the lattice melts; that is counted in what is allowed. No particle may be in it, or lost.
+    // It starts with a tilt of 8 degrees, and still bobs at 0.002 m/s at the end. The water settles by 1 % of the pool's depth as the
+    // lattice melts, which the bound includes. No particle may be inside it, or lost.
     INFO("density ratio " << ratio);
     Simulation simulation = pool(
         {0.2, 0.1, 0.2}, ppe,
@@ -77,9 +77,9 @@ TEST_CASE(
     "density to eight times it",
     "[validation][bodies][regression]") {
     // C = 1/2 in an endless fluid. In a concentric shell of radius b it is (b^3 + 2 a^3)/(b^3 - a^3)/2, 0.605 for a pool of this volume. A
-    // body of radius 4 d; the water first settles around a body of equal density, then the body's density changes. What the settled water
-    // still does to a body of its density is subtracted. A single start shows little: light spheres set off by 1 to 10 % too slowly (6.5 %
-    // in the mean of five), depending on the positions of the particles around them.
+    // body of radius 4 d; the water first settles around a body of equal density, then the body's density changes. The remaining
+    // acceleration of a body of the water's density is subtracted. A single start shows little: light spheres set off by 1 to 10 % too
+    // slowly (6.5 % in the mean of five), depending on the positions of the particles around them.
     const auto ball = [](double density) {
         return pool({0.2, 0.2, 0.2}, "[models]\npressure = \"ppe\"\n",
                     fmt::format("shape = \"sphere\"\nposition = [0.1, 0.1, 0.1]\nradius = 0.05\ndensity = {}\n", density));
@@ -112,7 +112,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water through and loses none", "[validation][bodies]") {
+TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water pass through or leave", "[validation][bodies]") {
     for (const double density : {200.0, 3000.0}) {
         Simulation simulation = pool({0.25, 0.1, 0.25}, ppe,
                                      fmt::format("shape = \"sphere\"\nposition = [0.1, 0.2, 0.12]\nradius = 0.04\nvelocity = [1, -6, "
@@ -126,7 +126,7 @@ TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water t
         INFO("density " << density << " deepest " << deepest);
         CHECK(deepest < 0.01 * d);
         CHECK(simulation.totals().lost_particles == 0);
-        // It may not be inside the floor either.
+        // It must not be inside the floor.
         CHECK(body_of(simulation).centre.y() > 0.04 - 0.1 * d);
     }
 }
@@ -134,9 +134,9 @@ TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water t
 TEST_CASE(
     "a cube thirty and a hundred times as dense as water that lands on the floor of a pool gains no energy, and its steps do not collapse",
     "[validation][bodies][long]") {
-    // The film of water corrects its density under a body that weighs as much as 180 and 600 layers. When that depended on the step's
-    // length, cubes were thrown up faster and faster. All energy that there is: the cube's own and its fall from the pool's surface to the
-    // floor, and the water's.
+    // The film of water corrects its density under a body that weighs as much as 180 and 600 layers. If this correction depended on the
+    // step's length, cubes would be thrown up faster and faster. Total energy: of the cube, of its fall from the pool's surface to the
+    // floor, and of the water.
     struct Throw {
         double ratio, speed;
     };
@@ -201,7 +201,7 @@ void lies_still(const Bed& bed, double spacing, double from, double until) {
 }
 
 /// 1/h^2 grows by 2 W dt/(mu L^3) under a plate of weight W and length L. The honey next to it, which the theory neglects, carries a
-/// seventh of the weight. A splitting of pressure and viscosity that does not expect the plate's load sinks by 1 + 12 nu dt/h^2 faster:
+/// seventh of the weight. If the splitting of pressure and viscosity ignores the plate's load, the plate sinks faster by 1 + 12 nu dt/h^2:
 /// 40 % at 20 Pa s, 3 times at 100.
 void sinks_as_lubrication_says(double mu) {
     constexpr double L = 0.08, W = 8000 * 0.01 * L * 9.81, start = 0.01;

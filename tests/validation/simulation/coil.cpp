@@ -22,8 +22,8 @@ struct CoilCase {
     double frequency, radius;  ///< Hz, m: slender-thread theory (Ribe 2004) for a nozzle of 5 mm radius
 };
 
-/// A thread that coils on a plate; what was laid goes after 0.6 of a turn, so that no heap shortens the fall. The plate circles as the coil
-/// will until the thread has been down for 1.5 turns: else it folds for some turns first.
+/// A thread that coils on a plate. A drain removes fluid after 0.6 of a turn, so that no heap shortens the fall. The plate circles like the
+/// coil until the thread has been down for 1.5 turns; otherwise the thread first folds for some turns.
 Scene coil_on_plate(const CoilCase& c, double spacing, double turns) {
     const std::string circle = fmt::format("{}*max(0, min(1, ({}-t)*{}))", c.radius, c.fall / c.speed + 1.5 / c.frequency, c.frequency);
     const double pi2 = 2 * std::numbers::pi;
@@ -52,7 +52,7 @@ std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
 }
 
 /// 2.5 particles across the nozzle's radius; the probe's own uncertainty after seven turns is 1 to 2 %. The same at finer spacings:
-/// docs/reports/coils.md. @param off from the theory's frequency, as a part of it
+/// docs/reports/coils.md. @param off largest deviation from the theory's frequency, relative
 void turns_as_theory_says(const CoilCase& c, double off) {
     INFO(c.speed << " m/s from " << c.fall << " m, " << c.nu << " m^2/s");
     const std::vector<double> row = measured(c, 2e-3, 7);

@@ -1,4 +1,4 @@
-/// Densities through a whole dam break, and what fluid in a tank keeps.
+/// Densities through a whole dam break, and conservation in a tank.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -89,7 +89,7 @@ TEST_CASE("a looser pressure.tolerance saves iterations in a dam break, and leav
     INFO("iterations " << usual << " and " << loose << ", mean " << usual_error.mean << " and " << loose_error.mean);
     CHECK(loose < 0.8 * usual);
     CHECK(loose_error.largest < 0.01);     // 4 % if it grew with the tolerance
-    CHECK(loose_error.mean < 4e-3 * 0.5);  // what a step may add
+    CHECK(loose_error.mean < 4e-3 * 0.5);  // possible change in a step
 }
 
 TEST_CASE("at any time.cfl, the weight of water limits the step to that of a stable column at rest", "[validation][pressure]") {
@@ -102,11 +102,11 @@ TEST_CASE("at any time.cfl, the weight of water limits the step to that of a sta
         CHECK(simulation.totals().last_step <= calm * (1 + 1e-9));
         bound += simulation.totals().last_step == Approx(calm);
     }
-    CHECK(bound > 3);  // the fall begins with the weight of all
+    CHECK(bound > 3);  // the fall begins with the weight of the whole column
 }
 
 TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validation][pressure]") {
-    // Resonant: the tank, 0.4 m long with water 0.14 m deep, is tilted to and fro with its first period. It is at rest for a second
+    // Resonant: the tank, 0.4 m long with water 0.14 m deep, is tilted back and forth with its first period. It is at rest for a second
     // before, in which the lattice melts, and for two after, when the level is measured again (-0.24 %). Crests reach 3 cm, the lid is far.
     const std::string tilting = "gravity = [\"t > 1 && t < 6 ? 0.5*sin(7.6*(t-1)) : 0\", \"-9.81\", \"0\"]",
                       slab = "periodic = [false, false, true]\n";
@@ -128,7 +128,7 @@ TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validati
 }
 
 TEST_CASE("a rotating square patch has the tension of theory, and keeps symmetry, spin and energy", "[validation][pressure]") {
-    // Half a radian. The pressure that keeps the velocity of a turning square free of divergence solves lap p = 2 rho w^2 with p = 0 on
+    // Half a radian. The pressure that keeps the velocity of a rotating square divergence-free solves lap p = 2 rho w^2 with p = 0 on
     // the sides: -0.1473 rho w^2 L^2 in the middle (Fourier series; Colagrossi 2005). Without a pressure the corners move to 0.79 L.
     constexpr double d = 0.05;
     Simulation simulation =

@@ -14,7 +14,7 @@ namespace {
 
 const std::string published = text::pressure_form("projection") + "source = \"density\"\n";
 
-/// Largest rise of the energy above the least that it had before [J], looked at every 0.02 s.
+/// Largest rise of the energy above its earlier minimum [J], sampled every 0.02 s.
 struct EnergyRise {
     double least = 1e300, most = 0;
     void look(const Simulation& simulation, const Vec3d& gravity) {
@@ -28,7 +28,7 @@ struct EnergyRise {
 }  // namespace
 
 TEST_CASE("pressure.source density: a dam break gains no energy, loses no particle and comes to rest", "[validation][pressure]") {
-    // The energy of height that the dam has to give: half of m g H. It may rise by 0.1 % where the wave falls on itself (0.003 % was
+    // The available potential energy of the dam is half of m g H. The energy may rise by 0.1 % when the wave falls on itself (0.003 % was
     // measured). The level: two fifths of the width are filled to H.
     constexpr double d = 0.0125, H = 12 * d;
     Simulation simulation = simulation_of(
@@ -51,7 +51,8 @@ TEST_CASE("pressure.source density: a dam break gains no energy, loses no partic
 }
 
 TEST_CASE("pressure.source density: a lone falling particle rests half a spacing above the floor", "[validation][pressure]") {
-    // It approaches by a tenth of what is left a step, and its weight holds it g dt^2/share = .01 d higher at most.
+    // It approaches by a tenth of the remaining distance per step, and comes to rest at most g dt^2/share = .01 d off because of its
+    // weight.
     for (const int dimensions : {2, 3}) {
         const auto at = [&](double x, double y, double z) { return text::point(dimensions, x, y, z); };
         Simulation simulation =

@@ -13,7 +13,7 @@ using namespace whorl;
 namespace {
 
 struct Fall {
-    double felt_from = 0;  ///< height of the lowest particle where the floor first takes speed from it [spacings]
+    double felt_from = 0;  ///< height of the lowest particle when the floor first slows it [spacings]
     double lowest = 1e9;   ///< the least height of any particle [spacings]
     double rests = 0;      ///< of the lowest layer over the last tenth of the run [spacings]
     double speed = 0;      ///< the largest at the end [m/s]
@@ -30,7 +30,7 @@ Fall fall(const std::string& pressure, double gate) {
     const auto x = [&] { return simulation.world().fluid.column<field::position>(); };
     Fall found;
     int averaged = 0;
-    // The lowest layer: what is less than half a spacing above the lowest particle.
+    // The lowest layer: particles less than half a spacing above the lowest particle.
     while (simulation.time() < end) {
         REQUIRE(!simulation.step(end).diverged);
         double lowest = 1e9, height = 0, speed = 0, sum = 0;

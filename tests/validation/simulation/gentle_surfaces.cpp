@@ -25,7 +25,7 @@ double fastest(const Simulation& simulation) {
 }
 
 /// Largest speed over sqrt(g H) after 2 s, and largest distance of the pressure along the middle from rho g (surface - y), over rho g H;
-/// where a lid closes the box, from a straight line of that slope through the mean.
+/// if a lid closes the box, from a straight line of that slope through the mean.
 struct Rest {
     double speed = 0, pressure = 0;
 };
@@ -101,7 +101,7 @@ TEST_CASE("a standing wave under the projection keeps its period within 2 %, its
 
 namespace {
 
-/// Both half-axes of a drop that is squeezed, held to 1.5 % until they are 1 : 9.
+/// Compares both half-axes of a squeezed drop with theory, within 1.5 % until they are 1 : 9.
 void keeps_to_the_ellipse(const std::vector<std::string>& changes) {
     // a' = -A a, b' = A b, A' = A^2 (a^2 - b^2)/(a^2 + b^2): the pressure that vanishes on the ellipse. In a filled ellipse
     // <x^2> = a^2/4 and <y^2> = b^2/4. At the end the short one is six spacings.
@@ -131,12 +131,11 @@ void keeps_to_the_ellipse(const std::vector<std::string>& changes) {
 
 }  // namespace
 
-TEST_CASE("a drop without weight that is squeezed has the half-axes of theory within 1.5 % until they are 1 : 9",
-          "[validation][pressure]") {
+TEST_CASE("a squeezed drop without weight has the half-axes of theory within 1.5 % until they are 1 : 9", "[validation][pressure]") {
     keeps_to_the_ellipse({});
 }
 
-TEST_CASE("the same under the projection", "[validation][projection]") {
+TEST_CASE("a squeezed drop without weight has the half-axes of theory within 1.5 % under the projection", "[validation][projection]") {
     keeps_to_the_ellipse({"pressure.form=projection", "fluid.support=3", "models.shifting=none"});
 }
 

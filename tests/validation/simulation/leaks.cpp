@@ -1,4 +1,4 @@
-/// Nothing gets through solids: not by falling on them, not where they sweep through the fluid as fast as they may.
+/// No particle passes through solids, neither by falling on them nor when they sweep through the fluid at the largest allowed speed.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -78,7 +78,7 @@ TEST_CASE("no particle of a dam break passes a mesh plate of a fiftieth of a spa
         for (const Vec3& x : simulation.world().fluid.column<field::position>())
             farthest = std::max(farthest, static_cast<double>(x.x()) - 0.15 - tilt * static_cast<double>(x.y()));
         CHECK(farthest < thickness);
-        CHECK(farthest > -d);  // it has arrived
+        CHECK(farthest > -d);  // the water has arrived
     }
 }
 

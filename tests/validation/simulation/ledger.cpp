@@ -1,4 +1,4 @@
-/// The ledger of momentum: what solids report is what the fluid lost, and it is the right force.
+/// The ledger of momentum: solids report the momentum that the fluid lost, and the force is correct.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -50,10 +50,10 @@ Vec3d momentum(const World& world) {
            parallel_sum(world.fluid.size(), Vec3d(Vec3d::Zero()), [&](Index i) { return Vec3d(u[i].cast<double>()); });
 }
 
-/// Sums of a frame. The probe that makes all solids keep a ledger is the scene's.
+/// Sums over a frame. The scene has the probe for which all solids keep a ledger.
 struct Frame {
-    Vec3d missing = Vec3d::Zero();  ///< change of the fluid's momentum, less its weight, plus what solids received [N s]
-    double exchanged = 0;           ///< sum of the sizes of what they received [N s]
+    Vec3d missing = Vec3d::Zero();  ///< change of the fluid's momentum, minus its weight's impulse, plus the impulse on solids [N s]
+    double exchanged = 0;           ///< sum of the magnitudes of these impulses [N s]
     std::vector<Wrench> on;         ///< by solid, over the frame [N s]
 };
 
@@ -99,8 +99,8 @@ Simulation impact(const Models& models, bool plane) {
 }  // namespace
 
 TEST_CASE("forces on all solids and weight are the change of the fluid's momentum in an impact, within 1e-6", "[validation][ledger]") {
-    // Velocities in float: 6e-8 of 1 m/s a particle and step, of both signs. An impulse that a stage forgot is of the order of 1e-2 and
-    // more.
+    // Velocities in float: 6e-8 of 1 m/s a particle and step, of both signs. An impulse that a stage did not report would be of the order
+    // of 1e-2 or more.
     const bool plane = GENERATE(true, false);
     for (std::size_t number = plane ? 0 : 1; number < splashing().size(); number += plane ? 1 : 2) {  // every second one in 3D
         const Models& models = splashing()[number];
@@ -181,7 +181,7 @@ TEST_CASE("the lift of a submerged body is Archimedes' within 3 % for a disc of 
     }
 }
 
-TEST_CASE("a jet on a plate presses as free streamlines say, within 6 % of its stagnation pressure", "[validation][ledger]") {
+TEST_CASE("a jet on a plate has the pressure of free-streamline theory within 6 % of stagnation pressure", "[validation][ledger]") {
     // x = 2 b/pi (artanh q + arctan q), p = rho U^2/2 (1 - q^2) (Milne-Thomson 1968, Theoretical Hydrodynamics, 11.42). 10 spacings across
     // the jet, where the film that leaves along the plate has 5; gauges of two spacings, on both sides. Means over .6 s
     // on one side scatter by .03 from seed to seed.
@@ -210,7 +210,7 @@ TEST_CASE("a jet on a plate presses as free streamlines say, within 6 % of its s
     }
 }
 
-TEST_CASE("plates that shear a fluid feel mu U/h within 3 %, and opposite forces", "[validation][ledger]") {
+TEST_CASE("plates that shear a fluid have the stress mu U/h within 3 %, and opposite forces", "[validation][ledger]") {
     // 10 spacings apart, periodic along the plates, steady: h^2/nu is 0.01 s. Explicit forms have the wall's shear to 2 %.
     constexpr double U = 0.1, h = 0.05, mu = 250;
     for (const std::string& models : {text::models("ppe", "explicit"), text::models("ppe", "full"),
@@ -227,7 +227,7 @@ TEST_CASE("plates that shear a fluid feel mu U/h within 3 %, and opposite forces
     }
 }
 
-TEST_CASE("a piston that presses thick fluid through a slit feels the force of lubrication at once, within 15 %", "[validation][ledger]") {
+TEST_CASE("a piston that presses thick fluid through a slit has lubrication's force at once, within 15 %", "[validation][ledger]") {
     // A chamber 24 spacings wide, a slit of 8 spacings and twice as long: 12 mu Q L/h^3, half of Hasimoto's loss at a slit in a thin plate,
     // 16 mu Q/(pi h^2), and 12 mu Q l/H^3 in the chamber. The flow is steady within 1 ms. The slit is an opening of 8 particles: the rest
     // of the fluid is enclosed. 10 %: a lattice of 8 spacings; later, disordered, both models press up to a third harder.
@@ -244,9 +244,9 @@ TEST_CASE("a piston that presses thick fluid through a slit feels the force of l
     CHECK(largest_speed(simulation.world().fluid.column<field::velocity>()) < 8 * U);
 }
 
-TEST_CASE("coaxial cylinders feel the torque of Couette flow within 5 %, under the constraint within 10 %", "[validation][ledger]") {
+TEST_CASE("coaxial cylinders have the torque of Couette flow within 5 %, under the constraint within 10 %", "[validation][ledger]") {
     // 12.5 spacings apart, radii of 12.5 and 25, steady within 1 %: (b - a)^2/nu is 0.125 s. 4 pi mu Omega/(1/a^2 - 1/b^2) is exact.
-    // Under the constraint, which `auto` does not choose here, the particles are still finding their places: 7 % too much, 2 % at 0.3 s.
+    // Under the constraint, which `auto` does not choose here, the packing is still settling: 7 % too much, 2 % at 0.3 s.
     constexpr double a = 0.025, b = 0.05, mu = 5, Omega = 4;
     // Weakly compressible particles lose their order until .3 s: 12 % too much at .2 s without shifting, 1 % too little with it.
     for (const std::string& models : {text::models("coupled"), text::models("ppe", "full"), text::models("wcsph", "full"),

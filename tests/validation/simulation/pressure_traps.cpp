@@ -38,8 +38,8 @@ const std::string tank =
 }  // namespace
 
 TEST_CASE("a Taylor-Green vortex of 16^3 particles in a periodic box never gains energy, every solve converges", "[validation][sim]") {
-    // Nothing can give way there: asked for densities below that at rest, the pressures would grow without bound (the time step collapsed
-    // at 0.05 s). The energy may rise by what a step's correction of uneven densities adds, 1 % of the start.
+    // The fluid cannot expand. If the solve required densities below the rest density, the pressures would grow without bound (the time
+    // step collapses at 0.05 s). The energy may rise by what a step's correction of uneven densities adds, 1 % of the start.
     for (const std::string preconditioner : {"jacobi", "multigrid"}) {
         INFO(preconditioner);
         Simulation simulation = trap(
@@ -105,9 +105,9 @@ TEST_CASE("a drop next to a pool falls with g t within 1e-3 while the pool is at
 }
 
 TEST_CASE("two blocks that overlap at the start are pushed apart without a burst, and no particle is lost", "[validation][sim]") {
-    // Half of each block lies in the other: twice the density, and single pairs nearly on top of each other. What is pressed together
-    // leaves at most by 5 % of its density times the share of a step; the fastest stays below the speed of a fall through the tank. Steps
-    // that do not converge say so.
+    // Half of each block lies in the other: twice the density, and single pairs nearly on top of each other. The correction reduces the
+    // density per step by at most 5 % times the step's share; the fastest stays below the speed of a fall through the tank. Steps that do
+    // not converge are reported.
     Simulation simulation =
         trap(tank + text::block({0, 0, 0}, {0.1, 0.1, 0.1}) + text::block({0.055, 0.004, 0}, {0.165, 0.104, 0.1}), "multigrid");
     double fastest = 0;

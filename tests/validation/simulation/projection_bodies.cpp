@@ -1,4 +1,4 @@
-/// Free bodies in the projection, against Archimedes and added masses.
+/// Free bodies under the projection, compared with Archimedes and added masses.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -35,8 +35,8 @@ double part_of_acceleration(double density, double time) {
 }  // namespace
 
 TEST_CASE("under the projection a disc starts with (m_f - m) g/(m + C m_f) within 14 % at R = 5 d", "[validation][projection][bodies]") {
-    // The pressure is read half a spacing off the surface: the added mass comes out too small, by 12 % of the acceleration where the disc
-    // is light and by 3 % where it is twice as dense as the fluid.
+    // The pressure is read half a spacing off the surface: the added mass comes out too small, by 12 % of the acceleration for a light disc
+    // and by 3 % for a disc twice as dense as the fluid.
     for (const double density : {10.0, 100.0, 2000.0, 8000.0}) {
         INFO("density " << density);
         CHECK(part_of_acceleration(density, 0.02) == Approx(1).epsilon(0.14));
@@ -44,8 +44,9 @@ TEST_CASE("under the projection a disc starts with (m_f - m) g/(m + C m_f) withi
 }
 
 TEST_CASE("under the projection a ball starts with (m_f - m) g/(m + C m_f) within 10 % at R = 4 d", "[validation][projection][bodies]") {
-    // C = (b^3 + 2 a^3)/(b^3 - a^3)/2 in a vessel of radius b = 2.5 a about a ball of radius a. Too fast by 3 % where it is twice
-    // as dense as the fluid and by 8 % where it is a tenth: the pressure is read half a spacing off the surface. Nothing pushes it aside.
+    // C = (b^3 + 2 a^3)/(b^3 - a^3)/2 in a vessel of radius b = 2.5 a about a ball of radius a. Too fast by 3 % if it is twice as dense as
+    // the fluid, and by 8 % if it has a tenth of that density: the pressure is read half a spacing off the surface. Nothing pushes it
+    // aside.
     constexpr double C = 0.6026;
     for (const double density : {100.0, 500.0, 2000.0}) {
         Simulation simulation = simulation_of(text::time(1, "max_step = 2e-3") + text::domain({-0.15, -0.15, -0.15}, {0.15, 0.15, 0.15}) +
@@ -72,7 +73,7 @@ TEST_CASE("under the projection a disc of the fluid's density stays where it is"
 
 TEST_CASE("under the projection a raft half as dense as water floats half under water, within .4 spacings",
           "[validation][projection][bodies][long]") {
-    // The pressure counts from the outermost particles, half a spacing below the surface: so much deeper it may float.
+    // The pressure is 0 at the outermost particles, half a spacing below the surface, so it may float that much deeper.
     constexpr double d = 0.025;
     Simulation simulation =
         simulation_of(text::time(9, "max_step = 1e-2") + text::domain({-0.1, -0.1}, {1.1, 1.1}) + text::fluid(d, 1) + projection +

@@ -1,4 +1,4 @@
-/// Surface tension under the projection, against linear theory: the pressure in a drop, its swing, and waves that weight and tension share.
+/// Surface tension under the projection, against linear theory: the pressure in a drop, its oscillation, and capillary-gravity waves.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -81,25 +81,25 @@ Swing swing(bool space, const char* spacing) {
 
 }  // namespace
 
-TEST_CASE("under the projection a drop in the plane rests with the pressure sigma/R within 2 %", "[validation][projection][tension]") {
+TEST_CASE("under the projection a 2D drop rests with the pressure sigma/R within 2 %", "[validation][projection][tension]") {
     const Rest rest = drop_at_rest(false, "fluid.spacing=4e-4");
     CHECK(rest.pressure == Approx(1).epsilon(0.02));
     CHECK(rest.speed < 0.02);
 }
 
-TEST_CASE("under the projection a drop in space rests with the pressure 2 sigma/R within 2 %", "[validation][projection][tension][long]") {
+TEST_CASE("under the projection a 3D drop rests with the pressure 2 sigma/R within 2 %", "[validation][projection][tension][long]") {
     const Rest rest = drop_at_rest(true, "fluid.spacing=6e-4");
     CHECK(rest.pressure == Approx(1).epsilon(0.02));
     CHECK(rest.speed < 0.02);
 }
 
-TEST_CASE("under the projection a drop in the plane swings with the period of theory within 5 %", "[validation][projection][tension]") {
+TEST_CASE("under the projection a 2D drop oscillates with the period of theory within 5 %", "[validation][projection][tension]") {
     const Swing of = swing(false, "fluid.spacing=4e-4");
     CHECK(of.period == Approx(1).epsilon(0.05));
     CHECK(of.kept > 0.85);
 }
 
-TEST_CASE("under the projection a drop in space swings with the period of theory within 5 %", "[validation][projection][tension][long]") {
+TEST_CASE("under the projection a 3D drop oscillates with the period of theory within 5 %", "[validation][projection][tension][long]") {
     const Swing of = swing(true, "fluid.spacing=5e-4");
     CHECK(of.period == Approx(1).epsilon(0.05));
     CHECK(of.kept > 0.75);

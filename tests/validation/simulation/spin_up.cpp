@@ -66,7 +66,7 @@ Errors distance_from(const SteadySpinUp& exact, const Simulation& simulation) {
 const char* const pressures[] = {"pressure = \"wcsph\"", "pressure = \"ppe\"\n[pressure]\nform = \"constraint\"",
                                  "pressure = \"ppe\"\n[pressure]\nform = \"projection\""};
 
-/// Fluid at rest in a piece of the plane that repeats. @param couple an expression
+/// Fluid at rest in a periodic square. @param couple an expression
 std::string uniform(const std::string& form, const std::string& pressure, const std::string& exchange, const std::string& couple) {
     return text::time(0.4, "max_step = 2e-3") + text::domain({0, 0}, {0.2, 0.2}, "periodic = [true, true]\ngravity = [0, 0]") +
            text::fluid(0.0125, 4) + text::models("", "explicit") +
@@ -79,9 +79,9 @@ std::string uniform(const std::string& form, const std::string& pressure, const 
 
 }  // namespace
 
-// At 4 s what the start leaves has decayed to exp(-3.83^2 (a - kappa/2) t/R^2) = 0.6 %. The spin falls to the wall's over 1/m, three
+// At 4 s the transient has decayed to exp(-3.83^2 (a - kappa/2) t/R^2) = 0.6 %. The spin falls to the wall's over 1/m, three
 // spacings here: 5 %. With 64 across it is 2 % (docs/reports/micropolar.md).
-TEST_CASE("a torque turns fluid in a round vessel whose wall holds the spin as modified Bessel functions say",
+TEST_CASE("a torque turns fluid in a round vessel with fixed wall spin by the modified Bessel solution",
           "[validation][projection][micropolar][plane][long]") {
     Simulation simulation = vessel(1);
     run_until(simulation, 4);

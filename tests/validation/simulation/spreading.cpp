@@ -24,7 +24,7 @@ struct Current {
     double time(double radius) const { return std::pow(radius / scale(), 8); }
 };
 
-/// The profile in layers of one spacing, that far out and that high.
+/// The profile in layers of one spacing, of this radius and height.
 std::string puddle(double radius, double height, const std::string& rest) {
     std::string text = fmt::format(R"toml([time]
 end = 100
@@ -48,7 +48,7 @@ const std::string sticking = "[[solid]]\nshape = \"plane\"\n";
 void spreads(const std::string& models) {
     // It starts with the profile of the similarity solution and takes twice the time that a point source would have taken: a
     // viscosity that is wrong by a half shows. The radius is that of a similarity profile with the same mean square distance from the axis:
-    // where the front is, half a spacing of doubt is 2 %.
+    // at the front, an uncertainty of half a spacing is 2 %.
     INFO(models);
     Simulation simulation = simulation_of(puddle(24 * d, 6 * d, models));
     const auto count = static_cast<double>(simulation.world().fluid.size());

@@ -1,4 +1,4 @@
-/// Turbulence in 2D against what its equations say of energy and enstrophy.
+/// Turbulence in 2D against its equations for energy and enstrophy.
 #include <catch2/catch.hpp>
 
 #include "tests/support/benchmarks.h"
@@ -8,7 +8,7 @@
 using namespace whorl;
 using namespace whorl::test;
 
-TEST_CASE("turbulence in the plane loses energy at 2 nu times its enstrophy, and its enstrophy never grows",
+TEST_CASE("2D turbulence loses energy at 2 nu times its enstrophy, and its enstrophy never grows",
           "[validation][projection][plane][long]") {
     // scenes/turbulence.toml without spin and with four times the viscosity, so that the flow is well resolved. E is half of the mean
     // square of the velocity over the particles, Z half of the mean square of the vorticity. The probe's vorticity is by least squares over
@@ -34,6 +34,6 @@ TEST_CASE("turbulence in the plane loses energy at 2 nu times its enstrophy, and
         energy = E, enstrophy = Z;
     }
     INFO("lost " << first - energy << " of " << first << ", by enstrophy " << lost);
-    CHECK(first - energy > 0.3 * first);  // there is something to measure
+    CHECK(first - energy > 0.3 * first);  // the loss is large enough to measure
     CHECK(first - energy == Approx(lost).epsilon(0.05));
 }

@@ -1,4 +1,4 @@
-/// Free bodies of fluid that turn: what the time step does to them.
+/// Effect of the time step on rotating free bodies of fluid.
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -61,7 +61,7 @@ double off_its_circle(double step) {
         const auto x = simulation.world().fluid.column<field::position>();
         return std::vector<Vec3>(x.begin(), x.end());
     };
-    const std::vector<Vec3> start = places();  // the store sorts its particles: each is taken for the one that began nearest
+    const std::vector<Vec3> start = places();  // the store sorts its particles: identifies each by the nearest initial position
     const double end = 0.2;
     run_until(simulation, end);
     const Mat3 back = Eigen::AngleAxis<Real>(static_cast<Real>(-turning * end), Vec3::UnitZ()).toRotationMatrix();
@@ -88,7 +88,8 @@ TEST_CASE("under the projection the cylinder keeps 0.995 of its energy, and its 
     keeps_its_energy(projection, 0.995, 5e-3);
 }
 
-TEST_CASE("the same with half and a quarter of the step", "[validation][coupled][pressure][viscosity][long]") {
+TEST_CASE("a turning free cylinder of 700 Pa s keeps its energy with half and a quarter of the step",
+          "[validation][coupled][pressure][viscosity][long]") {
     for (const double step : {2.5e-3, 1.25e-3}) {
         keeps_its_energy(coupled, 0.995, step);
         keeps_its_energy(full, 0.985, step);
@@ -98,8 +99,8 @@ TEST_CASE("the same with half and a quarter of the step", "[validation][coupled]
 
 TEST_CASE("a stiff body that turns follows its circle at second order in the step, with ppe and full",
           "[validation][pressure][viscosity]") {
-    // Exact but for the step: a step turns the body by the angle whose sine is dt w. So it is ahead by (dt w)^2 w t/6. (coupled moves the
-    // particles of a lattice apart by 0.1 % of the radius first, whatever the step.)
+    // A step turns the body by the angle whose sine is dt w, so it is ahead by (dt w)^2 w t/6; otherwise the motion is exact. (coupled
+    // moves the particles of a lattice apart by 0.1 % of the radius first, whatever the step.)
     const double coarse = off_its_circle(8e-3), fine = off_its_circle(4e-3), order = std::log2(coarse / fine);
     INFO(coarse << " with steps of 8 ms, " << fine << " with 4 ms");
     CHECK(order > 1.8);

@@ -1,4 +1,4 @@
-/// How much of a vortex the particles' own noise eats.
+/// Energy of a vortex that particle noise dissipates.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>

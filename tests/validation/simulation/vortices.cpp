@@ -28,7 +28,7 @@ std::string vortices_of(const std::string& amplitude, const std::string& depth =
 }
 std::string decay(double nu) { return fmt::format("exp(-{}*t)", 8 * pi * pi * nu); }
 
-/// Runs the scene and holds the energy and the velocity of each particle to the exact flow on the way.
+/// Runs the scene and compares the energy and the velocity of each particle with the exact flow at several times.
 void hold_to_theory(const std::vector<std::string>& changes, const Bounds& bounds, double end = 2) {
     Simulation simulation = benchmark("taylor_green_vortices", changes);
     for (double time = 0.5; time <= end; time += 0.5) {
@@ -59,7 +59,7 @@ TEST_CASE("Taylor-Green vortices, 64 a side, keep energy and velocity within .5 
     hold_to_theory(taylor_green(64, 1000, "jittered"), {0.005, 0.005});
 }
 
-TEST_CASE("Taylor-Green vortices of 64 a side keep them scattered at Re 100 and on a lattice at Re 1000",
+TEST_CASE("Taylor-Green vortices, 64 a side, keep theory scattered at Re 100 and on a lattice at Re 1000",
           "[validation][projection][long]") {
     hold_to_theory(taylor_green(64, 100, "jittered"), {0.005, 0.005});
     hold_to_theory(taylor_green(64, 1000, "lattice"), {0.005, 0.005});
@@ -220,7 +220,7 @@ TEST_CASE("the cavity at Re 400, 64 a side, is within 2 % of the lid's speed of 
     CHECK(cavity_error(400, 64, 40) < 0.02);
 }
 
-// Not reached: 4.6 % (docs/reports/vortices.md says what was tried).
+// Not reached: 4.6 % (attempts: docs/reports/vortices.md).
 TEST_CASE("the cavity at Re 1000, 64 a side, is within 2 % of the lid's speed of a grid's solution", "[validation][projection][long]") {
     CHECK(cavity_error(1000, 64, 60) < 0.02);
 }
@@ -229,7 +229,7 @@ TEST_CASE("the cavity at Re 100, 128 a side, is within 1 % of the lid's speed of
     CHECK(cavity_error(100, 128, 15) < 0.01);
 }
 
-TEST_CASE("Ghia, Ghia and Shin's figures of the cavity are within 2 % of the lid's speed of the grid's", "[validation]") {
+TEST_CASE("Ghia, Ghia and Shin's cavity velocities are within 2 % of the lid's speed of the grid solution", "[validation]") {
     // Theirs are from 129 points a side. At Re 400 one of them, v at x = .9063, is a misprint: it breaks the curve.
     const Table grid = reference("lid_driven_cavity");
     int compared = 0;

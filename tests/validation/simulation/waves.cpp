@@ -28,10 +28,10 @@ std::string passage(double U, double k) {
 }  // namespace
 
 TEST_CASE("the front of a collapsing column is within 5 % of the experiment at every tabulated time", "[validation][sim]") {
-    // Martin and Moyce 1952, table 2: a column of width a = 2.25 in and height 2 a; Z = x/a at T = t sqrt(2 g/a). There a membrane has to
-    // burst before the water moves, and when it had is known no better than that: times count from the table's first row, Z = 1.22, which
-    // the water that is free at once reaches 0.15 in T earlier. 3.5 % were measured; in T as printed the front leads by 6 to 14 %. Its mean
-    // speed is within 5 %, too.
+    // Martin and Moyce 1952, table 2: a column of width a = 2.25 in and height 2 a; Z = x/a at T = t sqrt(2 g/a). There a membrane bursts
+    // before the water moves, and the time of the burst is not known accurately. Times therefore count from the table's first row, Z
+    // = 1.22, which the water that is free at once reaches 0.15 in T earlier. 3.5 % were measured; in T as printed the front leads by 6 to
+    // 14 %. Its mean speed is within 5 %, too.
     constexpr double a = 0.05715;
     const std::vector<std::pair<double, double>> measured{{0.84, 1.22}, {1.19, 1.44}, {1.43, 1.67}, {1.63, 1.89}, {1.83, 2.11},
                                                           {1.98, 2.33}, {2.20, 2.56}, {2.32, 2.78}, {2.51, 3.00}, {2.65, 3.22},
@@ -76,15 +76,15 @@ TEST_CASE("the front of a collapsing column is within 5 % of the experiment at e
 TEST_CASE("a standing wave, 40 particles long in water of 20 layers, has its period within 3 %", "[validation][sim]") {
     // Linear theory: omega^2 = g k tanh(k h), started flat with the velocities of its passage: u = U (sin kx cosh ky, -cos kx sinh ky)/sinh
     // kh. The wave's height is k A = 0.13, where the nonlinear period differs by 0.2 %. Two and a half periods lie between the first and
-    // the sixth zero of the sum of u_y cos kx. Scattered at the start: a lattice melts meanwhile, and what that does to a wave lower than a
-    // spacing makes the period 4 % short (1.6 % without damping).
+    // the sixth zero of the sum of u_y cos kx. Scattered at the start: a lattice melts meanwhile, which makes the period of a wave lower
+    // than a spacing 4 % short (1.6 % without damping).
     constexpr double length = 0.4, h = 0.2, U = 0.1, d = 0.01, k = 2 * std::numbers::pi / length;
     Simulation simulation = simulation_of(
         text::time(2, "max_step = 5e-3") + text::domain({0, -0.05}, {length, 0.4}, "periodic = [true, false]") + text::fluid(d) +
         text::models("ppe") + text::block({0, 0}, {length, h}, "sampling = \"blue_noise\"\n" + passage(U / std::sinh(k * h), k)) +
         text::plane({0, 0}, {0, 1}));
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
-    Zeros zeros(period / 4);  // noise of a hundredth may cross to and fro within a step or two
+    Zeros zeros(period / 4);  // noise of 1 % may cross zero repeatedly within a step or two
     while (zeros.at.size() < 6 && simulation.time() < 2) {
         REQUIRE_FALSE(simulation.step(2).diverged);
         const auto x = simulation.world().fluid.column<field::position>();
@@ -199,7 +199,7 @@ TEST_CASE("piston waves 1.7 spacings high have the height of theory within 8 % o
         simulation_of(text::time(5) + text::domain({-0.3, -0.1}, {4.7, 0.55}) + text::fluid(0.025) + text::pressure_form("projection") +
                       text::block({0, 0}, {4.4, 0.25}) + text::box({-0.5, -0.1}, {4.6, 0}, free) +
                       text::box({4.4, -0.1}, {4.6, 0.55}, free) + text::box({-0.2, 0}, {0, 0.55}, piston + free));
-    // Depth, weighted by a hat of 0.15 m to both sides: of the wave's height it sees (sin(k b/2)/(k b/2))^2.
+    // Depth, weighted by a hat of 0.15 m to both sides. It measures (sin(k b/2)/(k b/2))^2 of the wave's height.
     constexpr double b = 0.15;
     std::vector<std::pair<double, double>> near, far;
     const auto depth = [&](double at) {

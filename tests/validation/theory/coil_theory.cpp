@@ -5,8 +5,8 @@
 
 using namespace whorl;
 
-// Fifty settings, most of which no table has: from thick to thin, slow to fast, low to high, every other one of the grid. What is found
-// changes gently with each of them along the branch, but for folds where thin fluid falls far.
+// Fifty settings, mostly in no table: from thick to thin, slow to fast, low to high, every second one of the grid. The solution changes
+// smoothly with each of them along the branch, except at folds, when thin fluid falls far.
 TEST_CASE(
     "a steady coil is found for every fall of 4 to 30 cm, viscosity of 0.02 to 5 m^2/s and speed of 5 to 50 cm/s from a nozzle of 5 mm",
     "[validation][coil]") {
@@ -21,7 +21,7 @@ TEST_CASE(
                 const auto theory = solver.at(p);
                 REQUIRE(theory);
                 most = std::max(most, solver.effort());
-                // Laid at rest: the thread's speed is that of the contact's turning, 2 pi f R; the flux is the nozzle's.
+                // Laid at rest: the thread's speed is 2 pi f R, that of the rotating contact; the flux is that of the nozzle.
                 CHECK(2 * M_PI * theory->frequency * theory->radius * std::pow(theory->thread_radius / 5e-3, 2) ==
                       Approx(speed).epsilon(1e-5));
                 CHECK(theory->length > fall - theory->thread_radius);

@@ -1,4 +1,4 @@
-// The page of `whorl live` in a real browser. Without Chromium (apt-get install chromium) these tests say so and are skipped.
+// The page of `whorl live` in a real browser. Without Chromium (apt-get install chromium) these tests are skipped with a message.
 #include <signal.h>
 
 #include <catch2/catch.hpp>
@@ -52,7 +52,7 @@ Browser& browser_of(int width, int height) {
 
 std::string address(const LiveProgram& live) { return "http://127.0.0.1:" + std::to_string(live.port()) + "/"; }
 
-/// The picture as the page shows it, in a few numbers that change when it does.
+/// The displayed image as a few numbers that change with it.
 const char* const look_at_picture =
     "(() => { const p = document.getElementById('picture'); if (!p.width) return ''; const c = document.createElement('canvas'); "
     "c.width = 32; c.height = 18; const g = c.getContext('2d'); g.drawImage(p, 0, 0, 32, 18); "
@@ -62,7 +62,7 @@ const char* const look_at_picture =
 
 TEST_CASE("the page shows the run, moves it and changes it", "[live][page]") {
     if (missing()) return;
-    LiveProgram live(honey);  // paused: a browser that starts slowly misses nothing
+    LiveProgram live(honey);  // paused, so that a browser that starts slowly misses no frame
     Browser& browser = browser_of(1280, 800);
     browser.open(address(live));
     REQUIRE(browser.wait_for("document.getElementById('picture').width == 160"));
@@ -123,7 +123,7 @@ TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run
         browser.front(page);
         CHECK(browser.wait_for("document.getElementById('picture').width == 160"));
     }
-    // A third that comes later sees the curves from the first frame on.
+    // A third viewer that opens later gets the curves from the first frame on.
     for (int k = 0; k < 3; ++k) live.step();
     const int late = browser.open(address(live));
     CHECK(browser.wait_for("[...document.querySelectorAll('#plots figure')].length > 3"));
@@ -153,11 +153,11 @@ TEST_CASE("the page fits a phone and can be used with the keyboard alone", "[liv
     browser.open(address(live));
     REQUIRE(browser.wait_for("document.querySelector('[data-path=\"fluid.viscosity\"]')"));
     CHECK(browser.evaluate("document.documentElement.scrollWidth") == 390);
-    // The knobs are not far below the picture that they change.
+    // The controls are not far below the image that they change.
     CHECK(browser.evaluate("(() => { const top = id => document.getElementById(id).getBoundingClientRect().top; return top('frame') < "
                            "top('buttons') && top('buttons') < "
                            "top('knobs') && top('knobs') < top('facts') && top('facts') < top('plots'); })()") == true);
-    // Everything that can be pressed has a name, and can be reached.
+    // Every control has a name and is reachable.
     CHECK(browser.evaluate("[...document.querySelectorAll('button, a, input, select, summary')].filter(e => e.tabIndex < 0 || "
                            "!(e.textContent.trim() || e.labels?.length || e.getAttribute('aria-label'))).length") == 0);
     browser.press(".");
@@ -234,7 +234,7 @@ to = [0, 0.02, 0]
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("the page shows every group of every shipped scene and nothing of the scene before", "[live][page]") {
+TEST_CASE("the page shows every group of every shipped scene, and no group of the previous scene", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey);
     Browser& browser = browser_of(1280, 800);
@@ -266,7 +266,7 @@ TEST_CASE("the page shows every group of every shipped scene and nothing of the 
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("a knob is found by its words, restored by Escape and announced, and errors go with their cause", "[live][page]") {
+TEST_CASE("a control is found by its text, restored by Escape and announced, and errors end with their cause", "[live][page]") {
     if (missing()) return;
     LiveProgram live(honey, {"--unpaced"});
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -291,7 +291,7 @@ TEST_CASE("a knob is found by its words, restored by Escape and announced, and e
     browser.evaluate(field + ".closest('details').open = true, " + field + ".focus(), " + field + ".value = 'nonsense', 0");
     browser.press("Escape");
     CHECK(browser.evaluate(field + ".value") == "0");
-    // An error stays while the scene file is wrong, whatever else is done, and goes when it is right.
+    // An error stays as long as the scene file is invalid, and disappears when it is valid.
     const std::string right = read_whole(live.scene());
     std::ofstream(live.scene()) << right << "[fluid]\nspacing = -1\n";
     REQUIRE(browser.wait_for("!$('problem').hidden"));

@@ -1,4 +1,4 @@
-// Long measurements of a live run; not tests that run by themselves: whorl_validation "[soak]" (minutes from WHORL_SOAK_MINUTES),
+// Long measurements of a live run, only on request: whorl_validation "[soak]" (minutes from WHORL_SOAK_MINUTES),
 // "[latency]".
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -44,7 +44,7 @@ double seconds_until_picture(LiveProgram& live, std::uint64_t number, int frame,
 
 }  // namespace
 
-TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame times are printed)", "[.][soak]") {
+TEST_CASE("sliders moved at random for minutes keep memory constant (prints frame times)", "[.][soak]") {
     const char* wanted = std::getenv("WHORL_SOAK_MINUTES");
     const double seconds = 60 * (wanted != nullptr ? std::atof(wanted) : 10.0);
     LiveProgram live(shipped("honey_coil.toml"), {"--unpaced", "--size", "320x180", "--set", "fluid.spacing=4e-3"});
@@ -96,7 +96,7 @@ TEST_CASE("sliders moved at random for minutes: memory stays as it was (frame ti
     CHECK(live.end().code == 0);
 }
 
-TEST_CASE("how long a change takes to show", "[.][latency]") {
+TEST_CASE("latency of a change in the image", "[.][latency]") {
     LiveProgram live(shipped("honey_coil.toml"), {"--quality", "draft", "--paused", "--unpaced", "--size", "640x360"});
     live.wait_for([](const json& s) { return s.at("picture").is_number(); });
     std::vector<double> look, physics;
