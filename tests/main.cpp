@@ -8,10 +8,10 @@
 
 int main(int argc, char** argv) {
     whorl::wait_passively(argv);
-    // The program keeps coarse runs of films: not in the user's cache, and none from one run of the tests to the next.
+    // The program caches coarse runs. Tests use a separate cache, which is empty at the start.
     const whorl::test::ScratchFolder cache;
     setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
-    // The software driver compiles a shader for seconds: once for all tests of a build folder.
+    // The software driver takes seconds to compile a shader, so all tests of a build folder share the compiled shaders.
     setenv("MESA_SHADER_CACHE_DIR", (std::filesystem::path(WHORL_PROGRAM).parent_path() / "tests/shaders").c_str(), 0);
     return Catch::Session().run(argc, argv);
 }

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from small_film import film, rows  # noqa: E402
 
 FILM = film(0.5, 3e-3, "132, 64")
-LONG_FILM = film(0.5, 1.8e-3, "132, 64")  # takes long enough for its job to be taken from its node meanwhile
+LONG_FILM = film(0.5, 1.8e-3, "132, 64")  # long enough for its job to lose its node meanwhile
 PANELS = FILM + """
 style = "particles"
 field = "speed"

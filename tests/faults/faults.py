@@ -142,7 +142,7 @@ class Faults:
                 child.communicate()
                 done = self.resume(out)
                 if done.returncode == 2 and ("no run folder" in done.stderr or "no such folder" in done.stderr):
-                    done = self.run(*self.command(out))  # nothing was made yet: restarted
+                    done = self.run(*self.command(out))  # no output yet: restarted
                 self.said(done, 0)
                 self.same(out)
 
@@ -150,7 +150,7 @@ class Faults:
             shutil.rmtree(out, ignore_errors=True)
 
     def two(self):
-        """Two programs in one folder: the second is refused, the first is not disturbed."""
+        """Two programs in one folder: the second is refused, the first continues undisturbed."""
         out = self.folder / "two"
 
         def work():
@@ -250,7 +250,7 @@ class Faults:
             self.case(f"a disk with room for {kilobytes} kB of {size // 1024}", work)
 
     def clock(self):
-        """The time of day jumps to and fro by a day while the film is made, and the program is suspended for some seconds."""
+        """The clock jumps back and forth by a day during the run, and the program is suspended for some seconds."""
         out, jumping = self.folder / "clock", self.folder / "jumping.so"
 
         def work():

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kind = "WHORLCP3";
 
-// Something of all that a checkpoint holds: fluid with a source and an age, an emitter, a free body, probes that remember.
+// Every part of a checkpoint: fluid with a source and an age, an emitter, a free body, probes with a state.
 const char* const scene_text = R"(
 [time]
 end = 1

@@ -17,10 +17,10 @@ inline std::size_t mutate_sealed(std::string_view kind, std::uint8_t* data, std:
     return file.size();
 }
 
-/// @param read throws where it refuses a file
+/// @param read throws if it refuses a file
 template <class Read>
 void expect_refusal_of_changes(const std::string& sound, Read&& read) {
-    std::uint64_t at = 14695981039346656037ull;  // a place that follows from the content, so that a finding can be repeated
+    std::uint64_t at = 14695981039346656037ull;  // a position computed from the content, so that a finding is reproducible
     for (const char c : sound) at = (at ^ static_cast<unsigned char>(c)) * 1099511628211ull;
     std::string changed = sound;
     changed[at % changed.size()] = static_cast<char>(changed[at % changed.size()] ^ (1 << (at >> 32) % 8));

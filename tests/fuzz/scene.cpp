@@ -1,4 +1,4 @@
-// Scene texts, with their plan. What is read reads back from its resolved text as the same scene.
+// Scene texts, with their plan. A valid scene reads back equal from its resolved text.
 #include "engine/scene/plan.h"
 #include "tests/fuzz/target.h"
 #include "tools/scene_file/scene_file.h"

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs that are small enough for thousands of them a minute.
+/// Runs so small that thousands of them take a minute.
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
 #include "engine/scene/scene_scales.h"
@@ -10,7 +10,7 @@ namespace whorl::fuzz {
 
 constexpr double few = 500;  // particles
 
-/// Whether the scene begins with few particles, those in nozzles and on solids counted.
+/// Whether the scene begins with few particles, including those in nozzles and on solids.
 inline bool is_small(const Scene& scene, const Plan& plan) {
     std::vector<Problem> none;
     const SceneShapes shapes = make_shapes(scene, none);
@@ -30,7 +30,7 @@ inline void step_once(Simulation& simulation, const NamedProbes& probes) {
     }
 }
 
-/// The surface of few particles, with the distance volume where that is small, too.
+/// The surface of few particles, with the distance volume if that is also small.
 inline void surface_of(const Frame& frame, SurfaceOptions options) {
     if (static_cast<double>(frame.position.size()) > few) return;
     Vec3f low = Vec3f::Zero(), high = low;

@@ -1,4 +1,4 @@
-// Scenes that are small enough are begun: particles placed, a step made, probes asked, the surface built.
+// Starts scenes that are small enough: places particles, makes a step, queries the probes, builds the surface.
 #include "tests/fuzz/small_run.h"
 #include "tools/scene_file/scene_file.h"
 

@@ -22,7 +22,7 @@ namespace whorl::fuzz {
 
 inline std::string_view text_of(const std::uint8_t* data, std::size_t size) { return {reinterpret_cast<const char*>(data), size}; }
 
-/// This process's folder of temporary files (below TMPDIR), with those that texts of the corpus name: tests/fuzz/files.
+/// This process's temporary folder (below TMPDIR), with a copy of the files that the corpus names (tests/fuzz/files).
 inline const std::filesystem::path& scratch() {
     static const std::filesystem::path folder = [] {
         const auto made = std::filesystem::temp_directory_path() / ("whorl_fuzz_" + std::to_string(getpid()));
@@ -33,14 +33,14 @@ inline const std::filesystem::path& scratch() {
     return folder;
 }
 
-/// The bytes as a file there; the same one every time.
+/// Writes the bytes to a file there, always of the same name.
 inline std::filesystem::path as_file(std::string_view bytes, const std::string& extension) {
     const std::filesystem::path file = scratch() / ("input" + extension);
     std::ofstream(file, std::ios::binary) << bytes;
     return file;
 }
 
-/// Ends the process with a report where a promise is broken.
+/// Ends the process with a report if a guarantee is violated.
 inline void expect(bool holds, const char* promise, const std::string& details = "") {
     if (holds) return;
     std::fprintf(stderr, "broken promise: %s\n%s\n", promise, details.c_str());

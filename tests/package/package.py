@@ -34,7 +34,7 @@ def run(*words, **more):
 
 
 def links(folder):
-    """How many links of the pages to each other, to pictures and scenes there are. Ends where one is dead."""
+    """Number of links between the pages, and to images and scenes. Exits at a dead link."""
     found = [(page, link) for page in folder.rglob("*.md") for link in re.findall(r"\]\(([^)#:\s]+)[^):\s]*\)", page.read_text())]
     dead = [f"{page.relative_to(folder)}: {link}" for page, link in found if not (page.parent / link).exists()]
     if dead or not found:

@@ -16,7 +16,7 @@ HONEY_FRAME, PADDLE_FRAME, WIDTH, HEIGHT = 48, 20, 640, 360
 
 
 def outside(whorl):
-    """What runs outside of Blender: makes the runs, then calls Blender on them."""
+    """The part outside Blender: makes the runs, then calls Blender on them."""
     blender = shutil.which("blender")
     if not blender:
         print("there is no Blender; install it with: apt-get install -y --no-install-recommends blender")
@@ -28,7 +28,7 @@ def outside(whorl):
             subprocess.run([whorl, *map(str, words), "--quiet"], check=True)
 
         run("render", "honey_coil", "--quality", "draft", "--frames", HONEY_FRAME, "--no-images", "--export", "mesh,scene,raw", "--out", folder / "honey")
-        for colour in (0, 1):  # where the picture changes with the fluid's colour, there is fluid
+        for colour in (0, 1):  # pixels that change with the fluid's colour show fluid
             run("draw", folder / "honey", "--frames", HONEY_FRAME, "--size", f"{WIDTH}x{HEIGHT}", "--set", "look.style=opaque", "--set", "look.roughness=1",
                 "--set", f"look.colour=[{colour}, {colour}, {colour}]", "--out", folder / f"colour_{colour}")
         run("render", "paddle", "--frames", PADDLE_FRAME, "--set", "fluid.spacing=0.02", "--no-images", "--export", "mesh,scene", "--out", folder / "paddle")
@@ -76,7 +76,7 @@ def inside(folder):
         return material
 
     def widened(mask, radius):
-        """The mask with all that is within `radius` pixels of it."""
+        """The mask, dilated by `radius` pixels."""
         wide = mask.copy()
         for dy in range(-radius, radius + 1):
             for dx in range(-radius, radius + 1):
@@ -97,7 +97,7 @@ def inside(folder):
     assert 0.2 < fastest < 0.5, fastest  # it leaves the nozzle at 0.25 m/s
     print(f"ok: {counts} vertices, up to {fastest:.2f} m/s")
 
-    # As the scene looks: amber, not black and not blank.
+    # The look of the scene: amber, not black and not blank.
     about = json.loads((folder / "honey/run.json").read_text())
     assert about["status"] == "done"
     picture = drawn(scene, "honey.png", 160, 90)
