@@ -109,7 +109,7 @@ TEST_CASE("a falling box comes to rest on the floor and sinks in by less than a 
 }
 
 TEST_CASE(
-    "a ball and a cylinder that lie on a floor stay where they are, and the ball rolls when it is pushed, without slipping in the end",
+    "a ball and a cylinder rest on a floor, and a pushed ball ends up rolling without slip",
     "[geometry][bodies]") {
     // On samples of the surface a resting ball would rock to the nearest facet, here by a twentieth of its radius.
     Stage stage(0.01);

@@ -86,7 +86,7 @@ TEST_CASE("uniform shear along a no-slip wall has no viscous force, not even nex
 }
 
 TEST_CASE(
-    "XSPH takes alpha sum_j 2 m/(rho_i + rho_j) (u_j - u_i) W_ij a step, and both explicit Laplacians are the sums of the notes, to 1e-5",
+    "XSPH and both explicit Laplacians equal the sums of the notes to 1e-5",
     "[viscosity]") {
     constexpr Real alpha = Real(0.002), dt = Real(0.5);
     enum class Form { xsph, brookshaw, monaghan };

@@ -160,7 +160,7 @@ TEST_CASE("without coupling the micropolar force equals explicit viscosity to 1e
 }
 
 TEST_CASE(
-    "XSPH in a micropolar step takes the parts alpha and beta of the differences with 2 m/(rho_i + rho_j), or in a given time, to 1e-5",
+    "XSPH in a micropolar step equals its sums with alpha and beta, or per given time, to 1e-5",
     "[micropolar]") {
     Cloud cloud;
     const auto rho = cloud.column<field::density>();
