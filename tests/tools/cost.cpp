@@ -70,9 +70,7 @@ TEST_CASE("a plan reports the frame whose image does not fit into memory", "[cos
           "the run needs about " + fmt::format("{:.3g}", e.memory / 1e9) + " GB of memory at its end, and 0.5 GB are free");
 }
 
-TEST_CASE(
-    "costs that were measured are found again for a part of the film, with other exports, and for the panels that share a box and a range",
-    "[cost]") {
+TEST_CASE("measured costs are reused for part of a run, other exports, and panels of one box and range", "[cost]") {
     const test::ScratchFolder cache;
     const Environment home("XDG_CACHE_HOME", cache.path().string());
     const SceneFile file = shipped("honey_coil", {"camera.kind=auto", "look.style=particles"});

@@ -108,9 +108,7 @@ TEST_CASE("a falling box comes to rest on the floor and sinks in by less than a 
     CHECK(body.centre.y() == Approx(0.05).margin(0.05 * 0.01));
 }
 
-TEST_CASE(
-    "a ball and a cylinder rest on a floor, and a pushed ball ends up rolling without slip",
-    "[geometry][bodies]") {
+TEST_CASE("a ball and a cylinder rest on a floor, and a pushed ball ends up rolling without slip", "[geometry][bodies]") {
     // On samples of the surface a resting ball would rock to the nearest facet, here by a twentieth of its radius.
     Stage stage(0.01);
     ShapeKeys ground, ball, roll;

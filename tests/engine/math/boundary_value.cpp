@@ -93,9 +93,7 @@ TEST_CASE("halving the intervals divides the error of a boundary value problem b
     }
 }
 
-TEST_CASE(
-    "an adaptive mesh of 60 intervals solves a layer of 1/100 to 1e-4, unlike an even mesh",
-    "[math]") {
+TEST_CASE("an adaptive mesh of 60 intervals solves a layer of 1/100 to 1e-4, unlike an even mesh", "[math]") {
     const Layer layer{300};
     Curve<2> curve = even_guess<2>(60, {0, 0});
     REQUIRE(Collocation<Layer>::solve(layer, curve, limits).converged);

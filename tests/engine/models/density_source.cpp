@@ -194,9 +194,7 @@ TEST_CASE("density source: a lone particle at a moving wall has the pressure b/a
         }
 }
 
-TEST_CASE(
-    "density source: fluid between moving walls has a dense solve's pressures, solved and as printed",
-    "[pressure][density_source]") {
+TEST_CASE("density source: fluid between moving walls has a dense solve's pressures, solved and as printed", "[pressure][density_source]") {
     // Every sum over all pairs, in double: checks rho*, alpha, the matrix and the force against docs/physics.md.
     for (const auto& [clamp, printed] : {std::pair(true, false), {false, false}, {true, true}}) {
         PressureOptions options = exact_options();

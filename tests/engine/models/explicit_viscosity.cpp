@@ -85,9 +85,7 @@ TEST_CASE("uniform shear along a no-slip wall has no viscous force, not even nex
     }
 }
 
-TEST_CASE(
-    "XSPH and both explicit Laplacians equal the sums of the notes to 1e-5",
-    "[viscosity]") {
+TEST_CASE("XSPH and both explicit Laplacians equal the sums of the notes to 1e-5", "[viscosity]") {
     constexpr Real alpha = Real(0.002), dt = Real(0.5);
     enum class Form { xsph, brookshaw, monaghan };
     for (const Form form : {Form::xsph, Form::brookshaw, Form::monaghan}) {

@@ -65,9 +65,7 @@ TEST_CASE("a rigid motion has no viscous force, even at a surface, on a line, in
     }
 }
 
-TEST_CASE(
-    "an affine flow dissipates 2 mu D:D of its volume to 1e-5, also at surfaces, in sheets and lines",
-    "[viscosity]") {
+TEST_CASE("an affine flow dissipates 2 mu D:D of its volume to 1e-5, also at surfaces, in sheets and lines", "[viscosity]") {
     struct Body {
         Vec3 half;
         Mat3 gradient;  ///< only along directions that the particles span
@@ -187,9 +185,7 @@ TEST_CASE("one implicit step multiplies a shear wave by 1/(1 + nu k^2 dt) within
     }
 }
 
-TEST_CASE(
-    "the viscosity's coarse matrix is R^T A R to 1e-5, with walls, thin parts and fixed particles",
-    "[viscosity]") {
+TEST_CASE("the viscosity's coarse matrix is R^T A R to 1e-5, with walls, thin parts and fixed particles", "[viscosity]") {
     for (const Vec3& half : {Vec3(0.4, 0.3, 0.3), Vec3(0.6, 0.1, 0.05)}) {
         TestWorld w = uneven_block(1000, half.z() > 0.1 ? Real(0.2) : Real(0), {}, half);
         w.add_wall(1, +1, -half.y() - 0.02);

@@ -159,9 +159,7 @@ TEST_CASE("without coupling the micropolar force equals explicit viscosity to 1e
     }
 }
 
-TEST_CASE(
-    "XSPH in a micropolar step equals its sums with alpha and beta, or per given time, to 1e-5",
-    "[micropolar]") {
+TEST_CASE("XSPH in a micropolar step equals its sums with alpha and beta, or per given time, to 1e-5", "[micropolar]") {
     Cloud cloud;
     const auto rho = cloud.column<field::density>();
     const auto smoothed = [&](Span<const Vec3> v) {

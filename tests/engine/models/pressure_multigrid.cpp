@@ -205,9 +205,7 @@ TEST_CASE("the pressure's multigrid is bit-identical for any number of threads",
     set_threads(0);
 }
 
-TEST_CASE(
-    "multigrid halves iterations for published rows in 40 layers, and saves some for the constraint",
-    "[pressure][multigrid]") {
+TEST_CASE("multigrid halves iterations for published rows in 40 layers, and saves some for the constraint", "[pressure][multigrid]") {
     // Published rows, to 1e-3 of any source: 9 iterations instead of 20 (float); their coupling to walls saves the diagonal preconditioner
     // iterations. Constraint, to 0.02 of the density change by falling: 14 instead of 17. Neither its gradient nor a coarse level resolves
     // values that alternate between neighbours, so the gain grows with depth (docs/reports/pressure.md).

@@ -128,10 +128,7 @@ TEST_CASE("only the surface layer exerts cohesion: a flat surface is pulled down
               64);  // 64 columns. The next layers are pulled up as much as the outer layer is pulled down, so the inside feels no pressure.
 }
 
-TEST_CASE(
-    "the tension of a flat face of skin, by the stress of its pairs, is that of a uniform density within 15 %, and a wall's pull takes off "
-    "twice as much within 20 %",
-    "[surface_tension]") {
+TEST_CASE("a flat surface layer has a uniform density's tension within 15 %, walls remove twice it within 20 %", "[surface_tension]") {
     // sigma = sum of F (x^2 - y^2)/r over pairs and area, y down into the fluid; a wall that pulls particle i by f reduces it by the sum of
     // f y. A lattice is not a continuum: separated without shares it has 0.89 (above), and two surface layers approximate an integral.
     const double d = 1;

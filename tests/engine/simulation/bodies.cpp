@@ -42,10 +42,7 @@ Momenta momenta(const World& world) {
 
 }  // namespace
 
-TEST_CASE(
-    "fluid and bodies that collide in free space keep momentum within 1e-5 and angular momentum within 1e-6, with every model that moves "
-    "them",
-    "[sim][bodies]") {
+TEST_CASE("fluid and bodies that collide keep momentum within 1e-5, angular momentum within 1e-6", "[sim][bodies]") {
     // Viscosity along the pairs, because the other Laplacian exerts a torque. Relative to the fluid's momentum, and to that times the
     // size of the drop. In float a velocity is rounded to 6e-8 of itself at every change, a position to 3e-8 of the domain at every step.
     // The bounds are those of these runs, with a margin.
@@ -121,9 +118,7 @@ Unrest unrest(const std::string& text, double seconds) {
 
 }  // namespace
 
-TEST_CASE(
-    "bodies that lie on the bottom of still water stay there and press nothing together: alone, stacked, side by side, in 2-D and 3-D",
-    "[sim][bodies]") {
+TEST_CASE("bodies on the bottom of still water stay at rest: alone, stacked, side by side, in 2D and 3D", "[sim][bodies]") {
     // The lattice melts meanwhile, as it does around a fixed box: there kinetic energy is .04 to .16 % of the potential energy within the
     // first second.
     const std::string stone = lying({-0.04, 0}, {0.04, 0.04}, 2000);

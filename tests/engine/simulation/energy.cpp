@@ -178,8 +178,8 @@ TEST_CASE("merging drops keep their momentum within 1e-7, and their surface work
     run_until(drops, 0.05);
     const Vec3d gained = measure(drops.world(), Vec3d::Zero(), 1).momentum - start.momentum;
     CHECK(gained.norm() < 1e-7 * std::sqrt(2 * start.kinetic_energy * start.particles * 1e-6));  // of sum m |u|
-    // The pulls have no potential. They do between a third of and once sigma times the lost area in work, and motion gains no energy from
-    // particles that are pressed together.
+    // The pulls have no potential. Their work is between 1/3 and 1 times sigma times the lost area. The pressure between compressed
+    // particles adds no energy to the motion.
     const EnergyBudget& work = drops.totals().work;
     const double lost_area = 8 * 3.14159 * 16e-6 * (1 - std::cbrt(0.5));
     CHECK(work.surface_tension - settled < 0.07 * lost_area);

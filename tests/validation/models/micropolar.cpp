@@ -41,7 +41,7 @@ TEST_CASE("a micropolar Taylor-Green vortex follows its equations within 2 %, at
     }
 }
 
-TEST_CASE("with the composed part of \"split\" the Taylor-Green vortex follows its two equations within 2 %, too",
+TEST_CASE("with the composed part of \"split\" the Taylor-Green vortex follows its equations within 2 %",
           "[validation][micropolar][plane]") {
     MicropolarOptions options;
     options.composed_coupling = 1000;  // 2 (kappa - a)
@@ -56,9 +56,7 @@ TEST_CASE("in 2D the Taylor-Green vortex with spin follows its two differential 
     CHECK(error.spin < 0.02);
 }
 
-TEST_CASE(
-    "a uniform spin in fluid at rest decays as exp(-2 kappa t/theta) within 0.5 %, and never overshoots however long the implicit step",
-    "[validation][micropolar]") {
+TEST_CASE("uniform spin decays as exp(-2 kappa t/theta) within 0.5 %, without overshoot at any implicit step", "[validation][micropolar]") {
     const double d = 0.1, kappa = 1;
     for (const bool implicit : {false, true}) {
         INFO((implicit ? "implicit" : "explicit"));
@@ -84,10 +82,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "micropolar Poiseuille flow reaches its closed form within 3 %, 24 particles across, with the solid's spin and with free spin at the "
-    "walls",
-    "[validation][micropolar]") {
+TEST_CASE("micropolar Poiseuille flow has its closed form within 3 %, with the solid's or free spin at walls", "[validation][micropolar]") {
     // a u'' + kappa w' + f = 0, g w'' - kappa (u' + 2 w) = 0 between y = -h and h with u = 0 there (Eringen 1966; Lukaszewicz 1999):
     //   w = f y/(2a - kappa) - B sinh(m y),   u = f (h^2 - y^2)/(2a - kappa) - kappa B/(a m) (cosh mh - cosh my),   m^2 = kappa (2a -
     //   kappa)/(a g), B = f h/((2a - kappa) sinh mh) where w = 0 at the walls, B = f/((2a - kappa) m cosh mh) where w' = 0.
@@ -292,10 +287,7 @@ TEST_CASE("spinning fluid never gains energy with the plan's forms, in balls, di
     holds(turning(tank, 3), {"fluid.viscosity=0.5", "micropolar.transfer_viscosity=0.4", "solid[0].slip=free"});
 }
 
-TEST_CASE(
-    "the system of the notes follows its own two equations within 2 %, as printed and with every curl in a whole run, "
-    "and with the Laplacian along the pairs within 5 %",
-    "[validation][micropolar]") {
+TEST_CASE("the notes' system follows its equations within 2 %, with the Laplacian along pairs within 5 %", "[validation][micropolar]") {
     // scenes/studies/notes_vortices.toml: symmetric pressure gradient, curl u - 2 w, theta = 2, no damping but the fluid's own. XSPH of the
     // spin takes beta a step: a diffusion of beta 0.0375 R^2/dt, which goes into g. Errors are over the largest exact amplitudes. The
     // particles move by a spacing; the Laplacian along the pairs needs twice the kernel radius, whose curls smooth more (4.5 %).

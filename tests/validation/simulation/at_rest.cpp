@@ -113,8 +113,7 @@ TEST_CASE("still water presses with its weight: wcsph and in 2D 2 %, a column 1 
         keeps_its_weight(one);
 }
 
-TEST_CASE("weakly compressible water presses with its weight within 2 % from any start, and so do columns of 30 layers",
-          "[validation][sim][long]") {
+TEST_CASE("wcsph: water from any start, and columns of 30 layers, press with their weight within 2 %", "[validation][sim][long]") {
     for (const double spacing : {0.01, 0.0075})
         for (const std::string kind : {"open box", "gap"})
             for (const std::string sampling : {"lattice", "blue_noise"})
@@ -168,8 +167,7 @@ void published_rest(const std::string& kind, double correction) {
 
 }  // namespace
 
-TEST_CASE("pressure.source density: still water in any vessel gains no energy and presses with its weight within 1.5 %",
-          "[validation][sim]") {
+TEST_CASE("pressure.source density: still water gains no energy and presses with its weight within 1.5 %", "[validation][sim]") {
     for (const std::string kind : {"column", "open box", "full box", "slot"}) published_rest(kind, kind == "open box" ? 1 : 0.1);
 }
 
@@ -392,10 +390,7 @@ TEST_CASE("water in an open box comes to rest with half the spacing, and with st
     }
 }
 
-TEST_CASE(
-    "the pressure in water at rest is right at every step, within 5 % in the mean over a quarter of a second, at the default step and at "
-    "half of it",
-    "[validation][sim]") {
+TEST_CASE("water at rest has its pressure at every step within 5 %, at the default step and half of it", "[validation][sim]") {
     // The compression by gravity in a step is far less than the density error that a step may leave: a solve that stops there lets the
     // column fall for some steps and then stops it in one. Measured: 1.8 % and 1.9 % (12 and 22 % where the solve looked at the density
     // error alone). Mean over the lowest four layers.

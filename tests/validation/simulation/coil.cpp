@@ -69,10 +69,7 @@ TEST_CASE("a thin coil has the frequency of slender-thread theory within 10 %, i
     turns_as_theory_says({0.25, 0.12, 0.05, 5.48, 0.011502}, 0.1);
 }
 
-TEST_CASE(
-    "coils in the viscous and in the inertio-gravitational regime turn as slender-thread theory says, within 10 %, on its radius within 15 "
-    "%",
-    "[validation][coil][long]") {
+TEST_CASE("viscous and inertio-gravitational coils match theory's frequency within 10 %, radius within 15 %", "[validation][coil][long]") {
     turns_as_theory_says({0.25, 0.08, 1.0, 2.139, 0.017737}, 0.1);
     turns_as_theory_says({0.1, 0.12, 0.2, 1.5221, 0.016686}, 0.1);
 }

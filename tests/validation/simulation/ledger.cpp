@@ -158,8 +158,7 @@ TEST_CASE("a tank weighs its content within 1 %", "[validation][ledger]") {
     }
 }
 
-TEST_CASE("the lift of a submerged body is Archimedes' within 3 % for a disc of 6 spacings, 5 % for a ball of 3.5",
-          "[validation][ledger]") {
+TEST_CASE("the lift of a submerged body is Archimedes' within 3 % for a disc of 6 d, 5 % for a ball of 3.5 d", "[validation][ledger]") {
     // 3.7 % too much were measured for the small ball: how its few particles settle moves it by some percent.
     struct Case {
         bool plane;

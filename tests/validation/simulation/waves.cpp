@@ -160,7 +160,7 @@ TEST_CASE("a seiche loses less than 3 % per period with the projection", "[valid
     seiche_keeps("projection", 2, 0.97, 0.02);
 }
 
-TEST_CASE("over three periods a seiche loses less than 3 % per period with the projection, 18 % with the constraint",
+TEST_CASE("over 3 periods a seiche loses less than 3 % per period with projection, 18 % with the constraint",
           "[validation][sim][waves][long]") {
     seiche_keeps("projection", 4, 0.97, 0.02);
     seiche_keeps("constraint", 4, 0.82, 0.05);
