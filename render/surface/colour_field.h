@@ -42,6 +42,7 @@ public:
     struct Sample {
         float colour;
         Vec3f gradient;  ///< 1/m
+        float company;   ///< sum of the kernels: 4.4 at a flat surface, 1 at a lone particle's
     };
     Sample at(const Vec3f& x) const;
 

@@ -164,9 +164,17 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
     return result;
 }
 
+namespace {
+
+constexpr float lone_company = 1.5f,
+                bulk_company = 3.2f;  // LocalField::Sample::company at a file of particles, and at a thread of radius 2 d
+
+}  // namespace
+
 void project(const ColourField& field, float iso, float voxel, const ColourGrid& grid, const Cut& cut, MarchedMesh& marched) {
     TriangleMesh& mesh = marched.mesh;
     mesh.normal.resize(mesh.position.size());
+    marched.bulk.resize(mesh.position.size());
     parallel_tasks(static_cast<Index>(marched.block.size()), [&](Index n) {
         thread_local LocalField local;
         const ColourBlock& block = grid.blocks()[marched.block[n]];
@@ -175,10 +183,11 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
         const Cut near = cut.near(block.middle(voxel), ColourBlock::radius(voxel), field.reach());
         for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) {
             LocalField::Sample sample = local.at(mesh.position[v]);
+            marched.bulk[v] = std::clamp((sample.company - lone_company) / (bulk_company - lone_company), 0.0f, 1.0f);
             if (near.any()) {
                 const Cut::Side& side = near.at(mesh.position[v]);
                 const float most = cut_colour(side.inside(mesh.position[v]), iso, field.reach());
-                if (most < sample.colour) sample = {most, side.inward / field.reach()};
+                if (most < sample.colour) sample = {most, side.inward / field.reach(), 0};
             }
             const float slope = sample.gradient.norm();
             if (slope * voxel < 1e-3f) {  // a saddle: the vertex is not moved

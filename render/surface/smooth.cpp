@@ -58,6 +58,15 @@ struct EvenRing {
 
 constexpr float lambda = 0.63f;  // of a step of the blur
 
+// Steps of the one blur that takes out as much as a further rounds - 1 would, within 10 %.
+int further(int rounds, int steps) { return static_cast<int>(std::lround(std::sqrt(static_cast<double>(rounds - 1)) * steps)); }
+
+std::vector<float> lambdas(std::size_t vertices, const std::vector<float>& bulk) {
+    std::vector<float> each(vertices, lambda);
+    for (std::size_t v = 0; v < bulk.size(); ++v) each[v] *= bulk[v];
+    return each;
+}
+
 // Places with a fourth number that means nothing, so that they are read and added at once; and one at the end that stays 0.
 using Padded = Eigen::Vector4f;
 using PaddedPlaces = std::vector<Padded>;
@@ -68,8 +77,8 @@ PaddedPlaces padded(const std::vector<Vec3f>& position) {
     return places;
 }
 
-// (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator.
-void blur(const EvenRing& ring, PaddedPlaces& position, PaddedPlaces& scratch, int steps) {
+// (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator. @param each vertex's lambda
+void blur(const EvenRing& ring, const std::vector<float>& each, PaddedPlaces& position, PaddedPlaces& scratch, int steps) {
     const auto vertices = static_cast<Index>(ring.share.size());
     constexpr Index block = 8192;  // waking a thread takes as long as a few thousand vertices
     scratch[vertices].setZero();
@@ -79,11 +88,11 @@ void blur(const EvenRing& ring, PaddedPlaces& position, PaddedPlaces& scratch, i
                 const std::uint32_t* const neighbour = ring.neighbour.data() + EvenRing::usual * v;
                 Padded sum = Padded::Zero();
                 for (int n = 0; n < EvenRing::usual; ++n) sum += position[neighbour[n]];
-                scratch[v] = (1 - lambda) * position[v] + (lambda * ring.share[v]) * sum;
+                scratch[v] = (1 - each[v]) * position[v] + (each[v] * ring.share[v]) * sum;
             }
         });
         for (const EvenRing::Further& more : ring.further)
-            scratch[more.vertex] += (lambda * ring.share[more.vertex]) * position[more.neighbour];
+            scratch[more.vertex] += (each[more.vertex] * ring.share[more.vertex]) * position[more.neighbour];
         std::swap(position, scratch);
     }
 }
@@ -92,17 +101,19 @@ void blur(const EvenRing& ring, PaddedPlaces& position, PaddedPlaces& scratch, i
 
 // With S the blur, x <- S x + S (1 - S) x + S (1 - S)^2 x: what passes is 1 - (1 - S)^3. A blur alone shrinks a sphere in proportion to its
 // curvature; handing back the blurred loss twice leaves the third power of that, and still takes out what the blur takes out well.
-void smooth(TriangleMesh& mesh, int rounds, int steps) {
+void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk) {
     constexpr int order = 3;
     const EvenRing ring{Ring(mesh)};
     const auto n = static_cast<Index>(mesh.position.size());
     PaddedPlaces position = padded(mesh.position), blurred, scratch(position.size()), lost;
-    for (int r = 0; r < rounds; ++r) {
+    for (const auto& [each, blurs] :
+         {std::pair(lambdas(mesh.position.size(), {}), steps), std::pair(lambdas(mesh.position.size(), bulk), further(rounds, steps))}) {
+        if (blurs == 0) continue;
         lost = position;
         std::fill(position.begin(), position.end(), Padded::Zero());
         for (int pass = 0; pass < order; ++pass) {
             blurred = lost;
-            blur(ring, blurred, scratch, steps);
+            blur(ring, each, blurred, scratch, blurs);
             parallel_for(n, [&](Index v) {
                 position[v] += blurred[v];
                 lost[v] -= blurred[v];
@@ -112,10 +123,12 @@ void smooth(TriangleMesh& mesh, int rounds, int steps) {
     for (std::size_t v = 0; v < mesh.position.size(); ++v) mesh.position[v] = position[v].head<3>();
 }
 
-void set_smooth_normals(TriangleMesh& mesh, int steps) {
+void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk) {
     const Ring ring(mesh);
+    const EvenRing even(ring);
     PaddedPlaces blurred = padded(mesh.position), scratch(blurred.size());
-    blur(EvenRing(ring), blurred, scratch, steps);
+    blur(even, lambdas(mesh.position.size(), {}), blurred, scratch, steps);
+    blur(even, lambdas(mesh.position.size(), bulk), blurred, scratch, (rounds - 1) * steps);
     std::vector<Vec3f> area(mesh.triangle.size());
     parallel_for(static_cast<Index>(mesh.triangle.size()), [&](Index t) {
         const auto& [a, b, c] = mesh.triangle[t];

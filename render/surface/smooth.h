@@ -9,11 +9,13 @@ namespace whorl {
 
 /// Takes out bumps of the size of the particles' distance.
 /// @param steps of each blur: 10 where edges are half a spacing long, more in proportion to the inverse square of their length
-void smooth(TriangleMesh& mesh, int rounds, int steps);
+/// @param bulk of each vertex, 0 .. 1: rounds after the first move it by that share, so that drops and thin threads keep their size (as
+/// Loeschner et al. 2023 weigh by the number of particles); empty: all by the whole
+void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk = {});
 
 /// Normals, weighted by area, of the mesh after a blur of `steps` steps (0: of the mesh itself): reflections get clean edges, and the
-/// outline is unchanged. The shrinking by the blur does not affect the normals.
-void set_smooth_normals(TriangleMesh& mesh, int steps);
+/// outline is unchanged. The shrinking by the blur does not affect the normals. @param rounds, bulk as above
+void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk = {});
 
 /// Edges of a mesh where its faces meet at more than 40 degrees, or that only one face has: pairs of ends.
 std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh);

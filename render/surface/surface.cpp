@@ -98,11 +98,11 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     if (options.smoothing > 0) {
         const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
-        smooth(surface.mesh, options.smoothing, steps);
+        smooth(surface.mesh, options.smoothing, steps, marched.bulk);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             surface.mesh.position[v] = near.held(sharp[v], surface.mesh.position[v], touch * voxel);
         });
-        set_smooth_normals(surface.mesh, options.smoothing * steps);
+        set_smooth_normals(surface.mesh, options.smoothing, steps, marched.bulk);
         std::vector<char> on_wall(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;

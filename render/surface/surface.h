@@ -13,7 +13,7 @@ struct SurfaceOptions {
     double voxel = 0.5;     ///< edge of a voxel over the spacing
     double radius = 2.0;    ///< kernel radius over the spacing; up to 1.2 times that where particles have little company
     double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
-    int smoothing = 1;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
+    int smoothing = 8;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
     bool velocity = false;  ///< compute the velocity at the vertices; no key: a camera whose shutter opens and EXR pictures need it
     bool ages = true;       ///< compute ages and crust if the frame has ages; no key: false if nothing changes with age

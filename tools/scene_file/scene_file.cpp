@@ -86,8 +86,12 @@ std::vector<KeyValue> changes_of(const Options& options) {
 
 /// Settings of a quality in every scene; the scene's [quality] table adds to them.
 std::vector<KeyValue> presets_of(const std::string& quality) {
-    if (quality == "standard") return {};
-    return {{"look.samples", placed(Value(std::int64_t(quality == "draft" ? 1 : 16)), {"--quality " + quality, 0, 0})}};
+    const auto set = [&](const char* key, std::int64_t value) -> KeyValue {
+        return {key, placed(Value(value), {"--quality " + quality, 0, 0})};
+    };
+    if (quality == "draft") return {set("look.samples", 1), set("surface.smoothing", 3)};
+    if (quality == "fine") return {set("look.samples", 16)};
+    return {};
 }
 
 /// A flow of two dimensions has no surface to draw, and no volume: it is shown as particles or as a slice.
