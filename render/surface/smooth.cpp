@@ -59,7 +59,7 @@ struct EvenRing {
 constexpr float lambda = 0.63f;  // of a step of the blur
 
 // Steps of the one blur that takes out as much as a further rounds - 1 would, within 10 %.
-int further(int rounds, int steps) { return static_cast<int>(std::lround(std::sqrt(static_cast<double>(rounds - 1)) * steps)); }
+int blur_as_rounds(int rounds, int steps) { return static_cast<int>(std::lround(std::sqrt(static_cast<double>(rounds - 1)) * steps)); }
 
 std::vector<float> lambdas(std::size_t vertices, const std::vector<float>& bulk) {
     std::vector<float> each(vertices, lambda);
@@ -106,8 +106,8 @@ void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>&
     const EvenRing ring{Ring(mesh)};
     const auto n = static_cast<Index>(mesh.position.size());
     PaddedPlaces position = padded(mesh.position), blurred, scratch(position.size()), lost;
-    for (const auto& [each, blurs] :
-         {std::pair(lambdas(mesh.position.size(), {}), steps), std::pair(lambdas(mesh.position.size(), bulk), further(rounds, steps))}) {
+    for (const auto& [each, blurs] : {std::pair(lambdas(mesh.position.size(), {}), steps),
+                                      std::pair(lambdas(mesh.position.size(), bulk), blur_as_rounds(rounds, steps))}) {
         if (blurs == 0) continue;
         lost = position;
         std::fill(position.begin(), position.end(), Padded::Zero());
@@ -123,12 +123,12 @@ void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>&
     for (std::size_t v = 0; v < mesh.position.size(); ++v) mesh.position[v] = position[v].head<3>();
 }
 
-void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk) {
+void set_smooth_normals(TriangleMesh& mesh, int steps, int further, const std::vector<float>& bulk) {
     const Ring ring(mesh);
     const EvenRing even(ring);
     PaddedPlaces blurred = padded(mesh.position), scratch(blurred.size());
     blur(even, lambdas(mesh.position.size(), {}), blurred, scratch, steps);
-    blur(even, lambdas(mesh.position.size(), bulk), blurred, scratch, (rounds - 1) * steps);
+    blur(even, lambdas(mesh.position.size(), bulk), blurred, scratch, further);
     std::vector<Vec3f> area(mesh.triangle.size());
     parallel_for(static_cast<Index>(mesh.triangle.size()), [&](Index t) {
         const auto& [a, b, c] = mesh.triangle[t];

@@ -14,8 +14,8 @@ namespace whorl {
 void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk = {});
 
 /// Normals, weighted by area, of the mesh after a blur of `steps` steps (0: of the mesh itself): reflections get clean edges, and the
-/// outline is unchanged. The shrinking by the blur does not affect the normals. @param rounds, bulk as above
-void set_smooth_normals(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk = {});
+/// outline is unchanged. The shrinking by the blur does not affect the normals. @param further steps, weighted by `bulk`
+void set_smooth_normals(TriangleMesh& mesh, int steps, int further = 0, const std::vector<float>& bulk = {});
 
 /// Edges of a mesh where its faces meet at more than 40 degrees, or that only one face has: pairs of ends.
 std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh);

@@ -102,7 +102,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             surface.mesh.position[v] = near.held(sharp[v], surface.mesh.position[v], touch * voxel);
         });
-        set_smooth_normals(surface.mesh, options.smoothing, steps, marched.bulk);
+        set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk);
         std::vector<char> on_wall(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;
