@@ -42,7 +42,7 @@ PictureLayers AovPass::read_light(bool has_shadow) const {
     return layers;
 }
 
-void AovPass::add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view) {
+void AovPass::draw_places(const SceneGeometry& scene, const LayerView& view) {
     glBindFramebuffer(GL_FRAMEBUFFER, place_target_.id());
     glViewport(0, 0, width_, height_);
     glClear(GL_DEPTH_BUFFER_BIT);
@@ -69,7 +69,10 @@ void AovPass::add_places(PictureLayers& layers, const SceneGeometry& scene, cons
     things_.set("half_size", half_size);
     scene.draw_numbered(things_, view.interval, view.tolerance);
     glDisable(GL_DEPTH_TEST);
+}
 
+void AovPass::add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view) {
+    draw_places(scene, view);
     const std::vector<float> normal_and_number = read(GL_COLOR_ATTACHMENT0), motion_and_depth = read(GL_COLOR_ATTACHMENT1);
     layers.normal = some_of(normal_and_number, 0, 3);
     layers.motion = some_of(motion_and_depth, 0, 2);

@@ -26,7 +26,11 @@ public:
     const gl::Framebuffer& light_target() const { return light_target_; }
     /// The light, and where there is one the shadow.
     PictureLayers read_light(bool has_shadow) const;
-    /// Adds depth, normals, motion and ids.
+    /// Draws depth, normals, motion and ids.
+    void draw_places(const SceneGeometry& scene, const LayerView& view);
+    /// The motion in pixels over the interval, and the depth [m], of draw_places().
+    GLuint motion_and_depth() const { return motion_and_depth_.id(); }
+    /// Adds them to the layers.
     void add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view);
 
 private:

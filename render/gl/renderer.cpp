@@ -12,6 +12,7 @@
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
 #include "render/gl/ground_light.h"
+#include "render/gl/motion_blur.h"
 #include "render/gl/objects.h"
 #include "render/gl/sample_accumulator.h"
 #include "render/gl/scene_geometry.h"
@@ -28,6 +29,9 @@ namespace {
 
 /// Texture units: 0 .. 3 are a pass's own.
 constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, solid_light_unit = 10, ink_unit = 12, surround_unit = 13;
+
+/// With as many samples a pixel their moments lie close together; with fewer, the image is blurred along the motion.
+constexpr int samples_of_motion = 32;
 
 /// All that one picture is made of.
 struct Shot {
@@ -115,6 +119,8 @@ struct Renderer::Device {
     Shot sum_samples(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
                      const std::array<float, 2>& range, const PictureBox& box);
     bool refracts(const Material& material) const { return material.refracts && !field.empty(); }
+    LayerView layer_view(const Shot& shot, const NextView& next) const;
+    void blur_motion(const Shot& shot, float open);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
     void draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -169,6 +175,7 @@ struct Renderer::Device {
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
     std::optional<AovPass> aov_pass;  // made when it is first asked for
+    std::optional<MotionBlur> motion_blur;
 
     SampleAccumulator samples{width, height, depth};
     Backdrop backdrop{width, height};
@@ -213,19 +220,33 @@ PictureLayers Renderer::Device::draw_layers(const Frame& frame, const Surface& s
     const Shot shot = sum_samples(frame, surface, look, view, begin(frame, look), {0, 0, width, height});
     PictureLayers layers = light_of(shot);
     if (shows_field(look)) return layers;
-    const float ground = look.ground ? shot.ground : -1e6f;
-    const LayerView places{shot.camera,
-                           camera_matrix(next.view, shot.aspect, scene.bounds()),
-                           view.position,
-                           (view.target - view.position).normalized(),
-                           next.interval,
-                           ground,
-                           is_transparent(look) ? -1e6f : ground,
-                           0.5f * frame.spacing,
-                           !look.environment.empty()};
     scene.go_to(0);
-    aov_pass->add_places(layers, scene, places);
+    aov_pass->add_places(layers, scene, layer_view(shot, next));
     return layers;
+}
+
+LayerView Renderer::Device::layer_view(const Shot& shot, const NextView& next) const {
+    const float ground = shot.look.ground ? shot.ground : -1e6f;
+    return {shot.camera,
+            camera_matrix(next.view, shot.aspect, scene.bounds()),
+            shot.view.position,
+            (shot.view.target - shot.view.position).normalized(),
+            next.interval,
+            ground,
+            is_transparent(shot.look) ? -1e6f : ground,
+            0.5f * shot.spacing,
+            !shot.look.environment.empty()};
+}
+
+/// Blurs the sum of the samples, all of one moment, along what moves while the shutter is open.
+void Renderer::Device::blur_motion(const Shot& shot, float open) {
+    NextView next{shot.view, open};
+    next.view.position += open * next.view.position_velocity, next.view.target += open * next.view.target_velocity;
+    if (!aov_pass) aov_pass.emplace(width, height, depth);
+    if (!motion_blur) motion_blur.emplace(width, height);
+    scene.go_to(0);
+    aov_pass->draw_places(scene, layer_view(shot, next));
+    motion_blur->blur(samples.sum(), aov_pass->motion_and_depth());
 }
 
 /// All samples of the picture, added up. @param box of the picture that the flow is seen in
@@ -242,8 +263,10 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
     const Mat3f into = into_box(shows_field(look) ? box : PictureBox{0, 0, width, height}, width, height);
+    View seen = view;
+    if (look.samples < samples_of_motion && view.aperture <= 0) seen.open = 0;
     Shot shot{look,
-              view,
+              seen,
               material,
               hides(material, size),
               frame.spacing,
@@ -255,7 +278,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               !surface.crust.empty() && !shows_field(look),
               {},
               {},
-              lighting.constants(look) + gl::constant("draws_behind", view.blurs()) + gl::constant("transparent", is_transparent(look))};
+              lighting.constants(look) + gl::constant("draws_behind", seen.blurs()) + gl::constant("transparent", is_transparent(look))};
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
@@ -268,6 +291,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
         glClear(GL_COLOR_BUFFER_BIT);
     }
     for (int i = 0; i < samples.count(); ++i) draw_sample(shot, i);
+    if (seen.open < view.open && !shows_field(look)) blur_motion(shot, view.open);
     return shot;
 }
 

@@ -27,7 +27,7 @@ struct CameraOptions {
     float aspect = 16.0f / 9;       ///< of the picture, width over height: follows from the scene's output
     float aperture = 0;             ///< m, diameter of the lens; 0: all is sharp
     std::optional<float> focus;     ///< m ahead, where it is sharp; none: at the target
-    float shutter = 0;              ///< degrees: open for this part of the time between two pictures, 360 for all of it
+    float shutter = 180;            ///< degrees: open for this part of the time between two pictures, 360 for all of it
     double interval = 0;            ///< s, simulated, between two pictures: follows from the scene's fps and slow motion
 };
 

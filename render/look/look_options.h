@@ -38,7 +38,7 @@ struct LookOptions {
     std::string table = "none";         ///< what the ground is: none (the backdrop's paper) | plain | wood | stone | cloth
     std::filesystem::path environment;  ///< panorama of the surroundings, which lights the scene; empty: the studio
     float exposure = 1;
-    int samples = 4;              ///< a pixel
+    int samples = 8;              ///< a pixel
     std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | q_criterion | spin_difference | ink
     std::string colour_map = "viridis";
     InkColours inks;

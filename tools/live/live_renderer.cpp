@@ -128,7 +128,8 @@ void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const
     const double surfaced = wall_seconds();
     // A look that was set meanwhile is shown now, not one image later.
     if (const auto now = newest_look(); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
-    const View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
+    View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
+    view.open = 0;  // images follow each other in no fixed interval
     Image image = renderer->draw(frame, surface_, look->how.look, view);
     const double drawn = wall_seconds();
 

@@ -89,7 +89,7 @@ std::vector<KeyValue> presets_of(const std::string& quality) {
     const auto set = [&](const char* key, std::int64_t value) -> KeyValue {
         return {key, placed(Value(value), {"--quality " + quality, 0, 0})};
     };
-    if (quality == "draft") return {set("look.samples", 1), set("surface.smoothing", 3)};
+    if (quality == "draft") return {set("look.samples", 1), set("surface.smoothing", 3), set("camera.shutter", 0)};
     if (quality == "fine") return {set("look.samples", 16)};
     return {};
 }
