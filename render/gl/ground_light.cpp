@@ -52,6 +52,8 @@ void GroundLight::draw(const SceneGeometry& scene, const Material& material, con
     transmission_program_.texture("fluid_layers", 0, GL_TEXTURE_2D, fluid_layers_.id());
     transmission_program_.texture("solid_layers", 1, GL_TEXTURE_2D, solid_layers_.id());
     transmission_program_.set("shadow_absorption", absorption);
+    transmission_program_.set("haze", material.haze);
+    transmission_program_.set("glow", material.refracts ? Vec3f(0.25f * material.scatter) : Vec3f::Zero().eval());
     transmission_program_.set("caustic", material.refracts ? 3.0f : 0.0f);
     cover(light_size);
     average(open_);

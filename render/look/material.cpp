@@ -14,9 +14,9 @@ constexpr float table_size = 0.4f;  // m: the diagonal of a scene whose liquids 
 const std::vector<std::pair<std::string, Material>>& fluid_presets() {
     static const std::vector<std::pair<std::string, Material>> presets = [] {
         Material honey;  // a 5 mm thread is gold, a 40 mm pile amber
-        honey.absorption = {7, 60, 310};
+        honey.absorption = {8, 45, 220};
         honey.scatter = {1.2f, 0.53f, 0.022f};
-        honey.haze = 31;
+        honey.haze = 45;
         Material water;
         water.absorption = {5.0f, 1.6f, 1.0f};
         water.refraction = 1.333f;
@@ -102,7 +102,8 @@ Material fluid_material(const LookOptions& look, float size) {
 }
 
 float hides(const Material& material, float size) {
-    return material.refracts ? 1 - std::exp(-(material.absorption.mean() + material.haze) * size / 8) : 1;
+    // Some of what a clear body keeps comes out of it again.
+    return material.refracts ? 0.75f * (1 - std::exp(-(material.absorption.mean() + material.haze) * size / 8)) : 1;
 }
 
 Vec3f glow_of(const Vec3f& emission, float heat) {

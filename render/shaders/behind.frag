@@ -9,6 +9,6 @@ layout(location = 0) out vec4 colour;
 void main() {
     vec4 solid = texelFetch(solid_buffer, ivec2(gl_FragCoord.xy), 0);
     colour = vec4(0.0);
-    if (solid.a > 0.0) colour = weight * vec4(solid.rgb, 1.0);
-    else if (draws_behind && !transparent) colour = weight * vec4(seen_behind(to_world, uv), 1.0);
+    if (solid.a > 0.0) colour = weight * vec4(held(solid.rgb), 1.0);
+    else if (draws_behind && !transparent) colour = weight * vec4(held(seen_behind(to_world, uv)), 1.0);
 }

@@ -47,7 +47,8 @@ void main() {
     vec4 front = texelFetch(samples, pixel, 0);
     vec3 colour = front.rgb;
     float alpha = transparent && front.a < 0.999 ? front.a : 1.0;
-    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * seen_behind_all(pixel);
+    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * held(seen_behind_all(pixel));
+    colour = released(colour);
     if (has_glass) {
         vec4 wall = texelFetch(glass, pixel, 0);
         colour = colour * (1.0 - min(wall.a, 1.0)) + wall.rgb;

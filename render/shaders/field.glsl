@@ -18,7 +18,7 @@ vec3 place_of(vec3 x) { return (x - field_origin) / voxel; }
 vec3 world_of(vec3 place) { return field_origin + voxel * place; }
 
 vec3 field_normal(vec3 p) {
-    const vec2 h = vec2(1.0, 0.0);
+    const vec2 h = vec2(2.0, 0.0);
     return normalize(vec3(near_distance(p + h.xyy) - near_distance(p - h.xyy), near_distance(p + h.yxy) - near_distance(p - h.yxy),
                           near_distance(p + h.yyx) - near_distance(p - h.yyx)) + vec3(0.0, 1e-6, 0.0));
 }

@@ -26,7 +26,10 @@ float way_out(vec3 p, vec3 d, float limit) {
     float t = 0.6, last_t = 0.0, last_f = 0.3;
     for (int i = 0; i < 28; ++i) {
         float f = -near_distance(p + t * d);
-        if (f < 0.0) return mix(last_t, t, last_f / (last_f - f));
+        if (f < 0.0) {
+            float middle = mix(last_t, t, last_f / (last_f - f)), g = -near_distance(p + middle * d);
+            return g < 0.0 ? mix(last_t, middle, last_f / (last_f - g)) : mix(middle, t, g / (g - f));
+        }
         last_t = t;
         last_f = f;
         t += max(f, 0.4);
@@ -78,13 +81,13 @@ vec4 solid_at(vec3 q) {
 
 // @param at_solid p is at one @param through light that is let through @param clear share of it that comes from a plate behind instead, equal for
 // all colours: the studio still contributes the colour
-vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, out float clear) {
+vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, float blur, out float clear) {
     float to_ground = d.y < -1e-3 && p.y > ground_height ? (ground_height - p.y) / d.y : 1e6;
     float to_solid = at_solid ? 0.0 : has_solid_field ? way_to_solid(p, d, to_ground) : -1.0;
     vec4 s = to_solid < 0.0 ? vec4(0.0) : solid_at(p + to_solid * d);
     clear = transparent && s.a < 0.5 ? min(through.r, min(through.g, through.b)) : 0.0;
     // Lights seen through the body are held back: far above white they would wash its colour out.
-    return (through - clear) * min(s.a > 0.5 ? s.rgb : surroundings(p, d, roughness), vec3(1.8));
+    return (through - clear) * (s.a > 0.5 ? min(s.rgb, vec3(1.8)) : surroundings(p, d, blur, 1.8));
 }
 
 // Light of the lamp that inks along a path scatter back, and in `through` the transmitted light from behind. They replace the fluid:
@@ -110,6 +113,7 @@ vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
 vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     vec3 through = vec3(1.0), light = vec3(0.0);
     bool at_solid = false;
+    float blur = roughness;
     float floor_place = (ground_height - field_origin.y) / voxel;
     for (int turn = 0; turn < 4; ++turn) {
         float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
@@ -135,26 +139,28 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         // It lies on the ground or on a solid: no air between.
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
-        // Normals of thin bodies are inexact. Where the first way is short, total reflection needs more than the critical angle, or single
-        // pixels would reflect at random.
-        float doubt = turn == 0 ? min(0.2, 0.6 / way) : 0.0;
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
-        vec3 out_d = normalize(refraction * d + (sqrt(max(square, 0.0)) - refraction * leaving) * n);
-        if (square < -refraction * refraction * doubt) {   // total reflection
+        float inner = square > 0.0 ? fresnel(sqrt(square)) : 1.0;
+        if (square < 0.0) {   // total reflection
             d = reflect(d, -n);
+            blur += 0.4;
             p -= 0.3 * n;
             continue;
         }
-        d = out_d;
+        // The body's own light stands for what is reflected: it grows towards the angle of total reflection.
+        light += inner * through * lamp * scatter * 0.7;
+        through *= 1.0 - inner;
+        d = normalize(refraction * d + (sqrt(square) - refraction * leaving) * n);
         if (turn == 3) break;
         to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float gap = way_in(p, d, to_floor);
         if (gap < 0.0 || (has_solid_field && way_to_solid(world_of(p), d, gap * voxel) >= 0.0)) break;
         p += gap * d;
         n = field_normal(p);
+        blur += 0.4;
         d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
     }
-    return light + seen_through(world_of(p), d, at_solid, through, clear);
+    return light + seen_through(world_of(p), d, at_solid, through, min(blur, 1.0), clear);
 }
 
 void main() {
@@ -170,5 +176,5 @@ void main() {
     vec3 lamp = sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
     float clear;
     vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp, clear);
-    colour = weight * vec4(mix(body, mirrored, mirror), 1.0 - clear * (1.0 - mirror));
+    colour = weight * vec4(held(mix(body, mirrored, mirror)), 1.0 - clear * (1.0 - mirror));
 }

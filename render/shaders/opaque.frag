@@ -58,5 +58,5 @@ void main() {
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
     if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
     else if (cooling > 0.0) glow = glow * exp(-0.5 * (g.z) / cooling) + 0.45 * emission * exp(-(g.z) / cooling * vec3(1.0, 1.6, 2.4));
-    colour = weight * vec4(diffuse + glow + mirror * mirrored, 1.0);
+    colour = weight * vec4(held(diffuse + glow + mirror * mirrored), 1.0);
 }

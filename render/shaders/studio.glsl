@@ -49,14 +49,14 @@ float soft_box(vec3 s, vec3 axis, vec3 right, vec2 size, float soft) {
     return ahead > 0.0 ? inside.x * inside.y : 0.0;
 }
 
-// @param blur 0 crisp .. 1 very soft: rough materials blur reflections
-vec3 soft_boxes(vec3 d, float blur) {
+// @param blur 0 crisp .. 1 very soft: rough materials blur reflections @param most radiance of a lamp: held back here, it keeps its soft edge
+vec3 soft_boxes(vec3 d, float blur, float most) {
     vec3 s = studio * d;
-    float soft = 0.12 + 0.9 * blur;
-    vec3 light = key_light * soft_box(s, normalize(vec3(-0.62, 0.68, 0.38)), normalize(vec3(0.52, 0.0, 0.85)), vec2(0.17, 0.30), soft);
-    light += rim_light * soft_box(s, normalize(vec3(0.75, 0.45, -0.55)), normalize(vec3(0.55, 0.0, 0.75)), vec2(0.22, 0.6), soft);
-    light += window_light * soft_box(s, normalize(vec3(-0.50, 0.62, -0.60)), normalize(vec3(0.77, 0.0, -0.64)), vec2(0.45, 0.35), soft);
-    light += fill_light * soft_box(s, normalize(vec3(0.85, 0.35, 0.6)), normalize(vec3(0.6, 0.0, -0.85)), vec2(0.5, 0.5), min(1.0, 2.0 * soft));
+    float soft = 0.3 + 0.9 * blur;
+    vec3 light = min(key_light, most) * soft_box(s, normalize(vec3(-0.62, 0.68, 0.38)), normalize(vec3(0.52, 0.0, 0.85)), vec2(0.17, 0.30), soft);
+    light += min(rim_light, most) * soft_box(s, normalize(vec3(0.75, 0.45, -0.55)), normalize(vec3(0.55, 0.0, 0.75)), vec2(0.22, 0.6), soft);
+    light += min(window_light, most) * soft_box(s, normalize(vec3(-0.50, 0.62, -0.60)), normalize(vec3(0.77, 0.0, -0.64)), vec2(0.45, 0.35), soft);
+    light += min(fill_light, most) * soft_box(s, normalize(vec3(0.85, 0.35, 0.6)), normalize(vec3(0.6, 0.0, -0.85)), vec2(0.5, 0.5), min(1.0, 2.0 * soft));
     return light;
 }
 
@@ -66,16 +66,16 @@ float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x
 // 0 from the horizon up, 1 where a ray meets the ground before it comes to the flags.
 float below_horizon(vec3 d) { return smoothstep(0.0, 0.3, -d.y); }
 
-vec3 environment(vec3 d, float blur) {
-    if (has_environment) return pictured(d, blur);
-    return backdrop(d) * flags(d) + soft_boxes(d, blur);
+vec3 environment(vec3 d, float blur, float most) {
+    if (has_environment) return min(pictured(d, blur), most);
+    return backdrop(d) * flags(d) + soft_boxes(d, blur, most);
 }
 
 // A narrow tall box on the floor, near the viewer's left: the long highlight along an upright thread.
 vec3 strip_light(vec3 d, float blur) {
     if (has_environment) return vec3(0.0);
     vec3 s = studio * d;
-    return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.25 + blur);
+    return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.5 + blur);
 }
 
 // Light that reaches the ground at q over the light it would get alone: shadow, contact, colour, caustic.
@@ -84,4 +84,15 @@ vec3 light_on_ground(vec2 q) {
     float edge = max(abs(place.x), abs(place.y));
     if (edge >= 1.0) return vec3(1.0);
     return mix(texture(ground_light, 0.5 * place + 0.5).rgb, vec3(1.0), smoothstep(0.7, 1.0, edge));
+}
+
+// Light as samples are averaged: what is above white is held below 2, or the edge of a lamp's image would be as jagged as with one sample.
+vec3 held(vec3 light) {
+    float peak = max(light.r, max(light.g, light.b));
+    return peak > 1.0 ? light * (2.0 - 1.0 / peak) / peak : light;
+}
+
+vec3 released(vec3 light) {
+    float peak = max(light.r, max(light.g, light.b));
+    return peak > 1.0 ? light / (peak * max(2.0 - peak, 0.01)) : light;
 }

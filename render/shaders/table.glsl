@@ -19,11 +19,13 @@ vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
 
 // Background of a ray from p that meets no fluid and no solid. The backdrop continues as the ground, and its flags end softly there:
 // no horizon.
-vec3 surroundings(vec3 p, vec3 d, float blur) {
-    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d, blur);
+vec3 surroundings(vec3 p, vec3 d, float blur, float most) {
+    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d, blur, most);
     vec3 q = p + d * ((ground_height - p.y) / d.y);
     return ground_seen(q, d, light_on_ground(q.xz)) * (has_environment ? 1.0 : mix(flags(d), 1.0, below_horizon(d)));
 }
+
+vec3 surroundings(vec3 p, vec3 d, float blur) { return surroundings(p, d, blur, 1e6); }
 
 vec3 ray_behind(mat4 to_world, vec2 uv) {
     vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);

@@ -3,6 +3,8 @@ in vec2 uv;
 uniform sampler2D fluid_layers;
 uniform sampler2D solid_layers;
 uniform vec3 shadow_absorption;  // 1/m; an opaque fluid's is very large
+uniform float haze;              // 1/m
+uniform vec3 glow;               // light that a thick fluid gives back below, as if it came from the lamp
 uniform float caustic;           // how much brighter light is where the fluid gathers it
 layout(location = 0) out vec4 open;      // rgb: light that comes through the fluid; a: past the solids
 layout(location = 1) out vec4 blockers;  // height along the light and coverage, of fluid and of solids
@@ -19,7 +21,7 @@ void main() {
             bend += f.x - texture(fluid_layers, uv + 0.02 * off).x;
         }
         float gathered = 1.0 + caustic * clamp(0.25 * bend / max(f.x, 1e-6), -0.3, 1.0);
-        open.rgb = 0.93 * gathered * exp(-shadow_absorption * max(f.x, 0.0));
+        open.rgb = 0.93 * gathered * exp(-shadow_absorption * max(f.x, 0.0)) + glow * (1.0 - exp(-haze * max(f.x, 0.0)));
         blockers.xy = vec2(f.y / f.z, 1.0);
     }
     if (s.z > 0.5) {
