@@ -24,6 +24,12 @@ float unshadowed(vec3 p, vec3 l) {
     return smoothstep(0.0, 1.0, open);
 }
 
+// The part of the light from round about that comes to a place of which `open` is open, with what the body around throws there
+// (Jimenez et al. 2016, "Practical realtime strategies for accurate indirect occlusion").
+vec3 light_in_folds(float open, vec3 body) {
+    return max(vec3(open), ((open * (2.0404 * body - 0.3324) - 4.7951 * body + 0.6417) * open + 2.7552 * body + 0.6903) * open);
+}
+
 void main() {
     vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
     vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = octahedral_decode(g.xy);
@@ -48,7 +54,7 @@ void main() {
     // Light wraps round by `softness`, and what comes out of shadow has gone through the body: it takes on more of its colour.
     float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
     vec3 bled = mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
-    vec3 around = (has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y)) * mix(body, vec3(1.0), open) * open;
+    vec3 around = (has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y)) * light_in_folds(open, body);
     vec3 diffuse = body * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
