@@ -30,8 +30,8 @@ public:
     bool any() const { return !sides_.empty(); }
     /// Side with the least inside(x). Only where there is any.
     const Side& at(const Vec3f& x) const;
-    /// Whether two sides meet so near.
-    bool is_edge(const Vec3f& x, float reach) const { return corner_at(x, reach).count > 1; }
+    /// How many sides, up to three across each other, are nearer than `reach`.
+    int count_at(const Vec3f& x, float reach) const { return corner_at(x, reach).count; }
     /// The sides that places no further than `radius` from x have within `reach`, or have them beyond: those of all that the others do not
     /// hide there, as the facets of a round wall do.
     Cut near(const Vec3f& x, float radius, float reach) const;

@@ -44,14 +44,23 @@ struct EvenRing {
     };
     std::vector<Further> further;
 
-    explicit EvenRing(const Ring& ring) : neighbour(usual * (ring.begin.size() - 1)), share(ring.begin.size() - 1) {
+    EvenRing(const Ring& ring, const std::vector<char>& sides) : neighbour(usual * (ring.begin.size() - 1)), share(ring.begin.size() - 1) {
         const auto nowhere = static_cast<std::uint32_t>(share.size());
+        std::vector<char> is_line(sides.size(), 0);  // where the surface meets walls
+        for (std::size_t v = 0; v < sides.size(); ++v)
+            for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) is_line[v] |= sides[v] > 0 && sides[ring.neighbour[n]] == 0 ? 1 : 0;
+        std::vector<std::uint32_t> with;
         for (std::size_t v = 0; v < share.size(); ++v) {
-            const Index begin = ring.begin[v], count = ring.begin[v + 1] - begin;
-            share[v] = 1 / static_cast<float>(count);
-            for (Index n = 0; n < std::max<Index>(usual, count); ++n)
-                if (n < usual) neighbour[usual * v + n] = n < count ? ring.neighbour[begin + n] : nowhere;
-                else further.push_back({static_cast<Index>(v), ring.neighbour[begin + n]});
+            with.clear();
+            for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) {
+                const std::uint32_t other = ring.neighbour[n];
+                if (sides.empty() || (is_line[v] != 0 ? is_line[other] != 0 : sides[other] >= sides[v])) with.push_back(other);
+            }
+            if (with.empty()) with.push_back(static_cast<std::uint32_t>(v));
+            share[v] = 1 / static_cast<float>(with.size());
+            for (std::size_t n = 0; n < std::max<std::size_t>(usual, with.size()); ++n)
+                if (n < usual) neighbour[usual * v + n] = n < with.size() ? with[n] : nowhere;
+                else further.push_back({static_cast<Index>(v), with[n]});
         }
     }
 };
@@ -101,9 +110,9 @@ void blur(const EvenRing& ring, const std::vector<float>& each, PaddedPlaces& po
 
 // With S the blur, x <- S x + S (1 - S) x + S (1 - S)^2 x: what passes is 1 - (1 - S)^3. A blur alone shrinks a sphere in proportion to its
 // curvature; handing back the blurred loss twice leaves the third power of that, and still takes out what the blur takes out well.
-void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk) {
+void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk, const std::vector<char>& sides) {
     constexpr int order = 3;
-    const EvenRing ring{Ring(mesh)};
+    const EvenRing ring{Ring(mesh), sides};
     const auto n = static_cast<Index>(mesh.position.size());
     PaddedPlaces position = padded(mesh.position), blurred, scratch(position.size()), lost;
     for (const auto& [each, blurs] : {std::pair(lambdas(mesh.position.size(), {}), steps),
@@ -123,9 +132,9 @@ void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>&
     for (std::size_t v = 0; v < mesh.position.size(); ++v) mesh.position[v] = position[v].head<3>();
 }
 
-void set_smooth_normals(TriangleMesh& mesh, int steps, int further, const std::vector<float>& bulk) {
+void set_smooth_normals(TriangleMesh& mesh, int steps, int further, const std::vector<float>& bulk, const std::vector<char>& sides) {
     const Ring ring(mesh);
-    const EvenRing even(ring);
+    const EvenRing even(ring, sides);
     PaddedPlaces blurred = padded(mesh.position), scratch(blurred.size());
     blur(even, lambdas(mesh.position.size(), {}), blurred, scratch, steps);
     blur(even, lambdas(mesh.position.size(), bulk), blurred, scratch, further);

@@ -22,7 +22,7 @@ constexpr float edge_reach = 6;  // voxels, from an edge between walls, of norma
 /// @return whether the vertex is on a wall and near such an edge
 bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
     const Cut::Side& side = cut.at(x);
-    if (!side.is_wall || side.inside(x) > touch * voxel || !cut.is_edge(x, edge_reach * voxel)) return false;
+    if (!side.is_wall || side.inside(x) > touch * voxel || cut.count_at(x, edge_reach * voxel) < 2) return false;
     const Vec3f outward = -side.inward;
     const float kept = std::clamp((outward.dot(normal) - 0.95f) / 0.04f, 0.0f, 1.0f);  // from 18 to 8 degrees
     normal = (kept * normal + (1 - kept) * outward).normalized();
@@ -98,11 +98,14 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     if (options.smoothing > 0) {
         const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
-        smooth(surface.mesh, options.smoothing, steps, marched.bulk);
+        std::vector<char> sides(sharp.size(), 0);
+        for_vertices_at(cut, grid, marched,
+                        [&](Index v, const Cut& near) { sides[v] = static_cast<char>(near.count_at(sharp[v], touch * voxel)); });
+        smooth(surface.mesh, options.smoothing, steps, marched.bulk, sides);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             surface.mesh.position[v] = near.held(sharp[v], surface.mesh.position[v], touch * voxel);
         });
-        set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk);
+        set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk, sides);
         std::vector<char> on_wall(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;
