@@ -6,17 +6,17 @@ from .registry import markdown, table, write_file
 from .runs import number, read_rows, root
 
 
-@table("picture_honey_coil", "the README's first image: frame 80 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
+@table("picture_honey_coil", "the README's first image: frame 100 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
        section=False)
 def picture_honey_coil(m):
-    run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 80, "--no-video"])
-    drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000080.png"], 720)
+    run = m.render("honey_coil", "pictures/honey_coil", threads=2, images=True, options=["--frames", 100, "--no-video"])
+    drawing.picture(m, "docs/pictures/honey_coil.png", [run.folder / "frames/000100.png"], 720)
 
 
-@table("picture_over_plate", "honey_coil without a background, laid over an image of a cloth with a box and a ball", "2 minutes",
+@table("picture_over_plate", "thick_coil without a background, laid over an image of a cloth with a box and a ball", "2 minutes",
        files="docs/pictures/guide/over_plate.jpg", section=False)
 def picture_over_plate(m):
-    camera = {"kind": "fixed", "position": [0, 0.12, 0.42], "target": [0, 0.008, 0], "fov": 25}  # honey_coil's
+    camera = {"kind": "fixed", "position": [0, 0.12, 0.42], "target": [0, 0.008, 0], "fov": 25}  # thick_coil's
     plate = m.toml_file("pictures/plate", {
         "time": {"end": 0.01},
         "domain": {"min": [-0.3, -0.1, -0.3], "max": [0.3, 0.2, 0.7]},
@@ -30,7 +30,7 @@ def picture_over_plate(m):
     pictures = [m.render(scene, f"pictures/{name}", *settings, threads=2, images=True, options=["--frames", frame, "--no-video"]).folder
                 / f"frames/{frame:06}.png"
                 for scene, name, frame, settings in ((plate, "plate_run", 1, ()),
-                                                     ("honey_coil", "over_plate", 80, ["look.background=transparent"]))]
+                                                     ("scenes/studies/thick_coil.toml", "over_plate", 80, ["look.background=transparent"]))]
     laid = m.out / "pictures/laid.png"
     m.call(["ffmpeg", "-v", "error", "-y", "-i", pictures[0], "-i", pictures[1], "-filter_complex", "overlay", laid])
     drawing.picture(m, "docs/pictures/guide/over_plate.jpg", [laid], 800, ["-q:v", "4"])
@@ -45,7 +45,7 @@ def picture_live(m):
 
 # Caption, time of the image [s], quality of the run
 gallery_scenes = {
-    "honey_coil": ("A thread of honey coils on a plate.", 3.3, "standard"),
+    "honey_coil": ("A thread of honey coils into a stack.", 4.1, "standard"),
     "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
     "honey_thread": ("A long fall: the thread thins and coils fast. At half speed.", 2.2, "standard"),
     "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils.", 5.9, "standard"),

@@ -57,7 +57,7 @@ potential = ("potential energy, to fine", against("fine", "potential_energy"))
 kinetic = ("kinetic energy, to fine", against("fine", "kinetic_energy"))
 second_panel = ("kinetic energy, to fine", against("fine", "kinetic_energy", "panels/2/diagnostics.csv"))
 coil = ("frequency of the first turns to steady theory",
-        {"of": "exact", "table": "probes/coil.csv", "column": "frequency", "expected": "2.139"})
+        {"of": "exact", "table": "probes/coil.csv", "column": "frequency", "expected": "7.05"})
 angular = ("angular momentum lost", {"of": "conserved", "column": "angular_momentum_z", "at": "all"})
 qualities = {  # scene: seconds, quantity whose error is measured
     "honey_coil": (1.6, *coil), "honey_ball": (0.9, *potential), "honey_thread": (0.45, *potential), "sewing_machine": (0.7, *kinetic),
