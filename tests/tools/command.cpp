@@ -212,7 +212,7 @@ TEST_CASE("invalid input exits with 2, reports every mistake, and writes nothing
           "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09\n"
           "s.toml:4:1: unknown key \"spacng\" in [fluid]; did you mean \"spacing\"?; allowed: spacing, density, viscosity, "
-          "surface_tension, ink_diffusion, force, kernel, "
+          "surface_tension, ink_diffusion, ink_markers, force, kernel, "
           "support\n"
           "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, "
           "colour, refraction, "

@@ -74,7 +74,7 @@ TEST_CASE("the coupled solve refuses a viscous number below 0.04 anywhere at the
           std::string::npos);
     CHECK(coupled("0.001").find("fluid.viscosity=0.001: fluid.viscosity is 0.001 Pa s at the start, too thin for models.pressure = "
                                 "\"coupled\"") != std::string::npos);
-    CHECK(coupled("0.001").find("coupled works from 0.04 on; choose models.pressure = \"ppe\" with models.viscosity = \"full\"") !=
+    CHECK(coupled("0.001").find("coupled needs at least 0.04; choose models.pressure = \"ppe\" with models.viscosity = \"full\"") !=
           std::string::npos);
     CHECK(coupled("0").find("too thin") != std::string::npos);
     // The minimum at the start decides, whatever it becomes later.
