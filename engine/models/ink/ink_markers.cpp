@@ -68,13 +68,13 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     parallel_for(x.size(), [&](Index i) { path[i] += step.dt * u[i]; });
     markers.waiting += static_cast<double>(step.dt);
     const double farthest = parallel_max(x.size(), 0, [&](Index i) { return static_cast<double>(path[i].squaredNorm()); });
-    if (!step.to_frame_time && farthest < static_cast<double>(step.spacing * step.spacing)) return;
+    if (!step.to_frame_time && farthest < 4 * static_cast<double>(step.spacing * step.spacing)) return;
 
     ParticleStore& store = markers.store;
     if (step.to_frame_time) store.gather(curve_order(std::as_const(store).column<field::position>(), step.support));
     const auto place = store.column<field::position>();
     const auto ink = store.column<field::ink>();
-    const Real reach = Real(1.5) * step.spacing, over = 1 / (reach * reach);
+    const Real reach = Real(1.75) * step.spacing, over = 1 / (reach * reach);
     const double wave = std::numbers::pi / static_cast<double>(step.spacing);
     const Real mixed = static_cast<Real>(-std::expm1(-diffusion * wave * wave * markers.waiting));
     const bool flat = step.dimensions() == 2;
@@ -88,9 +88,13 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
         return fit;
     };
     // The fit smooths curved fields; adding what it loses at the particles cancels this to second order.
-    search.find(start.values, start.values, reach, step.domain, pairs);
+    search.find(start.values, reach, step.domain, pairs);
     std::vector<Vec3> sharp(path.values.size());
-    parallel_for(pairs.size(), [&](Index i) { sharp[i] = 2 * path[i] - fit_at(i, path.values).displacement(flat); });
+    parallel_for(pairs.size(), [&](Index i) {
+        LinearFit fit = fit_at(i, path.values);
+        fit.add(1, Vec3::Zero(), path[i], c[i]);
+        sharp[i] = 2 * path[i] - fit.displacement(flat);
+    });
     std::vector<char> alone(place.size(), 0);
     // In pieces, so that the rows of neighbours take as much memory as those of the particles.
     const std::size_t piece = std::max<std::size_t>(static_cast<std::size_t>(x.size()), 1 << 15);

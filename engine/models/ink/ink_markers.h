@@ -29,10 +29,10 @@ struct InkMarkers {
     void fill_gaps(const StepContext& step, Span<const Vec3> particles, Span<const Vec3> inks, NeighbourSearch& search);
 };
 
-/// Moves the markers when a particle has moved a spacing, and at frame times: x_m += s(x_m), where s is the linear function that fits the
-/// displacements (the sums of dt u) of the particles within 1.5 spacings of the marker best, plus the fit of what this fit misses at the
-/// particles. It is exact for every affine motion. The displacements belong to the particles' old positions; moves of particles that are
-/// not their velocity do not carry markers.
+/// Moves the markers when a particle has moved two spacings, and at frame times: x_m += s(x_m), where s is the linear function that fits
+/// the displacements (the sums of dt u) of the particles within 1.75 spacings of the marker best, plus the fit of what this fit misses at
+/// the particles. It is exact for every affine motion. The displacements belong to the particles' old positions; moves of particles that
+/// are not their velocity do not carry markers.
 ///
 /// If ink diffuses, the ink of a marker approaches the mean of these particles like a wave of two spacings,
 ///     c_m += (1 - exp(-D (pi/d)^2 dt)) (sum w c_j/sum w - c_m);

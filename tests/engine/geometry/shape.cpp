@@ -292,7 +292,8 @@ TEST_CASE("a broken mesh file is reported with line and fault", "[geometry]") {
     CHECK_THAT(message_of(temporary("n.ply", nowhere)), Contains("n.ply:12:3: \"nan\" is not a number"));
     for (const char* corner : {"3", "-1", "4294967296", "1e30"}) {
         CAPTURE(corner);
-        CHECK_THAT(message_of(temporary("k.ply", triangle + "3 0 1 " + corner + "\n")), Contains("the file has 3 vertices, counted from 0"));
+        CHECK_THAT(message_of(temporary("k.ply", triangle + "3 0 1 " + corner + "\n")),
+                   Contains("the file has 3 vertices, counted from 0"));
     }
     CHECK_THAT(message_of(temporary("l.ply", "ply\nformat binary_little_endian 1.0\nelement thing 666666666666666666\nend_header\n")),
                Contains("element thing has no property"));
