@@ -339,7 +339,8 @@ private:
     }
     void at_solids() {
         made_.stages.push_back(move_solids());
-        stage("keep outside", "boundary", PushOutOfSolids{}, &EnergyBudget::boundary);
+        const bool keeps_off = facts_.pressure.has_sound && !scene_.models.printed();
+        stage("keep outside", "boundary", PushOutOfSolids{keeps_off ? Real(0.4) : Real(0)}, &EnergyBudget::boundary);
     }
 
     void incompressibility() {

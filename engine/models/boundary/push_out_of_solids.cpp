@@ -26,22 +26,22 @@ bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec
     return false;
 }
 
-/// Puts a particle that is inside a solid on the surface and removes the inward part of its relative velocity.
-void push_out(const Solid& solid, Real dt, Vec3& x, Vec3& u) {
+/// Puts a particle at the distance `least` [m] from a solid and removes the inward part of its relative velocity.
+void push_out(const Solid& solid, Real least, Real dt, Vec3& x, Vec3& u) {
     back_through(solid, solid.distance(x), dt, u, x);
     const Vec3 n = solid.normal(x);
-    x -= solid.distance(x) * n;
+    x += (least - solid.distance(x)) * n;
     const Real inward = (u - solid.velocity_at(x)).dot(n);
     if (inward < 0) u -= inward * n;
 }
 
 /// For a solid with a ledger, which records the impulse and the change of the particle's angular momentum by the move. With a free body
 /// the particle collides. Particles are handled one after the other, in their order, because few are ever inside.
-void push_out(Solid& solid, Real mass, Real dt, Vec3& x, Vec3& u) {
+void push_out(Solid& solid, Real least, Real mass, Real dt, Vec3& x, Vec3& u) {
     const Vec3 x_before = x;
     const Vec3d centre = solid.centre(), u_before = u.cast<double>();
     if (solid.body) back_through(solid, solid.distance(x), dt, u, x), x -= solid.distance(x) * solid.normal(x);
-    else push_out(solid, dt, x, u);
+    else push_out(solid, least, dt, x, u);
     const Vec3d kick = u.cast<double>() - u_before, moved = (x - x_before).cast<double>();
     const Vec3d at = solid.image(x).cast<double>(), arm = at - centre;
     solid.receive(Push::contact, -static_cast<double>(mass) * (Wrench::at(arm, kick) + Wrench{Vec3d::Zero(), moved.cross(u_before)}));
@@ -65,6 +65,7 @@ void PushOutOfSolids::operator()(const InteractionContext& context, Read<field::
     if (solids.all.empty()) return;
     // The pairs are those before the move: a particle without solid neighbours was a support radius away.
     const Real far = step.support / 2;
+    const auto least = [&](const Solid& solid) { return solid.body ? Real(0) : clearance * step.spacing; };
     const bool ledgers = solids.any_ledger();
     std::vector<int> struck(ledgers ? static_cast<std::size_t>(x.size()) : 0, -1);
     parallel_for(x.size(), [&](Index i) {
@@ -75,19 +76,19 @@ void PushOutOfSolids::operator()(const InteractionContext& context, Read<field::
         if (k < 0) return;
         const Solid& solid = solids.all[k];
         Vec3 met = x[i];
-        if (!(distance < 0) && !back_through(solid, distance, step.dt, u[i], met)) return;
+        if (!(distance < least(solid)) && !back_through(solid, distance, step.dt, u[i], met)) return;
         if (solid.keeps_ledger()) {
             struck[i] = k;
             return;
         }
-        push_out(solid, step.dt, x[i], u[i]);
+        push_out(solid, least(solid), step.dt, x[i], u[i]);
     });
     if (!ledgers) return;
     bool any_body = false;
     for (Index i = 0; i < x.size(); ++i) {
         if (struck[i] < 0) continue;
         Solid& solid = solids.all[struck[i]];
-        push_out(solid, step.mass, step.dt, x[i], u[i]);
+        push_out(solid, least(solid), step.mass, step.dt, x[i], u[i]);
         any_body |= solid.body.has_value();
     }
     if (!any_body) return;

@@ -74,6 +74,9 @@ std::vector<char> slips(const Solids& solids);
 /// into the solid. A particle that a step took through a solid, or into it to a point closer to its far side, is put back where it met the
 /// surface, so plates of any thickness are tight. A free body receives the impulse that the particle loses; the collision is inelastic.
 struct PushOutOfSolids {
+    /// Least distance to solids other than free bodies, in spacings. Weakly compressible particles at the edge of a free surface have no
+    /// pressure that keeps them off a wall.
+    Real clearance = 0;
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
 };
 

@@ -474,6 +474,31 @@ TEST_CASE("coupled honey in a spinning bucket keeps the paraboloid within .7 spa
     check_paraboloid(simulation, spacing, 0.015, 0.7 * spacing);
 }
 
+TEST_CASE("weakly compressible honey in a spinning bucket stays .4 spacings off its wall", "[wcsph][boundary]") {
+    // Particles at the edge of the surface have no pressure: without the clearance they lie on the wall.
+    constexpr double spacing = 8e-3;
+    Simulation simulation = simulation_of(spun_bucket(spacing, 4, text::models("wcsph", "full")));
+    run_until(simulation, 0.5);
+    double nearest = spacing;
+    for (const Vec3& x : simulation.world().fluid.column<field::position>())
+        nearest = std::min(nearest, 0.048 - static_cast<double>(std::hypot(x.x(), x.z())));
+    CHECK(nearest > 0.39 * spacing);
+    check_paraboloid(simulation, spacing, 0.03, spacing / 2);
+}
+
+TEST_CASE("weakly compressible honey spun for 20 s keeps its energy from 2 s on within .5 %", "[wcsph][boundary][long]") {
+    // If particles could lie on the wall: 2.4 % after 8 s, and rising.
+    constexpr double spacing = 8e-3;
+    Simulation simulation = simulation_of(spun_bucket(spacing, 4, text::models("wcsph", "full")));
+    run_until(simulation, 2);
+    const double before = energy_of(simulation);
+    for (double t = 4; t <= 20; t += 4) {
+        run_until(simulation, t);
+        check_paraboloid(simulation, spacing, 0.01, spacing / 2);
+        CHECK(energy_of(simulation) == Approx(before).epsilon(0.005));
+    }
+}
+
 TEST_CASE("honey spun for 20 s keeps its energy from 2 s on: within .5 % under ppe, 1 % under coupled",
           "[pressure][coupled][boundary][long]") {
     for (const bool coupled : {false, true}) {
