@@ -166,8 +166,8 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
 
 namespace {
 
-constexpr float lone_company = 1.5f,
-                bulk_company = 3.2f;  // LocalField::Sample::company at a file of particles, and at a thread of radius 2 d
+constexpr float lone_company = 2.0f,
+                bulk_company = 3.6f;  // LocalField::Sample::company at a file of particles, and at a thread of radius 3 d
 
 }  // namespace
 

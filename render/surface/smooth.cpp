@@ -54,7 +54,7 @@ struct EvenRing {
             with.clear();
             for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) {
                 const std::uint32_t other = ring.neighbour[n];
-                if (sides.empty() || (is_line[v] != 0 ? is_line[other] != 0 : sides[other] >= sides[v])) with.push_back(other);
+                if (sides.empty() || is_line[v] == 0 || is_line[other] != 0) with.push_back(other);
             }
             if (with.empty()) with.push_back(static_cast<std::uint32_t>(v));
             share[v] = 1 / static_cast<float>(with.size());

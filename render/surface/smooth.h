@@ -11,8 +11,7 @@ namespace whorl {
 /// @param steps of each blur: 10 where edges are half a spacing long, more in proportion to the inverse square of their length
 /// @param bulk of each vertex, 0 .. 1: rounds after the first move it by that share, so that drops and thin threads keep their size (as
 /// Loeschner et al. 2023 weigh by the number of particles); empty: all by the whole
-/// @param sides how many walls each vertex is on: a wall, an edge between walls and the line where the surface meets walls are each
-/// smoothed along themselves, so that the line is clean; empty: none
+/// @param sides how many walls each vertex is on: the line where the surface meets walls is smoothed along itself; empty: none
 void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk = {}, const std::vector<char>& sides = {});
 
 /// Normals, weighted by area, of the mesh after a blur of `steps` steps (0: of the mesh itself): reflections get clean edges, and the

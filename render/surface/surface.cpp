@@ -29,11 +29,13 @@ bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal)
     return true;
 }
 
-/// Vertices on edges between walls: triangles of both are there.
-/// @param on_wall of each vertex, whether set_wall_normal() found it so
-std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>& on_wall) {
+/// Vertices on edges between walls, and where the surface meets walls: triangles of both are there.
+/// @param on_wall of each vertex, whether set_wall_normal() found it so @param sides that it is on
+std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>& on_wall, const std::vector<char>& sides) {
     std::vector<char> is_edge(mesh.position.size(), 0);
     for (const auto& t : mesh.triangle) {
+        if (sides[t[0]] == 0 || sides[t[1]] == 0 || sides[t[2]] == 0)
+            for (const std::uint32_t v : t) is_edge[v] |= sides[v] > 0 ? 1 : 0;
         if (on_wall[t[0]] == 0 && on_wall[t[1]] == 0 && on_wall[t[2]] == 0) continue;
         const Vec3f& a = mesh.position[t[0]];
         const Vec3f area = (mesh.position[t[1]] - a).cross(mesh.position[t[2]] - a);
@@ -99,18 +101,23 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
         std::vector<char> sides(sharp.size(), 0);
-        for_vertices_at(cut, grid, marched,
-                        [&](Index v, const Cut& near) { sides[v] = static_cast<char>(near.count_at(sharp[v], touch * voxel)); });
+        for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
+            sides[v] = static_cast<char>(near.count_at(sharp[v], touch * voxel));
+            if (sides[v] > 0) marched.bulk[v] = 0;  // one round is enough along walls
+        });
         smooth(surface.mesh, options.smoothing, steps, marched.bulk, sides);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
-            surface.mesh.position[v] = near.held(sharp[v], surface.mesh.position[v], touch * voxel);
+            Vec3f& x = surface.mesh.position[v];
+            x = near.held(sharp[v], x, touch * voxel);
+            // Along a facet of a round wall it may have come beyond the next one.
+            if (const Cut::Side& side = near.at(x); side.is_wall && side.inside(x) < 0) x -= side.inside(x) * side.inward;
         });
         set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk, sides);
         std::vector<char> on_wall(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;
         });
-        if (cut.any()) surface.edge = wall_edges(surface.mesh, on_wall);
+        if (cut.any()) surface.edge = wall_edges(surface.mesh, on_wall, sides);
     }
     if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
