@@ -94,14 +94,14 @@ def coils_on_heap(m):
     return markdown("spacing | fall [mm] | frequency [Hz] | +- | theory | off | radius [mm] | +- | theory | off", rows)
 
 
-@table("honey_coil_qualities", "the coil of scenes/studies/thick_coil.toml at draft, standard and fine", "15 minutes")
+@table("honey_coil_qualities", "the coil of scenes/thick_coil.toml at draft, standard and fine", "15 minutes")
 def honey_coil_qualities(m):
     rows = []
     for quality, seeds in (("draft", (1, 2, 3)), ("standard", (1, 2, 3)), ("fine", (1,))):
         for seed in seeds:
             if not m.wanted(f"{quality}-{seed}"):
                 continue
-            run = m.render("scenes/studies/thick_coil.toml", f"coils/thick-{quality}-{seed}", f"seed={seed}", options=["--quality", quality])
+            run = m.render("scenes/thick_coil.toml", f"coils/thick-{quality}-{seed}", f"seed={seed}", options=["--quality", quality])
             columns = run.table("probes/coil.csv")
             pours = np.isfinite(columns["theory_frequency"])  # theory exists while honey flows
             p = {name: values[pours][-1] if pours.any() else math.nan for name, values in columns.items()}

@@ -94,7 +94,7 @@ def thread_cpu(process):
 
 
 class Session:
-    """A live run of honey_coil with its page open in a browser, if there is one."""
+    """A live run of thick_coil with its page open in a browser, if there is one."""
 
     def __init__(self, m, command):
         self.browser = shutil.which("chromium") or shutil.which("google-chrome")
@@ -168,10 +168,10 @@ def changes_of(session):
     return rows
 
 
-@table("live", "pace of a live run of honey_coil with its page open, and the delay until an image shows a change", "2 min")
+@table("live", "pace of a live run of thick_coil with its page open, and the delay until an image shows a change", "2 min")
 def live(m):
     folder = m.out / "live"
-    start = [m.program, "live", "honey_coil", "--port", "0", "--quiet", "--out", folder]
+    start = [m.program, "live", "thick_coil", "--port", "0", "--quiet", "--out", folder]
     growing, changing = ([*start, *m.sets([f"emitter[0].stop={stop}", f"time.end={end}"])] for stop, end in ((9, 9), (2, 99)))
     for command in (growing, changing):
         m.say(words_of(command))

@@ -30,7 +30,7 @@ def picture_over_plate(m):
     pictures = [m.render(scene, f"pictures/{name}", *settings, threads=2, images=True, options=["--frames", frame, "--no-video"]).folder
                 / f"frames/{frame:06}.png"
                 for scene, name, frame, settings in ((plate, "plate_run", 1, ()),
-                                                     ("scenes/studies/thick_coil.toml", "over_plate", 80, ["look.background=transparent"]))]
+                                                     ("scenes/thick_coil.toml", "over_plate", 80, ["look.background=transparent"]))]
     laid = m.out / "pictures/laid.png"
     m.call(["ffmpeg", "-v", "error", "-y", "-i", pictures[0], "-i", pictures[1], "-filter_complex", "overlay", laid])
     drawing.picture(m, "docs/pictures/guide/over_plate.jpg", [laid], 800, ["-q:v", "4"])
@@ -46,6 +46,7 @@ def picture_live(m):
 # Caption, time of the image [s], quality of the run
 gallery_scenes = {
     "honey_coil": ("A thread of honey coils into a stack.", 4.1, "standard"),
+    "thick_coil": ("A finger-thick coil of very viscous honey.", 3.3, "standard"),
     "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
     "honey_thread": ("A long fall: the thread thins and coils fast. At half speed.", 2.2, "standard"),
     "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils.", 5.9, "standard"),

@@ -41,7 +41,7 @@ Size size_of(const std::string& text) {
     return size;
 }
 
-/// out/honey_coil_live, or with a number behind it: recordings of earlier runs stay.
+/// out/thick_coil_live, or with a number behind it: recordings of earlier runs stay.
 fs::path free_folder(const std::string& scene) {
     for (int k = 1;; ++k) {
         const fs::path folder = fs::path("out") / (scene + "_live" + (k > 1 ? "_" + std::to_string(k) : ""));
@@ -129,7 +129,7 @@ const char* const endpoints =
     "  GET  /recording.toml  the scene and every change until now\n"
     "\n"
     "Examples:\n"
-    "  whorl live honey_coil\n"
+    "  whorl live thick_coil\n"
     "  whorl live my_scene.toml --port 0 --quality standard --size 1280x720\n"
     "  curl -s localhost:8080/state\n"
     "  curl -s localhost:8080/set -d '{\"fluid.viscosity\": 200, \"look.material\": \"chocolate\"}'\n"

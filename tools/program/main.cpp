@@ -21,7 +21,7 @@ const char* const examples =
     "  whorl render honey_coil                       frames, video and diagnostics in out/honey_coil\n"
     "  whorl render honey_coil --quality draft --until 1 --set fluid.viscosity=300\n"
     "  whorl render my_scene.toml --out runs/a --size 1920x1080 --export mesh\n"
-    "  whorl live honey_coil                         the same in a browser, while it pours\n"
+    "  whorl live thick_coil                         a run in a browser, while it pours\n"
     "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
     "  whorl resume runs/a                           continue after an interruption\n"
     "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n"

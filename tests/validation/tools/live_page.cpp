@@ -311,7 +311,7 @@ TEST_CASE("the page's picture", "[.][page_picture]") {
     if (file == nullptr || missing()) return;
     test::ScratchFolder folder;
     test::Program live(
-        {"live", "honey_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
+        {"live", "thick_coil", "--port", "8099", "--out", (folder / "run").string(), "--unpaced", "--set", "look.samples=4"});
     REQUIRE(live.wait_until([&] { return live.output().find('\n') != std::string::npos; }));
     Browser& browser = browser_of(1180, 1000);
     browser.open("http://127.0.0.1:8099/");

@@ -47,7 +47,7 @@ double seconds_until_picture(LiveProgram& live, std::uint64_t number, int frame,
 TEST_CASE("sliders moved at random for minutes keep memory constant (prints frame times)", "[.][soak]") {
     const char* wanted = std::getenv("WHORL_SOAK_MINUTES");
     const double seconds = 60 * (wanted != nullptr ? std::atof(wanted) : 10.0);
-    LiveProgram live(shipped("honey_coil.toml"), {"--unpaced", "--size", "320x180", "--set", "fluid.spacing=4e-3"});
+    LiveProgram live(shipped("thick_coil.toml"), {"--unpaced", "--size", "320x180", "--set", "fluid.spacing=4e-3"});
     live.order("play");
     std::mt19937 random(1);
     std::uniform_real_distribution<double> share(0, 1);
@@ -97,7 +97,7 @@ TEST_CASE("sliders moved at random for minutes keep memory constant (prints fram
 }
 
 TEST_CASE("latency of a change in the image", "[.][latency]") {
-    LiveProgram live(shipped("honey_coil.toml"), {"--quality", "draft", "--paused", "--unpaced", "--size", "640x360"});
+    LiveProgram live(shipped("thick_coil.toml"), {"--quality", "draft", "--paused", "--unpaced", "--size", "640x360"});
     live.wait_for([](const json& s) { return s.at("picture").is_number(); });
     std::vector<double> look, physics;
     for (int k = 0; k < 20; ++k) {
