@@ -352,8 +352,9 @@ private:
         if (plan_.traits.pressure.source == PressureSource::velocity && plan_.free_surface)
             add_warning(
                 "pressure.form = \"projection\" holds a surface that moves gently: it diverges or loses volume if a column collapses, a "
-                "jet lands, a body falls or rises through the surface, thin fluid turns in a round vessel, or fluid without weight meets "
-                "other fluid or turns fast; pressure.form = \"constraint\" holds these");
+                "jet lands, a body falls or rises through the surface, a drop lies on a solid, thin fluid turns in a round vessel, or "
+                "fluid "
+                "without weight meets other fluid or turns fast; pressure.form = \"constraint\" holds these");
         if (plan_.traits.pressure.source == PressureSource::velocity && !plan_.free_surface && scene_.domain.gravity(0).norm() > 0)
             for (std::size_t k = 0; k < scene_.solids.size(); ++k)
                 if (const double density = scene_.solids[k].density; density > 0 && density < 0.9 * scene_.fluid.density)
