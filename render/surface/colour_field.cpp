@@ -103,13 +103,14 @@ void LocalField::gather(const ColourField& field, const Vec3f& low, const Vec3f&
 LocalField::Sample LocalField::at(const Vec3f& at) const {
     const float ax = at.x(), ay = at.y(), az = at.z();
     float c = 0, gx = 0, gy = 0, gz = 0, company = 0;
+    const float widest_inverse = 1 / (reach * reach);
     const std::size_t n = x.size();
     for (std::size_t j = 0; j < n; ++j) {
-        const float dx = ax - x[j], dy = ay - y[j], dz = az - z[j];
-        const float t = std::max(0.0f, 1 - inverse_R2[j] * (dx * dx + dy * dy + dz * dz)), bump = height[j] * t * t;
+        const float dx = ax - x[j], dy = ay - y[j], dz = az - z[j], r2 = dx * dx + dy * dy + dz * dz;
+        const float t = std::max(0.0f, 1 - inverse_R2[j] * r2), bump = height[j] * t * t, wide = std::max(0.0f, 1 - widest_inverse * r2);
         const float slope = bump * inverse_R2[j];  // grad (1 - r^2/R^2)^3 = -6/R^2 t^2 (x - x_j)
         c += bump * t;
-        company += t * t * t;
+        company += wide * wide * wide;
         gx += slope * dx;
         gy += slope * dy;
         gz += slope * dz;

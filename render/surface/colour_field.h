@@ -42,7 +42,7 @@ public:
     struct Sample {
         float colour;
         Vec3f gradient;  ///< 1/m
-        float company;   ///< sum of the kernels: 4.4 at a flat surface, 1 at a lone particle's
+        float company;   ///< sum of kernels of the largest R: 4.3 at a flat surface, 3.9 at a thread of radius 2.5 d, 1.6 at a single file
     };
     Sample at(const Vec3f& x) const;
 

@@ -166,8 +166,7 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
 
 namespace {
 
-constexpr float lone_company = 2.0f,
-                bulk_company = 3.6f;  // LocalField::Sample::company at a file of particles, and at a thread of radius 3 d
+constexpr float lone_company = 2.6f, bulk_company = 3.8f;  // LocalField::Sample::company at drops of radius 1.5 d, and at threads of 2.5 d
 
 }  // namespace
 
