@@ -166,7 +166,7 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
 
 namespace {
 
-constexpr float lone_company = 2.6f, bulk_company = 3.8f;  // LocalField::Sample::company at drops of radius 1.5 d, and at threads of 2.5 d
+constexpr float lone_company = 2.7f, bulk_company = 5.4f;  // LocalField::Sample::company at drops of radius 1.5 d; beyond a flat surface
 
 }  // namespace
 

@@ -35,7 +35,7 @@ struct MarchedMesh {
     TriangleMesh mesh;
     std::vector<Index> block;        ///< blocks with vertices, rising
     std::vector<Index> block_begin;  ///< of block[n] are the vertices block_begin[n] .. block_begin[n + 1]
-    std::vector<float> bulk;         ///< of each vertex after project(): 0 at a drop of radius 1.5 d, 1 at a body of many particles
+    std::vector<float> bulk;         ///< of each vertex after project(): 0 at a drop of radius 1.5 d, 0.6 at a flat surface
 };
 
 /// The surface c = iso by marching cubes: closed and manifold always (every edge belongs to two triangles, every vertex to one fan).
