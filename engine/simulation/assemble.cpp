@@ -166,6 +166,13 @@ private:
         options.limits = scene_.pressure.limits;
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
+        // A longer step lets particles at walls without friction fall and catches them again: honey at rest then sinks.
+        const bool slips = std::any_of(scene_.solids.begin(), scene_.solids.end(), [](const SolidKeys& s) { return s.slip == Slip::free; });
+        if (slips)
+            limit("free slip", "0.05 sqrt(d / g)", [d = plan_.spacing](const World& w, double) {
+                const double g = w.step.gravity.norm();
+                return g > 0 ? 0.05 * std::sqrt(d / g) : never;
+            });
         auto system = std::make_shared<CoupledSystem>(options);
         if (scene_.fluid.ink_diffusion > 0) made_.stages.push_back(neighbours());
         ink_diffusion();
