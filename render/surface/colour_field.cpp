@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-// The particles that a bunch reaches, copied together.
+// Copy of the particles that a bunch reaches.
 struct Around {
     std::vector<float> x, y, z;
 
@@ -37,19 +37,19 @@ struct Around {
     }
 };
 
-// How much wider the kernel of a lone particle is. At a lower `few` droplets of a few particles come out too thick, at a higher one threads
-// of radius 3 d that are 1 d apart merge.
+// Ratio of a lone particle's kernel to the usual one. With a smaller `few`, droplets of a few particles come out too thick; with a larger
+// one, threads of radius 3 d that are 1 d apart merge.
 constexpr float lone_factor = 1.2f;
-// Sum of the wide kernels about a particle (8.8 inside a fluid, 5.3 at a flat surface, 2.2 in a single file) below which its own is wide,
-// and above which it is not.
+// Sum of the wide kernels about a particle: below `few` the particle's own kernel is wide, above `many` it is not. The sum is 8.8 inside a
+// fluid, 5.3 at a flat surface and 2.2 in a single file.
 constexpr float few = 3.0f, many = 4.7f;
 
-// With its wide kernel a lone particle is a drop of 1.8 d^3. Spray is finer than the spacing: further than `apart` kernels from every other
-// particle the drop is drawn smaller, from `alone` kernels on with a kernel smaller by `spray_factor`, 0.6 d^3 after the mesh's
-// smoothing. Nearer than `apart` it may be one of a thread.
+// A lone particle with its wide kernel is a drop of 1.8 d^3, but spray is finer than the spacing. Beyond a distance of `apart` kernels from
+// all others the drop shrinks. From `alone` kernels on its kernel is smaller by `spray_factor`: 0.6 d^3 after the mesh's smoothing. A
+// particle nearer than `apart` may belong to a thread.
 constexpr float apart = 1.04f, alone = 1.9f, spray_factor = 0.85f;
 
-// The distance to the nearest other particle, or `most` where none is as near.
+// Distance to the nearest other particle, at most `most`.
 float nearest_other(const ParticleRows& p, Index i, float most) {
     float nearest2 = most * most;
     p.near(p.at(i), most, [&](Index k, const Vec3f& r) {

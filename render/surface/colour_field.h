@@ -1,31 +1,31 @@
 #pragma once
-/// The colour field of a fluid given by particles: near 1 inside, 0 outside, whatever the local distance between the particles.
+/// Colour field of a fluid given by particles: near 1 inside and 0 outside, for any local distance between the particles.
 ///
 ///     c(x) = sum_j V_j W_j(|x - x_j|),    V_j = m/rho_j = 1 / sum_k W_j(|x_j - x_k|),    W_j(r) = (1 - r^2/R_j^2)^3 (its norm drops out)
 ///
-/// With equal volumes V_j round surfaces would shrink by sigma^2/r (sigma: the kernel's width) and single particles vanish. Normalised, a
-/// flat surface is at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c = 0.605 with R = 2 d:
-/// there spheres and cylinders of 1 to 5 spacings keep their radius within 0.055 d, flat surfaces their place within 0.01 d
-/// (tests/render/surface/surface.cpp measures it).
+/// With equal volumes V_j round surfaces would shrink by sigma^2/r (sigma: the kernel's width) and single particles would vanish. After
+/// this normalisation a flat surface is at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c =
+/// 0.605 with R = 2 d. At that value spheres and cylinders of 1 to 5 spacings keep their radius within 0.055 d, and flat surfaces their
+/// position within 0.01 d (measured by tests/render/surface/surface.cpp).
 ///
-/// A wide kernel makes bumps smaller and holds a thin thread together, but bridges gaps: with R = 2.25 d two threads merge at a distance of
-/// 1.1 d. So R_j is 2 d where a particle has company, and grows to 2.4 d where it has little: a single file of particles stays in one piece
-/// up to distances of 2.5 d, droplets of a few particles keep their size, and thick threads stay apart down to 1 d. Drops of a single
-/// particle shrink the further they are from all others, as spray is finer than the spacing.
+/// A wide kernel makes bumps smaller and keeps a thin thread together, but it bridges gaps: with R = 2.25 d two threads merge at a distance
+/// of 1.1 d. So R_j is 2 d if a particle has many neighbours, and grows to 2.4 d if it has few. A single file of particles then stays in
+/// one piece up to distances of 2.5 d, droplets of a few particles keep their size, and thick threads stay apart down to 1 d. Drops of a
+/// single particle shrink with their distance from all others, as spray is finer than the spacing.
 #include "render/surface/particle_rows.h"
 
 namespace whorl {
 
 class ColourField {
 public:
-    /// @param spacing d [m]  @param radius of the kernel over the spacing
+    /// @param spacing d [m]  @param radius kernel radius over the spacing
     ColourField(Span<const Vec3f> position, double spacing, double radius);
 
     const ParticleRows& particles() const { return rows_; }
     float reach() const { return reach_; }  ///< the largest R [m]
     /// R_j [m], in sorted order.
     const std::vector<float>& radius() const { return radius_; }
-    /// V_j: the height of particle j's bump, in sorted order.
+    /// V_j in sorted order: height of the particle's bump.
     const std::vector<float>& height() const { return height_; }
 
 private:
@@ -34,7 +34,7 @@ private:
     std::vector<float> height_, radius_;
 };
 
-/// The particles that the field needs within a box, copied together: many evaluations there are quick.
+/// Copy of the particles that the field needs within a box, for many fast evaluations there.
 class LocalField {
 public:
     void gather(const ColourField& field, const Vec3f& low, const Vec3f& high);

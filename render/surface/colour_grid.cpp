@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-// Makes the blocks of all nodes that particles reach, and one node more: so a surface never runs along a missing block.
+// Creates the blocks of all nodes that particles reach, and of one node more, so that a surface never runs along a missing block.
 void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree::RootNodeType& root) {
     const float reach = field.reach() + voxel, block = voxel * block_edge;
     for (const ParticleRows::Bunch& bunch : field.particles().bunches(field.reach())) {
@@ -22,7 +22,7 @@ void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree::Roo
     }
 }
 
-// c at the block's nodes: each particle in turn adds its bump to the planes of nodes that it reaches.
+// Computes c at the block's nodes: each particle in turn adds its bump to the planes of nodes that it reaches.
 void fill(const LocalField& local, float voxel, ColourBlock& block) {
     constexpr int plane_nodes = block_edge * block_edge;
     alignas(64) float colour[block_nodes] = {};
@@ -33,7 +33,7 @@ void fill(const LocalField& local, float voxel, ColourBlock& block) {
                     pz = local.z[n] / voxel - static_cast<float>(block.origin[2]);
         const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))),
                   i1 = std::min(block_edge - 1, static_cast<int>(std::floor(px + r)));
-        alignas(64) float aside[plane_nodes];  // square of the way in the plane over that of R
+        alignas(64) float aside[plane_nodes];  // squared distance in the plane over R^2
         for (int j = 0; j < block_edge; ++j) {
             const float dy = static_cast<float>(j) - py;
             for (int k = 0; k < block_edge; ++k) {
@@ -58,8 +58,8 @@ void fill(const LocalField& local, float voxel, ColourBlock& block) {
 
 constexpr float deep = 0.9f;
 
-// Whether the fluid fills the block. Seen at every other node, 64 of 512: no node is further from one of these than 0.87 d where voxels are
-// half a spacing wide, and the colour does not fall from 0.9 to 0.6 and rise again over such a way.
+// Whether the fluid fills the block, tested at every other node (64 of 512). With voxels of half a spacing no node is further than 0.87 d
+// from a tested one, and the colour does not fall from 0.9 to 0.6 and rise again over that distance.
 bool is_deep(const LocalField& local, const Vec3f& low, float voxel) {
     for (int i = 0; i < block_edge; i += 2)
         for (int j = 0; j < block_edge; j += 2)
@@ -79,14 +79,14 @@ void cut_off(const Cut& cut, const Vec3f& low, float voxel, float iso, float rea
 }
 
 std::int64_t key(int a, int b, int c) {
-    constexpr std::int64_t offset = 1 << 20;  // blocks: a million each way
+    constexpr std::int64_t offset = 1 << 20;  // a million blocks in each direction
     return ((a + offset) << 42) | ((b + offset) << 21) | (c + offset);
 }
 
 }  // namespace
 
 struct ColourGrid::Tree {
-    /// Without OpenVDB's class of whole trees, whose virtual functions take ten seconds to compile.
+    /// The root node alone: OpenVDB's class of whole trees has virtual functions that take ten seconds to compile.
     openvdb::FloatTree::RootNodeType root{0.0f};
 };
 
@@ -115,7 +115,7 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
         const Vec3f low = block.low(voxel), middle = block.middle(voxel);
         const float radius = ColourBlock::radius(voxel);
         const Cut near = cut.near(middle, radius, field.reach());
-        if (near.any() && near.at(middle).inside(middle) < -radius - voxel) {  // wholly beyond it, and no cell of the surface's ends here
+        if (near.any() && near.at(middle).inside(middle) < -radius - voxel) {  // wholly beyond the cut: no cell of the surface ends here
             std::fill(block.value, block.value + block_nodes, 0.0f);
             block.least = block.most = 0;
             return;

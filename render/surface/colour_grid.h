@@ -1,6 +1,6 @@
 #pragma once
 /// The colour field on the nodes of a grid that is fixed in the world: node (i, j, k) is at (i, j, k) voxel. Only blocks near particles
-/// exist; an OpenVDB tree stores them.
+/// exist. An OpenVDB tree stores them.
 #include <array>
 #include <memory>
 #include <vector>
@@ -10,29 +10,29 @@
 
 namespace whorl {
 
-/// Nodes along the edge of a block, and in it.
+/// Number of nodes along the edge of a block, and in a block.
 inline constexpr int block_edge = 8, block_nodes = block_edge * block_edge * block_edge;
 
-/// A leaf of the tree.
+/// Leaf of the tree.
 struct ColourBlock {
-    std::array<int, 3> origin;  ///< its first node
-    float* value;               ///< of node (i, j, k) of the block at (8 i + j) 8 + k
+    std::array<int, 3> origin;  ///< index of the first node
+    float* value;               ///< value of the block's node (i, j, k) at (8 i + j) 8 + k
     float least = 0, most = 0;
     /// Position of the first node [m].
     Vec3f low(float voxel) const {
         return voxel * Vec3f(static_cast<float>(origin[0]), static_cast<float>(origin[1]), static_cast<float>(origin[2]));
     }
-    /// The middle of its cells, and how far from there the furthest of them reach [m].
+    /// Middle of the block's cells [m], and the distance of their furthest corner from there [m].
     Vec3f middle(float voxel) const { return low(voxel).array() + 0.5f * voxel * block_edge; }
     static float radius(float voxel) { return 0.87f * voxel * block_edge; }
-    /// Place of value[n] from the first node [voxels].
+    /// Position of value[n] relative to the first node [voxels].
     static Vec3f node(int n) { return Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7)); }
-    std::array<Index, 8> ahead;  ///< the blocks at origin + 8 (a, b, c), at 4 a + 2 b + c (itself first); -1: no block, all zero
+    std::array<Index, 8> ahead;  ///< index 4 a + 2 b + c: the block at origin + 8 (a, b, c), first itself; -1: no block, all zero
 };
 
 class ColourGrid {
 public:
-    /// Blocks that lie wholly inside the fluid are not computed but set to 1. At the sides of `cut` the colour falls through `iso`.
+    /// Blocks that lie wholly inside the fluid are set to 1 without evaluation. At the sides of `cut` the colour falls through `iso`.
     ColourGrid(const ColourField& field, float voxel, const Cut& cut = {}, float iso = 0);
     ~ColourGrid();
 
@@ -40,7 +40,7 @@ public:
     const std::vector<ColourBlock>& blocks() const { return blocks_; }
 
 private:
-    struct Tree;  ///< OpenVDB's, which holds the values
+    struct Tree;  ///< OpenVDB tree that stores the values
     float voxel_;
     std::unique_ptr<Tree> tree_;
     std::vector<ColourBlock> blocks_;

@@ -10,19 +10,19 @@ namespace whorl {
 namespace {
 
 constexpr float large_plate = 7, small_plate = 3;  // widths over the spacing
-constexpr float beyond = 10;                       // spacings from an edge, where none is found
+constexpr float beyond = 10;                       // edge distance if no edge is found [spacings]
 
 struct Plate {
     float edge = beyond;  ///< spacings
-    Index middle = -1;    ///< place among the middles
+    Index middle = -1;    ///< index among the middles; -1: none
 };
 
-/// The particles that are middles of plates so wide.
+/// The particles that are middles of plates of a given width.
 struct Middles {
     Middles(Span<const Vec3f> particle, Span<const float> grain, float width, float spacing)
         : reach(2.5f * width * spacing), position(chosen(particle, grain, width)), rows(position, reach) {}
 
-    /// The other middle that is nearest in the sense of the plane half-way between the two bounds the plate.
+    /// Plate of the nearest middle. The bisecting plane to another middle bounds it; `edge` is the distance to the nearest such plane.
     Plate at(const Vec3f& x) const {
         Plate plate;
         float nearest = reach * reach;
@@ -60,7 +60,7 @@ private:
     }
 };
 
-/// The digits of a number between 0 and 1 beyond the first few are another such number.
+/// Derives another number between 0 and 1 from the later digits of one.
 float further(float number, float factor) { return number * factor - std::floor(number * factor); }
 
 }  // namespace

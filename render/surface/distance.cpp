@@ -12,7 +12,7 @@ namespace {
 
 constexpr double most_voxels = 16e6;
 
-// Eight numbers, one a voxel of a row.
+// Eight numbers, one per voxel of a row.
 using Lanes = float __attribute__((vector_size(32)));
 using LaneMask = decltype(Lanes() < Lanes());
 constexpr int lanes = sizeof(Lanes) / sizeof(float);
@@ -32,8 +32,8 @@ bool any(const LaneMask& mask) {
 }
 Lanes absolute(const Lanes& v) { return v < 0.0f ? -v : v; }
 
-// Per voxel: the nearest point of the surface found, and the square of its distance. Rows are padded by a few voxels at infinite
-// distance, so that eight can be read from any voxel of a row.
+// Nearest point of the surface found for each voxel, and its squared distance. Rows are padded by a few voxels at infinite distance, so
+// that eight voxels can be read from any voxel of a row.
 class Closest {
 public:
     explicit Closest(const Volume& e)
@@ -45,7 +45,7 @@ public:
     std::size_t row() const { return row_; }
     std::size_t plane() const { return plane_; }
     std::size_t index(int i, int j, int k) const { return plane_ * k + row_ * j + i; }
-    // No point is known in the planes from k on, before `end`.
+    // Forgets the points of the planes k <= plane < end.
     void clear(int k, int end) {
         for (float* v : {x, y, z, distance2}) std::fill(v + plane_ * k, v + plane_ * end, infinity);
     }
@@ -58,7 +58,7 @@ public:
     float *x, *y, *z, *distance2;
 };
 
-// The voxels about the mesh, without values.
+// Volume of the voxels about the mesh, without values.
 Volume extent_of(const TriangleMesh& mesh, float voxel) {
     Vec3f low = mesh.position[0], high = low;
     for (const Vec3f& p : mesh.position) low = low.cwiseMin(p), high = high.cwiseMax(p);
@@ -104,10 +104,10 @@ private:
     std::vector<std::uint32_t> triangle_;
 };
 
-// A triangle as the voxels of a row ask it. Places are from its first corner [m].
+// A triangle, for queries by the voxels of a row. Positions are relative to its first corner [m].
 class NearTriangle {
 public:
-    // Per voxel: the triangle's nearest point, the square of the distance to it, and the signed height above the triangle's plane.
+    // For each voxel: the triangle's nearest point, its squared distance, and the signed height above the triangle's plane.
     struct Row {
         Lanes x, y, z, distance2, above;
     };
@@ -120,7 +120,7 @@ public:
             inward_[m] = normal.cross(side_[m]);
         }
     }
-    // Signed height above the triangle's plane of the voxels of a row. @param p the first @param step from voxel to voxel along x
+    // Signed height of a row's voxels above the triangle's plane. @param p the first @param step from voxel to voxel along x
     Lanes above(const Vec3f& p, float step) const { return normal_.dot(p) + counted * (step * normal_.x()); }
 
     // @param p the row's first voxel @param step from voxel to voxel along x
@@ -158,20 +158,20 @@ private:
     Vec3f normal_;
 };
 
-// Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of it they are; where
-// several share the nearest point (an edge, a corner), the one that faces the voxel most squarely does. Voxels that no triangle is near are
-// on the side of those before them in their row; all rows begin outside.
+// Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of the surface a voxel is.
+// If several triangles share the nearest point (on an edge or a corner), the one that faces the voxel most squarely decides. Voxels without
+// a near triangle are on the side of those before them in their row; all rows begin outside.
 // @param side of each voxel: -1 inside
 void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Closest& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
-    // Squares of distances that differ by less are equal but for rounding, which large triangles make larger.
+    // Squared distances that differ by less are equal up to rounding, which grows with the triangles.
     const float tie = 1e-6f * e.voxel * (e.at(e.nx, e.ny, e.nz) - e.origin).norm();
     const float margin2 = margin * margin;
     constexpr float rounding = 1e-4f;
     parallel_tasks(slabs.count(), [&](Index slab) {
         const int k_begin = slab * Slabs::thickness, k_end = std::min(e.nz, k_begin + Slabs::thickness);
         closest.clear(k_begin, k_end);
-        std::vector<float> above(closest.plane() * Slabs::thickness + lanes, 0.0f);  // the plane of the triangle that decides
+        std::vector<float> above(closest.plane() * Slabs::thickness + lanes, 0.0f);  // height above the plane of the deciding triangle
         for (std::uint32_t t : slabs.triangles(slab)) {
             const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]],
                         &c = mesh.position[mesh.triangle[t][2]];
@@ -229,7 +229,7 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
     });
 }
 
-// Blocks of voxels that the band may reach: those with a voxel near the surface, and what is within the band of these.
+// Blocks of voxels that the band may reach: blocks with a voxel near the surface, and those within the band of them.
 class Band {
 public:
     static constexpr int edge = lanes;
@@ -266,8 +266,8 @@ private:
     std::vector<std::int8_t> inside_;
 };
 
-// Carries closest points from plane to plane along one axis, forwards and backwards; each voxel beyond the exact margin asks the nine
-// voxels next to it in the plane before. Six such sweeps reach every voxel along a path that hardly leaves the straight one.
+// Carries closest points from plane to plane along one axis, forwards and backwards: each voxel beyond the exact margin tries the points of
+// the nine voxels next to it in the plane before. Six such sweeps reach every voxel along a nearly straight path.
 class Sweep {
 public:
     Sweep(const Volume& e, const Band& band, int axis, float margin, float limit, Closest& closest)
@@ -276,7 +276,7 @@ public:
 
     void run() const {
         const int n = size_[axis_];
-        std::vector<std::vector<std::array<int, 3>>> blocks(band_.count(axis_));  // that the band holds, by plane of blocks
+        std::vector<std::vector<std::array<int, 3>>> blocks(band_.count(axis_));  // blocks of the band, by plane of blocks
         std::array<int, 3> b{};
         for (b[2] = 0; b[2] < band_.count(2); ++b[2])
             for (b[1] = 0; b[1] < band_.count(1); ++b[1])
@@ -295,7 +295,7 @@ public:
     }
 
 private:
-    // Results of the previous plane, from its first place on.
+    // Results of the previous plane, from its first voxel on.
     struct Known {
         const float *x, *y, *z;
         std::size_t row;  // from one row of them to the next
@@ -320,7 +320,7 @@ private:
         }
     }
 
-    // A plane across the rows: its voxels and those of the plane before are put side by side along y first.
+    // A plane across the rows: copies its voxels and those of the plane before side by side along y first.
     void across_rows(const std::array<int, 3>& first, const std::array<int, 3>& end, int direction) const {
         constexpr int edge = Band::edge, wide = 2 * lanes;
         const int count_y = end[1] - first[1], count_z = end[2] - first[2];
@@ -335,7 +335,7 @@ private:
                 is_asked |= kept[k][3][j] > margin2_ && from2[k][j] < limit2_;
             }
         if (!is_asked) return;
-        float known[3][edge + 2][wide];  // from the voxel before the first, both ways
+        float known[3][edge + 2][wide];  // begins one voxel before the block, along both axes
         const float* const source[3] = {closest_.x, closest_.y, closest_.z};
         for (int c = 0; c < 3; ++c) {
             for (int k = -1; k <= count_z; ++k)
@@ -362,8 +362,9 @@ private:
 
     std::size_t before(std::size_t here, int direction) const { return direction > 0 ? here - stride_[axis_] : here + stride_[axis_]; }
 
-    // Voxels side by side ask those before them and the eight around these. @param from2 what those before them know
-    // @param to x, y, z and the square of the distance @return whether any asked
+    // Consecutive voxels try the points of the voxels before them and of the eight around those. @param from2 results of the voxels before
+    // them
+    // @param to x, y, z and the squared distance @return whether any voxel tried
     bool ask(const std::array<Lanes, 3>& voxel, const Lanes& from2, bool has_row_before, bool has_row_after, const Known& known,
              float* const (&to)[4]) const {
         Lanes best = load(to[3]);
@@ -399,7 +400,7 @@ Volume distance_volume(const TriangleMesh& mesh, float voxel, int band) {
     Volume volume = extent_of(mesh, voxel);
     Closest closest(volume);
     std::vector<std::int8_t> side(volume.count());
-    // Each cell that the surface crosses has all its corners within sqrt(3) voxels of it: sides never leak through.
+    // Each cell that the surface crosses has all corners within sqrt(3) voxels of the surface, so the side never leaks through it.
     const float margin = 1.75f * volume.voxel, limit = static_cast<float>(band) * volume.voxel;
     near_surface(mesh, volume, margin, closest, side);
     const Band held(volume, closest, band);

@@ -9,8 +9,8 @@
 namespace whorl {
 namespace {
 
-/// The planes of a convex mesh's triangles; none where it is not convex.
-/// @param flat m: facets of a round wall that a plane follows as closely are one side
+/// Planes of a convex mesh's triangles; empty if the mesh is not convex.
+/// @param flat m: facets of a round wall that a plane follows as closely as this are one side
 std::vector<Cut::Side> walls_of(const TriangleMesh& mesh, float flat) {
     std::vector<Cut::Side> walls;
     float size = 0;
@@ -43,8 +43,8 @@ Ghosted with_ghosts(const Frame& frame, float margin) {
     for (int a = 0; a < 3; ++a) {
         const float period = frame.domain_max[a] - frame.domain_min[a];
         if (!frame.periodic[a] || !(period > 0)) continue;  // a plane has no depth
-        const std::size_t count = all.position.size();      // with the copies along the axes before: corners come by themselves
-        // A domain narrower than the margin is repeated as often as it takes.
+        const std::size_t count = all.position.size();      // copies along earlier axes are copied too, which fills the corners
+        // A domain narrower than the margin is repeated until the copies cover the margin.
         for (int times = 1; static_cast<float>(times - 1) * period < margin; ++times)
             for (const float shift : {-static_cast<float>(times) * period, static_cast<float>(times) * period})
                 for (std::size_t i = 0; i < count; ++i) {
@@ -89,7 +89,7 @@ Cut Cut::near(const Vec3f& x, float radius, float reach) const {
     std::sort(found.begin(), found.end());
     Cut some;
     for (const auto& [inside, side] : found) {
-        // How much further one side is than another changes by no more than their normals differ.
+        // The difference between the distances to two sides changes by no more than their normals differ.
         const bool is_hidden = std::any_of(some.sides_.begin(), some.sides_.end(), [&, way = inside, far = side](const Side& nearer) {
             return !are_across(nearer, *far) && way - nearer.inside(x) > radius * (far->inward - nearer.inward).norm();
         });

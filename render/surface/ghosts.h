@@ -7,15 +7,15 @@
 
 namespace whorl {
 
-/// The frame's particles (those first, in their order) and their copies within `margin` beyond the periodic sides.
+/// The frame's particles, in their order, followed by their copies within `margin` beyond the periodic sides.
 struct Ghosted {
     std::vector<Vec3f> position;
-    std::vector<Index> original;  ///< index in the frame; empty if nothing is periodic: position is the frame's own
+    std::vector<Index> original;  ///< index in the frame; empty if nothing is periodic: position is the frame's
 };
 Ghosted with_ghosts(const Frame& frame, float margin);
 
-/// The planes at which the fluid is cut off: the sides of a periodic domain and the walls of convex containers. (A container with a hollow
-/// or a bulge in its wall has none: the fluid ends there as the particles do.)
+/// The planes at which the fluid is cut off: the sides of a periodic domain and the walls of convex containers. A container whose wall has
+/// a hollow or a bulge has no planes; the fluid ends there with its particles.
 class Cut {
 public:
     struct Side {
@@ -28,23 +28,23 @@ public:
     explicit Cut(const Frame& frame);
 
     bool any() const { return !sides_.empty(); }
-    /// Side with the least inside(x). Only where there is any.
+    /// Side with the least inside(x). There must be a side.
     const Side& at(const Vec3f& x) const;
     /// How many sides, up to three across each other, are nearer than `reach`.
     int count_at(const Vec3f& x, float reach) const { return corner_at(x, reach).count; }
-    /// The sides that places no further than `radius` from x have within `reach`, or have them beyond: those of all that the others do not
-    /// hide there, as the facets of a round wall do.
+    /// The sides that any point within `radius` of x can have within `reach` or beyond them. Sides that others hide there, such as the
+    /// facets of a round wall, are left out.
     Cut near(const Vec3f& x, float radius, float reach) const;
-    /// The images in the walls that particles within `margin` of them have there, corners too: water fills its glass.
+    /// Mirror images of the particles within `margin` of the walls, also at corners, so that water fills its glass.
     std::vector<Vec3f> images(const std::vector<Vec3f>& position, float margin) const;
-    /// x, moved onto the walls that are nearer than `reach`: so that the edge between two of them is sharp.
+    /// x moved onto the walls that are nearer than `reach`, so that the edge between two walls is sharp.
     Vec3f onto_walls(const Vec3f& x, float reach) const;
-    /// Corrects a vertex on sides after smoothing moved it: back to its place on periodic sides, so that both ends of a period fit
-    /// together; along walls.
+    /// Corrects a vertex on sides after smoothing moved it: on periodic sides it returns to its position, so that both ends of a period fit
+    /// together; on walls it may move along them.
     Vec3f held(const Vec3f& original, const Vec3f& moved, float tolerance) const;
 
 private:
-    /// The side that is nearest to a place, and those across it: of the facets of a round wall only the nearest counts.
+    /// The side nearest to a point, and the sides across it. Of the facets of a round wall only the nearest counts.
     struct Corner {
         std::array<const Side*, 3> side;
         int count = 0;
@@ -55,7 +55,7 @@ private:
 
     std::vector<Side> sides_;
 };
-/// The colour that the fluid has at most where it is `inside` of the cut: iso on it.
+/// Upper bound of the colour at a distance `inside` from the cut: iso on the cut.
 inline float cut_colour(float inside, float iso, float reach) { return iso + inside / reach; }
 
 }  // namespace whorl

@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-// The values of a block and of the first nodes of the blocks ahead: all corners of the block's cells.
+// Values of a block and of the first nodes of the blocks ahead: all corners of the block's cells.
 struct Tile {
     static constexpr int side = block_edge + 1;
     float value[side * side * side];
@@ -22,11 +22,11 @@ struct Tile {
     float at(int i, int j, int k) const { return value[(i * side + j) * side + k]; }
     float ahead(int i, int j, int k, int axis) const { return at(i + (axis == 0), j + (axis == 1), k + (axis == 2)); }
 
-    // Point at which the edge from node (i, j, k) along the axis is cut, in voxels from the block's first node.
+    // Point at which the surface crosses the edge from node (i, j, k) along the axis, in voxels from the block's first node.
     Vec3f cut(int i, int j, int k, int axis, float iso) const {
         const float here = at(i, j, k), there = ahead(i, j, k, axis);
         Vec3f point(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-        // Not quite at the ends: vertices of neighbouring edges stay apart.
+        // Kept off the ends, so that vertices of neighbouring edges stay apart.
         point[axis] += std::clamp((iso - here) / (there - here), 0.02f, 0.98f);
         return point;
     }
@@ -42,7 +42,7 @@ struct Tile {
 struct Part {
     std::vector<Vec3f> vertex;
     std::vector<Index> edge_vertex =
-        std::vector<Index>(3 * block_nodes, -1);  // of node n along axis a at 3 n + a; counted within the block
+        std::vector<Index>(3 * block_nodes, -1);  // vertex on the edge of node n along axis a, at 3 n + a; counted within the block
     std::vector<std::array<std::uint32_t, 3>> triangle;
     Index first_vertex = 0, first_middle = 0;
     std::size_t first_triangle = 0;
@@ -109,7 +109,7 @@ void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const 
     });
 }
 
-// Blocks whose cells may be cut, rising. A block that only owns edges of another's cells also has them in its own cells.
+// Blocks whose cells may be cut, in rising order. A block that owns edges of another block's cut cells has them in its own cells as well.
 std::vector<Index> cut_blocks(const std::vector<ColourBlock>& blocks, float iso) {
     std::vector<Index> cut;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -230,9 +230,9 @@ int fan_corner(const std::vector<std::uint8_t>& edge) {
     return -1;
 }
 
-// Round each face, counter-clockwise seen from outside the cell, every run of inside corners is cut off by a segment from the edge where
-// the run is entered to the edge where it is left. So both cells of a face cut it alike (corners that are inside across a diagonal stay
-// apart), and each cut edge is entered on one of its two faces and left on the other: the segments close to loops.
+// On each face, counter-clockwise seen from outside the cell, a segment cuts off every run of inside corners: it goes from the edge on
+// which the run is entered to the edge on which it is left. So both cells of a face cut it alike, and corners that are inside across a
+// diagonal stay apart. Each cut edge is entered on one of its two faces and left on the other, so the segments close to loops.
 CubeCase make_case(unsigned inside) {
     std::array<int, 12> next;
     next.fill(-1);

@@ -1,5 +1,5 @@
 #pragma once
-/// Colour grid -> closed triangle mesh, by marching cubes (Lorensen and Cline 1987) whose table is computed.
+/// Colour grid -> closed triangle mesh, by marching cubes (Lorensen and Cline 1987) with a computed table.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -13,14 +13,14 @@ namespace whorl {
 struct CubeEdge {
     int corner, axis;
 };
-/// The twelve edges, number 4 axis + (the corner's place among the four).
+/// The twelve edges, with number 4 axis + (index of the corner among the four).
 const std::array<CubeEdge, 12>& cube_edges();
 
 /// A polygon through cut edges, counter-clockwise seen from outside.
 struct CubeLoop {
     std::vector<std::uint8_t> edge;
-    /// Corner of the polygon from which a fan of triangles may spread, -1: only from a vertex in the middle of the cell. A diagonal between
-    /// two edges of one face of the cell could appear in the neighbour as well, and four triangles would meet there.
+    /// Corner of the polygon from which a fan of triangles may spread; -1: only from a vertex in the middle of the cell. A diagonal between
+    /// two edges of one face could also appear in the neighbouring cell, and four triangles would meet there.
     int fan = -1;
 };
 
@@ -30,7 +30,7 @@ struct CubeCase {
 /// @param inside bit n: corner n is inside
 const CubeCase& cube_case(unsigned inside);
 
-/// A mesh and which block of the grid each vertex came from (vertices of a block are contiguous).
+/// A mesh and, for each vertex, the block of the grid that it came from (vertices of a block are contiguous).
 struct MarchedMesh {
     TriangleMesh mesh;
     std::vector<Index> block;        ///< blocks with vertices, rising
@@ -38,7 +38,7 @@ struct MarchedMesh {
     std::vector<float> bulk;         ///< of each vertex after project(): 0 at a drop of radius 1.5 d, 0.6 at a flat surface
 };
 
-/// The surface c = iso by marching cubes: closed and manifold always (every edge belongs to two triangles, every vertex to one fan).
+/// The surface c = iso by marching cubes, always closed and manifold: every edge belongs to two triangles, every vertex to one fan.
 MarchedMesh march(const ColourGrid& grid, float iso);
 
 /// Moves every vertex onto c = iso of the field itself, which the grid only samples, and sets the normals from its gradient. Vertices on

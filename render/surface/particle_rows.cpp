@@ -25,7 +25,7 @@ ParticleRows::ParticleRows(Span<const Vec3f> position, float width) : width_(wid
         }
     if (near.empty()) return;
 
-    // A stray particle far away must not ask for more rows than there is memory: wider rows are slower, never wrong.
+    // A stray particle far away must not need more rows than memory can store. Wider rows are slower but give the same result.
     origin_ = low;
     const auto rows_along = [&](int axis) { return std::floor(static_cast<double>(high[axis] - low[axis]) / width_) + 1; };
     while (rows_along(1) * rows_along(2) > 1e7) width_ *= 2;

@@ -9,12 +9,12 @@ namespace whorl {
 
 class ParticleRows {
 public:
-    /// @param width of a row [m]. Particles that are not finite, or over 1e5 widths from zero, are left out.
+    /// @param width of a row [m]. Particles that are not finite, or over 1e5 widths from the origin, are left out.
     ParticleRows(Span<const Vec3f> position, float width);
 
     Index size() const { return static_cast<Index>(x.size()); }
 
-    /// Calls f(begin, end) for runs of particles, in a fixed order, which together hold every particle of the box.
+    /// Calls f(begin, end) for runs of particles that together contain every particle of the box, in a fixed order.
     template <class F>
     void runs(const Vec3f& low, const Vec3f& high, F&& f) const {
         const int y0 = std::max(0, row_of(low.y(), origin_.y())), y1 = std::min(ny_ - 1, row_of(high.y(), origin_.y()));
@@ -28,7 +28,7 @@ public:
             }
     }
 
-    /// Calls f(i, r) for each particle nearer to `place` than `reach` [m]; r [m] from there to the particle.
+    /// Calls f(i, r) for each particle nearer to `place` than `reach` [m]; r: vector from there to the particle [m].
     template <class F>
     void near(const Vec3f& place, float reach, F&& f) const {
         runs(place.array() - reach, place.array() + reach, [&](Index begin, Index end) {
@@ -38,12 +38,13 @@ public:
     }
     Vec3f at(Index i) const { return {x[i], y[i], z[i]}; }
 
-    /// Consecutive particles that are close together.
+    /// A run of consecutive particles that are close together.
     struct Bunch {
         Index begin, end;
-        Vec3f low, high;  ///< their box
+        Vec3f low, high;  ///< bounding box
     };
-    /// All particles in bunches whose boxes are no longer than `extent` [m] along any axis: the reach of a bunch is queried once.
+    /// All particles, in bunches whose boxes are at most `extent` [m] long along each axis: a bunch needs one range query for all its
+    /// particles.
     std::vector<Bunch> bunches(float extent) const;
 
     std::vector<float> x, y, z;   ///< m, sorted

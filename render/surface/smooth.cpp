@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-// For each vertex the vertices round it. In a closed, consistently oriented mesh each neighbour follows the vertex in exactly one triangle.
+// Neighbours of each vertex. In a closed, consistently oriented mesh each neighbour follows the vertex in exactly one triangle.
 struct Ring {
     std::vector<Index> begin;
     std::vector<std::uint32_t> neighbour, triangle;
@@ -32,12 +32,12 @@ struct Ring {
     }
 };
 
-// Neighbours for a loop of fixed length per vertex: a fixed number for each, padded with an invalid index; and the remaining ones
-// of the few vertices that have more.
+// Neighbours for a loop of fixed length per vertex: the same number for each vertex, padded with an invalid index, and the remaining
+// neighbours of the few vertices that have more.
 struct EvenRing {
     static constexpr int usual = 8;
-    std::vector<std::uint32_t> neighbour;  // of vertex v from usual v on
-    std::vector<float> share;              // of each neighbour in their mean
+    std::vector<std::uint32_t> neighbour;  // neighbours of vertex v start at usual v
+    std::vector<float> share;              // weight of each neighbour in the mean
     struct Further {
         Index vertex;
         std::uint32_t neighbour;
@@ -65,7 +65,7 @@ struct EvenRing {
     }
 };
 
-constexpr float lambda = 0.63f;  // of a step of the blur
+constexpr float lambda = 0.63f;  // strength of one blur step
 
 // Steps of the one blur that takes out as much as a further rounds - 1 would, within 10 %.
 int blur_as_rounds(int rounds, int steps) { return static_cast<int>(std::lround(std::sqrt(static_cast<double>(rounds - 1)) * steps)); }
@@ -157,7 +157,8 @@ std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {
     using Corner = std::array<float, 3>;
     const float crease = std::cos(40 * std::numbers::pi_v<float> / 180);
     const auto place = [&](std::uint32_t v) { return Corner{mesh.position[v].x(), mesh.position[v].y(), mesh.position[v].z()}; };
-    std::map<std::pair<Corner, Corner>, std::vector<Vec3f>> normals;  // of the faces at each edge; corners at one position are one
+    std::map<std::pair<Corner, Corner>, std::vector<Vec3f>>
+        normals;  // normals of the faces at each edge; corners at one position count as one
     for (const auto& t : mesh.triangle) {
         const Vec3f across = (mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]);
         if (across.norm() <= 0) continue;

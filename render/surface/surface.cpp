@@ -14,11 +14,11 @@
 namespace whorl {
 namespace {
 
-constexpr float touch = 0.02f;   // voxels, from the cut, of vertices that are on it
-constexpr float edge_reach = 6;  // voxels, from an edge between walls, of normals that it turns
+constexpr float touch = 0.02f;   // distance from the cut below which a vertex is on it [voxels]
+constexpr float edge_reach = 6;  // distance from an edge between walls within which normals change [voxels]
 
-/// Smooth normals round off the edge between two walls, where water would bend light that it does not. What differs little stays: the
-/// facets of a round wall must not show.
+/// Restores the wall's normal near an edge between two walls: smooth normals round off that edge, and the water would bend light that it
+/// does not. Normals that differ little stay, so that the facets of a round wall do not show.
 /// @return whether the vertex is on a wall and near such an edge
 bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
     const Cut::Side& side = cut.at(x);
@@ -48,10 +48,10 @@ std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>&
     return edge;
 }
 
-/// Calls f(v, sides near v) for the vertices that have sides within the reach of an edge.
+/// Calls f(v, sides near v) for the vertices with sides within the reach of an edge.
 template <class F>
 void for_vertices_at(const Cut& cut, const ColourGrid& grid, const MarchedMesh& marched, F&& f) {
-    const float voxel = grid.voxel(), radius = ColourBlock::radius(voxel) + voxel;  // with what smoothing moves
+    const float voxel = grid.voxel(), radius = ColourBlock::radius(voxel) + voxel;  // plus the distance that smoothing may move a vertex
     parallel_tasks(static_cast<Index>(marched.block.size()), [&](Index n) {
         const Cut near = cut.near(grid.blocks()[marched.block[n]].middle(voxel), radius, edge_reach * voxel);
         if (!near.any()) return;
@@ -82,7 +82,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     WHORL_ASSERT(frame.spacing > 0 && options.voxel > 0 && options.radius > options.voxel);
     const auto voxel = static_cast<float>(options.voxel * frame.spacing), iso = static_cast<float>(options.iso);
     const Cut cut(frame);
-    // Wide enough that the field is whole up to the cut and a block of nodes beyond it.
+    // Wide enough that the field is complete up to the cut and a block of nodes beyond it.
     const auto margin = static_cast<float>(2 * options.radius * frame.spacing);
     Ghosted ghosted = with_ghosts(frame, margin);
     std::vector<Vec3f>& all = ghosted.position;

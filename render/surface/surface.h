@@ -1,6 +1,6 @@
 #pragma once
-/// Particles -> density-normalised colour field in an OpenVDB grid -> closed triangle mesh and a distance volume. OpenVDB stays behind
-/// this header: including it costs nothing.
+/// Particles -> density-normalised colour field in an OpenVDB grid -> closed triangle mesh and a distance volume. This header does not
+/// include OpenVDB.
 #include <vector>
 
 #include "engine/core/grid_index.h"
@@ -11,12 +11,12 @@ namespace whorl {
 
 struct SurfaceOptions {
     double voxel = 0.5;     ///< edge of a voxel over the spacing
-    double radius = 2.0;    ///< kernel radius over the spacing; up to 1.2 times that where particles have little company
+    double radius = 2.0;    ///< kernel radius over the spacing; up to 1.2 times that for particles with few neighbours
     double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
     int smoothing = 8;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
-    bool velocity = false;  ///< compute the velocity at the vertices; no key: a camera whose shutter opens and EXR pictures need it
-    bool ages = true;       ///< compute ages and crust if the frame has ages; no key: false if nothing changes with age
+    bool velocity = false;  ///< compute the velocity at the vertices; no key: needed by cameras with an open shutter and by EXR images
+    bool ages = true;       ///< compute ages and crust if the frame has ages; no key: false if nothing depends on age
 };
 
 /// The keys of [surface] in a scene file.
@@ -37,24 +37,24 @@ struct Volume {
 
 struct Surface {
     TriangleMesh mesh;              ///< closed, manifold, outward normals
-    std::vector<Index> edge;        ///< vertices where two walls meet, and the surface has no one normal; rising
+    std::vector<Index> edge;        ///< vertices where two walls meet, so that the normal is not unique; in rising order
     std::vector<float> age;         ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
     std::vector<Vec3f> velocity;    ///< m/s, one per vertex; empty if not requested
     std::vector<CrustPlace> crust;  ///< one per vertex; empty if the frame has no ages or no particle identities
-    Volume distance;                ///< signed distance to the surface [m], negative inside, clamped to a band of some voxels
+    Volume distance;                ///< signed distance to the surface [m], negative inside, clamped to a narrow band
 };
 
-/// Builds the surface of the frame's fluid. The same bits for any number of threads. An empty frame gives an empty surface.
+/// Builds the surface of the frame's fluid, bit-identical for any number of threads. An empty frame gives an empty surface.
 Surface build_surface(const Frame& frame, const SurfaceOptions& options);
 
-/// The mesh without triangles of next to no area and vertices at one place (where walls meet it is drawn flat onto their edge): such a
-/// triangle's shortest edge becomes its earlier vertex. Closed and manifold as before. `mesh.scalar` must be empty.
+/// The mesh without slivers (triangles of nearly no area) and coincident vertices, which arise where the mesh is drawn flat onto an edge
+/// between walls: a sliver's shortest edge becomes its earlier vertex. Closed and manifold as before. `mesh.scalar` must be empty.
 TriangleMesh without_slivers(TriangleMesh mesh);
 
-/// Signed distance to a closed mesh, negative inside, clamped to `band` voxels either way. Exact within 1.75 voxels of the surface; farther
-/// off the distance to a point of the surface that is the closest or near it (an upper bound, good to 0.15 of a voxel). The volume covers
-/// the mesh and two voxels round it; where that would take more than 16 million voxels it is made coarser.
-/// (openvdb::tools::meshToVolume takes five to eight times as long on the mesh of a coil, and is off by up to 0.6 of a voxel.)
+/// Signed distance to a closed mesh, negative inside, clamped to +-`band` voxels. Exact within 1.75 voxels of the surface. Farther away it
+/// is the distance to a point of the surface at or near the closest one: an upper bound, good to 0.15 of a voxel. The volume covers the
+/// mesh and two voxels around it, with larger voxels if that would be more than 16 million of them. (openvdb::tools::meshToVolume takes
+/// five to eight times as long on the mesh of a coil, and is wrong by up to 0.6 of a voxel.)
 Volume distance_volume(const TriangleMesh& mesh, float voxel, int band);
 
 }  // namespace whorl

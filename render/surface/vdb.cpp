@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-constexpr int level_set_band = 3;  // voxels, what other programs expect
+constexpr int level_set_band = 3;  // voxels; the width that other programs expect
 
 template <class Grid>
 void describe(Grid& grid, const char* name, const char* unit, const Vec3f& cell, const Vec3f& origin) {
@@ -47,7 +47,7 @@ openvdb::FloatGrid::Ptr level_set(const Surface& surface, float voxel) {
     return grid;
 }
 
-/// Calls f(coordinate, node) for the nodes near fluid.
+/// Calls f(coordinate, node) for the nodes near the fluid.
 template <class F>
 void each_node(const GridFields& fields, F&& f) {
     std::size_t node = 0;
@@ -83,8 +83,8 @@ openvdb::FloatGrid::Ptr density_grid(const GridFields& fields) {
     return grid;
 }
 
-/// A .vdb file in memory, with the offsets that let programs read one grid alone. io::File writes to a disk only, and does not report when
-/// it is full.
+/// A .vdb file in memory, with the offsets that let programs read a single grid. io::File can only write to a disk, and does not report a
+/// full one.
 struct VdbInMemory : openvdb::io::Archive {
     std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& about) const {
         std::ostringstream out(std::ios::binary);

@@ -37,7 +37,7 @@ std::vector<Vec3f> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particl
 
 namespace {
 
-/// Particles around a point with their weights: f(point) = sum_k weight_k f(particle_k).
+/// Particles around a point and their weights: f(point) = sum_k weight_k f(particle_k).
 struct LinearFit {
     std::vector<Index> particle;
     std::vector<float> weight;
@@ -46,7 +46,8 @@ struct LinearFit {
     void find(const ParticleRows& rows, const Vec3f& point, float reach);
 };
 
-/// C^-1 of a symmetric matrix without the directions in which the particles hardly spread. @param least eigenvalue that counts as spread
+/// C^-1 of a symmetric matrix, without the directions in which the particles hardly spread. @param least smallest eigenvalue that counts as
+/// spread
 Mat3f spread_inverse(const Mat3f& C, float least) {
     Eigen::SelfAdjointEigenSolver<Mat3f> axes;
     axes.computeDirect(C);
@@ -66,25 +67,25 @@ void LinearFit::find(const ParticleRows& rows, const Vec3f& point, float reach) 
         sum += s * s, mean += s * s * r;
     });
     if (particle.empty()) return;
-    // f(0) = <f> - <r>.C^-1 <(r - <r>) f>, means by w, C = <(r - <r>) (r - <r>)^T>.
+    // f(0) = <f> - <r>.C^-1 <(r - <r>) f>, with means weighted by w and C = <(r - <r>) (r - <r>)^T>.
     mean /= sum;
     Mat3f spread = Mat3f::Zero();
     for (std::size_t k = 0; k < particle.size(); ++k) {
         const Vec3f r = from_point[k] - mean;
         spread += weight[k] / sum * r * r.transpose();
     }
-    // The spread of one particle, or of two at one place, is rounding.
+    // The spread of one particle, or of two at one position, is only rounding error.
     const Vec3f slope = spread_inverse(spread, 1e-3f * reach * reach) * mean;
     for (std::size_t k = 0; k < particle.size(); ++k) weight[k] *= (1 - slope.dot(from_point[k] - mean)) / sum;
 }
 
-/// A field of one or three components, of the particles and at the points.
+/// A field of one or three components, on the particles and at the points.
 struct CarriedField {
     const float* of;
     float* at;
     int components;
 
-    /// The fit's value within those of its particles: each component, and the length of a vector.
+    /// Stores the fit's value, clamped to the values of its particles: each component, and the length of a vector.
     void put(const LinearFit& fit, Index point) const {
         Vec3f sum = Vec3f::Zero(), mean = sum, least = Vec3f::Constant(std::numeric_limits<float>::max()), most = -least;
         float longest = 0;
@@ -95,7 +96,7 @@ struct CarriedField {
             mean += value / static_cast<float>(fit.particle.size()), longest = std::max(longest, value.norm());
         }
         if (!fit.particle.empty()) sum = sum.cwiseMax(least).cwiseMin(most);
-        if (sum.norm() > longest) {  // on the way to the mean, which no bound excludes
+        if (sum.norm() > longest) {  // moves it towards the mean, which is within all bounds
             const Vec3f d = sum - mean;
             const float b = mean.dot(d), q = b * b + d.squaredNorm() * (longest * longest - mean.squaredNorm());
             sum = mean + (std::sqrt(std::max(q, 0.0f)) - b) / d.squaredNorm() * d;
