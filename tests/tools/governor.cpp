@@ -66,7 +66,7 @@ TEST_CASE("a surface's voxels stay finer than its kernel, in the scene's checks 
     CHECK(governor.now().voxel > 0.9);
     CHECK(governor.now().voxel < 1);
     Options options;
-    options.scene = "honey_coil", options.quality = "draft", options.set = {"surface.radius=1"};
+    options.scene = "thick_coil", options.quality = "draft", options.set = {"surface.radius=1"};
     CHECK_THROWS_WITH(read_scene_file(options), Catch::StartsWith("--set surface.radius=1: surface.radius = 1 is not larger than "
                                                                   "surface.voxel = 1"));
 }
