@@ -276,6 +276,7 @@ TEST_CASE("a broken mesh file is reported with line and fault", "[geometry]") {
     CHECK_THAT(message_of(temporary("a.obj", "v 0 0\n")), Contains("a.obj:1:6: a number is missing; allowed: numbers from"));
     CHECK_THAT(message_of(temporary("a.obj", "v 0 1e-60 -1e-400\n")), Contains("no triangles"));  // numbers, as good as 0
     CHECK_THAT(message_of(temporary("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Contains("b.obj:4") && Contains("vertex 4"));
+    CHECK_THAT(message_of(temporary("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n")), Contains("b.obj:4:7: \"x\" is not a number"));
     CHECK_THAT(message_of(temporary("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Contains("3 of its 3 edges are open"));
     CHECK_THAT(message_of(temporary("d.obj", "# nothing\n")), Contains("no triangles"));
     CHECK_THAT(message_of(temporary("e.fbx", "")), Contains(".obj, .ply, .stl"));
