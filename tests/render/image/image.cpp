@@ -54,6 +54,8 @@ TEST_CASE("downscaling averages light, not bytes", "[image]") {
         for (int x = y % 2; x < 64; x += 2) std::fill_n(checks.pixel(x, y), 3, std::uint8_t{255});
     const Image small = downscaled(checks, 16, 16);
     for (std::uint8_t byte : small.rgb) REQUIRE(byte == 188);
+    CHECK(srgb_byte(-0.5f) == 0);
+    CHECK(srgb_byte(1.5f) == 255);
 }
 
 TEST_CASE("downscaling by any ratio keeps a flat colour", "[image]") {
