@@ -285,6 +285,8 @@ TEST_CASE("the projection is chosen if fluid fills its space, and is a warning i
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).traits.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
+    CHECK(choice(make_plan(scene_with({}, start + tank + block("[0.4, 0.4, 0.2]"))), "pressure.form").automatic);
+    CHECK_FALSE(choice(make_plan(scene_with({}, start + projection + tank + block("[0.4, 0.4, 0.2]"))), "pressure.form").automatic);
 }
 
 TEST_CASE("in 2D the plan counts particles by area, and refuses by name keys that exist only in 3D", "[plan][plane]") {
