@@ -288,15 +288,19 @@ def run(arguments):
         ran.setdefault(id, {})[name] = outcome
 
     def judge(id):
+        spent = 0
         # A test that reaches few changes is more likely to be about this one.
         for name, seconds, ids in sorted((t for t in useful if id in t[2]), key=lambda t: t[1] * len(t[2])):
             done = ran.setdefault(id, {})
             if any(outcome != "passed" for outcome in done.values()):
                 return
+            if spent > arguments.budget:
+                return
             if name not in done and costs.get(name, 0) <= arguments.seconds:
                 code, seconds = start(tests[name], id, 5 * seconds + 20)
                 done[name] = "passed" if code == 0 else "time" if code is None or code == -signal.SIGXCPU else "failed"
                 append("runs.csv", [id, name, done[name], f"{seconds:.2f}"])
+                spent += seconds
 
     with ThreadPoolExecutor(arguments.jobs) as pool:
         list(pool.map(judge, [m[0] for m in stored(out / "mutants.csv")[1:]]))
@@ -331,6 +335,7 @@ if __name__ == "__main__":
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--drop", default="", help="make: numbers of changes that do not compile")
     parser.add_argument("--seconds", type=float, default=1e9, help="run: only tests that take up to this")
+    parser.add_argument("--budget", type=float, default=1e9, help="run: go on to the next change after so many seconds of tests")
     parser.add_argument("--costs", help="run: CTestCostData.txt of an earlier run of ctest, which says how long each test takes")
     parser.add_argument("--results", type=Path, help="run, table: folder of the results (default: the changed tree)")
     parser.add_argument("--jobs", type=int, default=1)
