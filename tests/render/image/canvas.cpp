@@ -30,6 +30,8 @@ TEST_CASE("a canvas draws shapes on white in their colours", "[render]") {
     CHECK(at(image, 20, 20) == std::array{0, 0, 255});
     CHECK(at(image, 100, 60) == std::array{255, 0, 0});
     CHECK(at(image, 90, 20) == std::array{0, 255, 0});
+    for (const int x : {83, 96})
+        for (const int y : {16, 23}) CHECK(at(image, x, y)[0] < 50);  // at the rim of the disc
     int dark = 0;
     for (int x = 30; x < 90; ++x)
         for (int y = 38; y < 55; ++y) dark += image.pixel(x, y)[1] < 100 ? 1 : 0;
