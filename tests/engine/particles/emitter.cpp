@@ -155,6 +155,8 @@ TEST_CASE("an emitter emits volume at its speed, and continues exactly from its 
         REQUIRE(store.column<field::position>()[i] == other.column<field::position>()[i]);
     const double volume = 0.25 * (0.25 - 0.01) * std::numbers::pi * 25e-6;  // integral of 0.5 t from 0.1 to 0.5
     CHECK(emitter.expected_particles() == Approx(volume / (d * d * d)).epsilon(1e-6));
+    CHECK(emitter.speed(0.4) == Approx(0.2));
+    for (const double outside : {0.09, 0.51}) CHECK(emitter.speed(outside) == 0);
 }
 
 TEST_CASE("a slot's column fills its opening", "[particles]") {
