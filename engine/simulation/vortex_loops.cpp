@@ -34,9 +34,11 @@ VortexLoop::VortexLoop(const VortexKeys& keys, const Domain& domain)
         for (int j = -images(1); j <= images(1); ++j)
             for (int k = -images(2); k <= images(2); ++k) {
                 const Vec3d shift = period.cwiseProduct(Vec3d(i, j, k));
+                boxes_.emplace_back();
                 for (std::size_t s = 0; s < segments_; ++s) {
                     const Vec3d& from = line[s];
                     const Vec3d& to = line[(s + 1) % segments_];
+                    boxes_.back().extend((0.5 * (from + to) + shift).eval());
                     for (int a = 0; a < 3; ++a)
                         middle_[a].push_back(0.5 * (from[a] + to[a]) + shift[a]), along_[a].push_back(to[a] - from[a]);
                 }
@@ -59,6 +61,10 @@ VortexLoop::Nearest VortexLoop::nearest(const Vec3d& x, double reach) const {
     double least = std::numeric_limits<double>::infinity(), where = 0;
     const double far = reach + 0.5 * longest_;
     for (std::size_t s = 0; s < middle_[0].size(); ++s) {
+        if (s % segments_ == 0 && boxes_[s / segments_].squaredExteriorDistance(x) > far * far) {
+            s += segments_ - 1;  // the next image
+            continue;
+        }
         const Vec3d along(along_[0][s], along_[1][s], along_[2][s]), to = x - Vec3d(middle_[0][s], middle_[1][s], middle_[2][s]);
         if (to.squaredNorm() > far * far) continue;
         const double part = std::clamp(to.dot(along) / along.squaredNorm(), -0.5, 0.5), square = (to - part * along).squaredNorm();

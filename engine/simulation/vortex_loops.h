@@ -1,5 +1,6 @@
 #pragma once
 /// Closed vortex lines in the fluid at the start.
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "engine/scene/scene.h"
@@ -25,6 +26,7 @@ public:
 private:
     std::size_t segments_;                      ///< per image; each is a quarter of the core long
     double strength_, core_, longest_ = 0;      ///< longest_: longest segment [m]
+    std::vector<Eigen::AlignedBox3d> boxes_;    ///< around the middles of the segments of each image
     std::vector<double> middle_[3], along_[3];  ///< for each segment of each image [m]
 };
 
