@@ -26,17 +26,16 @@ std::string solved_apart() {
 
 void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     const PressureTraits& pressure = plan.traits.pressure;
-    if (scene.fluid.surface_tension == 0 || pressure.form) return;  // the projection has its own check
+    if (!plan.free_surface || scene.fluid.surface_tension == 0) return;
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
-        const double wetting = scene.solids[k].wetting;
-        const bool no_angle = loses_angle(pressure, scene.solids[k]);
-        const std::string name = entry_name("solid", k) + ".wetting";
-        if (wetting != 0.5 && (no_angle || wetting > 0.5))
-            report(name,
-                   fmt::format("{} = {:g}: with {}{} drops {}", name, wetting, setting("models.pressure", pressure.name),
-                               no_angle && pressure.solves_viscosity ? " and a slip other than \"no\"" : "",
-                               no_angle ? "do not meet solids at the requested angle" : "spread beyond the requested angle"),
-                   "use models.pressure = \"ppe\", or remove wetting", no_angle ? "allowed: 0.5" : "allowed: 0 to 0.5");
+        const SolidKeys& solid = scene.solids[k];
+        if (!misses_angle(pressure, solid)) continue;
+        const bool slips = pressure.solves_viscosity && solid.slip != Slip::no;
+        report(entry_name("solid", k) + ".wetting",
+               fmt::format("with {}{}, drops do not meet the solid at the angle of wetting = {:g}", setting("models.pressure", pressure.name),
+                           slips ? " and a slip other than \"no\"" : "", solid.wetting),
+               "use models.pressure = \"ppe\", or remove fluid.surface_tension",
+               pressure.solves_viscosity && !slips ? "allowed: 0 to 0.5" : "");
     }
 }
 
@@ -203,6 +202,11 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
             problem(entry_name("solid", k) + ".wetting",
                     "with pressure.form = \"projection\" a surface meets solids at 90 degrees, wetting = 0.5",
                     "use 0.5, or pressure.form = \"constraint\"", "allowed: 0.5");
+    if (scene.fluid.surface_tension > 0 && has_dry_floor(scene, shapes))
+        problem("pressure.form",
+                "with pressure.form = \"projection\" and surface tension, fluid that covers a solid in part (a drop, a front) does not meet it at "
+                "the angle of its wetting: it spreads, comes off or diverges",
+                "use pressure.form = \"constraint\"");
     for (std::size_t k = 0; k < scene.emitters.size(); ++k)
         if (pipe_in_fluid(shapes, scene.emitters[k], plan))
             problem("pressure.form",
@@ -228,6 +232,11 @@ void check_projection(const Scene& scene, const Plan& plan, const SceneShapes& s
 }
 
 }  // namespace
+
+bool misses_angle(const PressureTraits& pressure, const Scene& scene) {
+    return scene.fluid.surface_tension > 0 &&
+           std::any_of(scene.solids.begin(), scene.solids.end(), [&](const auto& solid) { return misses_angle(pressure, solid); });
+}
 
 void check_models(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                   std::vector<Problem>& problems) {

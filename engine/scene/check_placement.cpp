@@ -330,6 +330,24 @@ double part_left_empty(const Scene& scene, const SceneShapes& shapes) {
     return all > 0 ? static_cast<double>(empty) / all : 0;
 }
 
+bool has_dry_floor(const Scene& scene, const SceneShapes& shapes) {
+    constexpr int points = 23;
+    const Vec3 cell = ((scene.domain.max - scene.domain.min) / points).cast<Real>();
+    const Vec3 down = scene.domain.gravity(0).cast<Real>();
+    int wet = 0, dry = 0;
+    over_cells(scene.domain.min, scene.domain.max, points, [&](const Vec3& x) {
+        if (in_solids(shapes, x, 0)) return;
+        for (int side = 0; side < 6; ++side) {
+            const Vec3 step = (side % 2 ? 1 : -1) * cell[side / 2] * Vec3::Unit(side / 2);
+            if (down.norm() > 0 && step.normalized().dot(down.normalized()) < Real(0.5)) continue;
+            if (!in_solids(shapes, x + step, 0)) continue;
+            const auto covers = [&](const auto& block) { return block->distance(x) <= cell[side / 2]; };
+            ++(std::any_of(shapes.blocks.begin(), shapes.blocks.end(), covers) ? wet : dry);
+        }
+    });
+    return wet > 0 && dry > 0;
+}
+
 void check_placement(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                      std::vector<Problem>& problems) {
     Placement(scene, plan, numbers, shapes, problems).check();

@@ -34,10 +34,14 @@ double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size
 /// Part of the domain outside solids in which no block places fluid.
 double part_left_empty(const Scene& scene, const SceneShapes& shapes);
 
-/// Whether drops do not meet this solid at the contact angle of its wetting, according to measurements (docs/physics.md 10).
-inline bool loses_angle(const PressureTraits& pressure, const SolidKeys& solid) {
-    return !pressure.form && (!pressure.solves_viscosity || solid.slip != Slip::no);
+/// Whether drops miss the contact angle of this solid, cos = 2 wetting - 1, by more than 12 degrees (measured, docs/physics.md 10).
+inline bool misses_angle(const PressureTraits& pressure, const SolidKeys& solid) {
+    return !pressure.form && (!pressure.solves_viscosity || solid.slip != Slip::no || solid.wetting > 0.5);
 }
+/// Whether drops miss the contact angle of any solid of the scene.
+bool misses_angle(const PressureTraits& pressure, const Scene& scene);
+/// Whether fluid covers the floor in part: sampled next to solids that are below (without gravity: beside) open space.
+bool has_dry_floor(const Scene& scene, const SceneShapes& shapes);
 
 void check_models(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
                   std::vector<Problem>& problems);

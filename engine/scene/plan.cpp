@@ -31,6 +31,8 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
         return "usual with micropolar terms and a free surface; \"ppe\" also has them";
     if (!n.free_surface) return "every axis is periodic: no free surface";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
+    if (pressure == PressureModel::ppe && misses_angle(facts_of(PressureModel::coupled), scene))
+        return "drops meet solids at the angle of their wetting";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
                            n.least_viscous_number, n.least_viscosity_key);
@@ -42,10 +44,13 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 
 /// @param open the fluid has a free surface
 PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool open) {
-    if (facts_of(scene.models.micropolar).spins) return open || scene.any_free_solid() ? PressureModel::wcsph : PressureModel::ppe;
+    if (facts_of(scene.models.micropolar).spins)
+        return (open || scene.any_free_solid()) && !misses_angle(facts_of(PressureModel::wcsph), scene) ? PressureModel::wcsph
+                                                                                                          : PressureModel::ppe;
     const PressureTraits& coupled = facts_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
-    return n.free_surface && viscous && (coupled.moves_bodies || !scene.any_free_solid()) ? PressureModel::coupled : PressureModel::ppe;
+    const bool fits = n.free_surface && (coupled.moves_bodies || !scene.any_free_solid()) && !misses_angle(coupled, scene);
+    return viscous && fits ? PressureModel::coupled : PressureModel::ppe;
 }
 
 /// Makes the choices in sequence. Each can read the earlier ones in the plan.
@@ -246,11 +251,6 @@ private:
                                  fmt::format("{}; without viscosity the step must stay below {:.3g} s",
                                              curves ? "the pressure on the surface is that times its curvature" : pulls,
                                              surface_tension_step(scene_.fluid.density, d_, tension, 0))});
-        for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (loses_angle(plan_.traits.pressure, scene_.solids[k]))
-                add_warning(fmt::format(
-                    "with models.pressure = \"{}\" drops meet solid[{}] at about {} degrees, not at 90; models.pressure = \"ppe\" has 90",
-                    plan_.traits.pressure.name, k, presses ? 124 : 108));
     }
 
     void choose_shifting() {

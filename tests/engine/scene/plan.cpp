@@ -268,20 +268,26 @@ TEST_CASE("the projection is chosen if fluid fills its space, and is a warning i
     REQUIRE(warnings(projection + tank + block("[0.4, 0.2, 0.2]")).size() == 1);
     CHECK_THAT(warnings(projection + tank + block("[0.4, 0.2, 0.2]"))[0],
                Catch::Contains("it diverges or loses volume if a column collapses"));
-    CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
+    CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.4, 0.2]")).empty());
+    CHECK_THAT(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")),
+               Catch::Contains("fluid that covers a solid in part"));
     CHECK(
         message(projection + tank + block("[0.4, 0.2, 0.2]") + "[[solid]]\nshape = \"sphere\"\nposition = [0.2, 0.1, 0.1]\nradius = 0.05\n")
             .find("diverges next to a solid in the fluid, such as solid[1]") != std::string::npos);
     CHECK(message("surface_tension = 0.1\n" + projection + tank + "wetting = 0.75\n" + block("[0.4, 0.2, 0.2]"))
               .find("a surface meets solids at 90 degrees") != std::string::npos);
-    const auto drop = [&](const std::string& pressure, double wetting) {
+    const auto drop = [&](const std::string& pressure, double wetting, const std::string& slip = "no") {
         return message("surface_tension = 0.1\nviscosity = 10\n[models]\npressure = \"" + pressure + "\"\n" + tank +
-                       fmt::format("wetting = {}\n", wetting) + block("[0.4, 0.2, 0.2]"));
+                       fmt::format("wetting = {}\nslip = \"{}\"\n", wetting, slip) + block("[0.4, 0.2, 0.2]"));
     };
     CHECK(drop("ppe", 0.9).empty());
-    CHECK(drop("wcsph", 0.9).find("drops do not meet solids at the requested angle") != std::string::npos);
+    CHECK(drop("ppe", 0.5, "free").empty());
     CHECK(drop("coupled", 0.1).empty());
-    CHECK(drop("coupled", 0.9).find("wetting = 0.9: with models.pressure = \"coupled\" drops spread beyond") != std::string::npos);
+    CHECK(drop("auto", 0.9).empty());
+    CHECK(drop("auto", 0.5, "free").empty());
+    CHECK_THAT(drop("wcsph", 0.5), Catch::Contains("drops do not meet the solid at the angle of wetting = 0.5"));
+    CHECK_THAT(drop("coupled", 0.9), Catch::Contains("\"coupled\", drops do not meet the solid at the angle of wetting = 0.9"));
+    CHECK_THAT(drop("coupled", 0.5, "free"), Catch::Contains("\"coupled\" and a slip other than \"no\", drops"));
     const auto form = [&](const std::string& text) { return make_plan(scene_with({}, start + text)).traits.pressure.form; };
     CHECK(form(tank + block("[0.4, 0.4, 0.2]")) == PressureForm::projection);
     CHECK(form(tank + block("[0.4, 0.2, 0.2]")) == PressureForm::constraint);
