@@ -19,12 +19,8 @@ struct NumberColumn {
     double value(Index i, int c = 0) const {
         const std::size_t k = static_cast<std::size_t>(i) * static_cast<std::size_t>(components) + static_cast<std::size_t>(c);
         if (!integer) return static_cast<double>(static_cast<const Real*>(data)[k]);
-        switch (bytes / static_cast<std::size_t>(components)) {
-            case 1: return static_cast<const std::int8_t*>(data)[k];
-            case 2: return static_cast<const std::int16_t*>(data)[k];
-            case 4: return static_cast<const std::int32_t*>(data)[k];
-            default: return static_cast<double>(static_cast<const std::int64_t*>(data)[k]);
-        }
+        if (bytes == 2) return static_cast<const std::int16_t*>(data)[k];
+        return static_cast<const std::int32_t*>(data)[k];
     }
 };
 
