@@ -1,7 +1,7 @@
 #include "engine/io/csv.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -44,10 +44,8 @@ std::size_t CsvTable::index(const std::string& column) const {
     const auto found = std::find(columns.begin(), columns.end(), column);
     if (found != columns.end()) return static_cast<std::size_t>(found - columns.begin());
     const std::string near = nearest_name(column, columns);
-    std::string all;
-    for (const std::string& name : columns) all += (all.empty() ? "" : ", ") + name;
     throw InputError({file, 0, 0}, "no column \"" + column + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?",
-                     "there are: " + all);
+                     fmt::format("there are: {}", fmt::join(columns, ", ")));
 }
 
 CsvTable read_csv(const std::filesystem::path& file) {

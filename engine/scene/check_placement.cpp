@@ -16,8 +16,6 @@
 namespace whorl {
 namespace {
 
-std::string point(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
-
 /// Bytes per particle: the neighbour rows (4 bytes per neighbour, and as many for their data) and the model's other data. `whorl plan`
 /// prints the value for a scene.
 double bytes_a_particle(const Plan& plan) {
@@ -47,7 +45,7 @@ public:
     }
 
 private:
-    std::string domain_text() const { return "the domain goes from " + point(low_) + " to " + point(high_); }
+    std::string domain_text() const { return "the domain goes from " + point_text(low_) + " to " + point_text(high_); }
 
     /// Whether the box is outside the domain. Along periodic axes nothing is outside.
     bool outside(const Vec3d& min, const Vec3d& max) const {
@@ -92,7 +90,7 @@ private:
         const Extent& e = shapes_.block_extent[i];
         if (outside(e.min, e.max)) return report(name, name + " lies outside of the domain", "", domain_text());
         if (reaches_out(e.min, e.max))
-            report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point(e.min), point(e.max)), "",
+            report(name, fmt::format("{} reaches out of the domain: it goes from {} to {}", name, point_text(e.min), point_text(e.max)), "",
                    domain_text());
         for (int a = 0; a < 3; ++a)
             if (scene_.domain.periodic[a] && e.max[a] - e.min[a] > high_[a] - low_[a] + 1e-3 * plan_.spacing) {
@@ -133,7 +131,8 @@ private:
         for (const double t : sample_times(0, round)) {
             const Vec3d x = v.path(t);
             if (!x.allFinite()) return report(name + ".path", fmt::format("{}.path is not finite at t = {:.4g}", name, t));
-            if (outside(x, x)) return report(name + ".path", fmt::format("{} leaves the domain at {}", name, point(x)), "", domain_text());
+            if (outside(x, x))
+                return report(name + ".path", fmt::format("{} leaves the domain at {}", name, point_text(x)), "", domain_text());
         }
         if (const double gap = (v.path(round) - v.path(0)).norm(); gap > v.core)
             report(name + ".path", fmt::format("{} is not closed: from t = 2 pi to t = 0 it is {:.3g} m", name, gap),
@@ -170,12 +169,12 @@ private:
     void emitter(const std::string& name, std::size_t i) {
         const EmitterKeys& e = scene_.emitters[i];
         if (outside(e.position, e.position))
-            report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point(e.position)), "", domain_text());
+            report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point_text(e.position)), "", domain_text());
         too_far(name, e.position, e.position);
         Real distance = 0;
         const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
-            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point(e.position), -distance, k),
+            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point_text(e.position), -distance, k),
                    scene_.solids[static_cast<std::size_t>(k)].container
                        ? "a container (container = true) is closed on all sides: make it as high as the emitter, or move one of them"
                        : "move one of them");

@@ -135,10 +135,7 @@ private:
 
 std::string ClosedRoom::text() const {
     const double rounding = 1e-6 * box.sizes().maxCoeff();
-    const auto point = [&](const Vec3d& corner) {
-        const Vec3d x = (corner.array().abs() > rounding).select(corner, 0);
-        return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z());
-    };
+    const auto point = [&](const Vec3d& x) { return point_text((x.array().abs() > rounding).select(x, 0)); };
     return fmt::format("the closed room from {} to {} m", point(box.min()), point(box.max()));
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 /// Traversal of a struct by its key table.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -15,6 +17,7 @@ struct Described {
 
 /// "emitter[2]"
 inline std::string entry_name(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }
+inline std::string point_text(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
 inline std::string joined_path(const std::string& path, const std::string& name) { return path.empty() ? name : path + "." + name; }
 
 /// Location of a key in its file, or of the nearest enclosing table that was given. @param places locations of given keys, by full names

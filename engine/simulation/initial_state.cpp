@@ -48,8 +48,6 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
 
 namespace {
 
-std::string text_of(const Vec3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
-
 Divergence no_viscosity(const World& world, const std::string& key, double value, const Vec3& x) {
     return {"new fluid", "viscosity", world.step.time, x.cast<double>(), fmt::format("{} is {:.4g} Pa s", key, value)};
 }
@@ -318,7 +316,8 @@ void add_particles(const Scene& scene, ParticleStore& fluid, const std::vector<V
             const Vec3 value = values[first + k] = expression(0, points[k].cast<double>()).cast<Real>();
             if (reported || value.allFinite()) continue;
             const std::string key = entry_name("block", block) + name;
-            problems.push_back({scene.place(key), fmt::format("{} is not finite at {}", key, text_of(points[k].cast<double>())), "", ""});
+            problems.push_back(
+                {scene.place(key), fmt::format("{} is not finite at {}", key, point_text(points[k].cast<double>())), "", ""});
             reported = true;
         }
     };
@@ -366,7 +365,7 @@ void check_room(const Scene& scene, const Plan& plan, const World& world) {
 void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& emitters, World& world) {
     std::vector<Problem> problems;
     const auto refuse = [&](const std::string& key, const Divergence& d, const std::string& allowed) {
-        problems.push_back({scene.place(key), d.what + " at " + text_of(d.place), "", allowed});
+        problems.push_back({scene.place(key), d.what + " at " + point_text(d.place), "", allowed});
     };
     std::vector<std::vector<Vec3>> places;
     std::vector<std::shared_ptr<const Shape>> shapes;
