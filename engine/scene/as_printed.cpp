@@ -41,7 +41,7 @@ Scene as_printed(const Scene& scene) {
         part->table->find_key(one.key)->read(part->one(&printed), one.value, one.key, none);
     }
     if (!scene.viscosity.laplacian) printed.viscosity.laplacian = LaplacianForm::brookshaw;
-    if (facts_of(scene.models.micropolar).spins && scene.models.pressure == PressureModel::automatic)
+    if (traits_of(scene.models.micropolar).spins && scene.models.pressure == PressureModel::automatic)
         printed.models.pressure = PressureModel::wcsph;
     return printed;
 }

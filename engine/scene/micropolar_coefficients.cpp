@@ -73,7 +73,7 @@ double MicropolarNumbers::spin_length() const {
 }
 
 Scene calibrated(const Scene& scene) {
-    const MicropolarTraits& traits = facts_of(scene.models.micropolar);
+    const MicropolarTraits& traits = traits_of(scene.models.micropolar);
     Scene chosen = as_printed(scene);
     if (!traits.spins || !scene.micropolar.effective_viscosity) return chosen;
     const double twice = 2 * *scene.micropolar.effective_viscosity, l = length_of_spin(scene);
@@ -87,7 +87,7 @@ Scene calibrated(const Scene& scene) {
 MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityTraits& viscosity, bool slides) {
     const MicropolarKeys& keys = scene.micropolar;
     const double mu = scene.fluid.viscosity(0), transfer = keys.transfer_viscosity, l = length_of_spin(scene);
-    const MicropolarTraits& traits = facts_of(scene.models.micropolar);
+    const MicropolarTraits& traits = traits_of(scene.models.micropolar);
     const bool explicit_mu = viscosity.viscous && !viscosity.implicit;
     MicropolarNumbers n;
     n.density = scene.fluid.density;

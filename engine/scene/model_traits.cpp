@@ -9,10 +9,10 @@ namespace whorl {
 namespace {
 
 /// The row of a model and, if the model has rows for an option, of this option.
-template <class Facts, class Model, class Option>
-const Facts& row_of(const std::vector<Facts>& rows, Model model, std::optional<Option> Facts::*option, Option chosen) {
+template <class Traits, class Model, class Option>
+const Traits& row_of(const std::vector<Traits>& rows, Model model, std::optional<Option> Traits::*option, Option chosen) {
     const auto found = std::find_if(rows.begin(), rows.end(),
-                                    [&](const Facts& row) { return row.model == model && (row.*option).value_or(chosen) == chosen; });
+                                    [&](const Traits& row) { return row.model == model && (row.*option).value_or(chosen) == chosen; });
     WHORL_ASSERT(found != rows.end(), "a model without a row");
     return *found;
 }
@@ -120,7 +120,7 @@ const std::vector<MicropolarTraits>& micropolar_models() {
     return rows;
 }
 
-const PressureTraits& facts_of(PressureModel model, PressureForm form, PressureSource source) {
+const PressureTraits& traits_of(PressureModel model, PressureForm form, PressureSource source) {
     const auto& rows = pressure_models();
     const auto found = std::find_if(rows.begin(), rows.end(), [&](const PressureTraits& row) {
         return row.model == model && row.form.value_or(form) == form && row.source.value_or(source) == source;
@@ -129,11 +129,11 @@ const PressureTraits& facts_of(PressureModel model, PressureForm form, PressureS
     return *found;
 }
 
-const ViscosityTraits& facts_of(ViscosityModel model, const ViscosityOptions& options) {
+const ViscosityTraits& traits_of(ViscosityModel model, const ViscosityOptions& options) {
     return row_of(viscosity_models(), model, &ViscosityTraits::correction, options.correction);
 }
 
-const MicropolarTraits& facts_of(MicropolarModel model) {
+const MicropolarTraits& traits_of(MicropolarModel model) {
     return *std::find_if(micropolar_models().begin(), micropolar_models().end(), [&](const auto& row) { return row.model == model; });
 }
 

@@ -63,10 +63,10 @@ const std::vector<PressureTraits>& pressure_models();
 const std::vector<ViscosityTraits>& viscosity_models();
 const std::vector<MicropolarTraits>& micropolar_models();
 
-const PressureTraits& facts_of(PressureModel model, PressureForm form = PressureForm::constraint,
-                               PressureSource source = PressureSource::velocity);
-const ViscosityTraits& facts_of(ViscosityModel model, const ViscosityOptions& options);
-const MicropolarTraits& facts_of(MicropolarModel model);
+const PressureTraits& traits_of(PressureModel model, PressureForm form = PressureForm::constraint,
+                                PressureSource source = PressureSource::velocity);
+const ViscosityTraits& traits_of(ViscosityModel model, const ViscosityOptions& options);
+const MicropolarTraits& traits_of(MicropolarModel model);
 
 /// The traits of the models that a plan has chosen, and their joint consequences.
 struct ModelTraits {
@@ -81,10 +81,10 @@ struct ModelTraits {
 };
 
 /// Names of the rows for which `wanted` is true, each once.
-template <class Facts>
-std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*wanted) {
+template <class Traits>
+std::vector<std::string> names_of(const std::vector<Traits>& rows, bool Traits::*wanted) {
     std::vector<std::string> names;
-    for (const Facts& row : rows)
+    for (const Traits& row : rows)
         if (row.*wanted && (names.empty() || names.back() != row.name)) names.push_back(row.name);
     return names;
 }
@@ -93,10 +93,10 @@ std::vector<std::string> names_of(const std::vector<Facts>& rows, bool Facts::*w
 std::string described(const PressureTraits& row);
 std::string described(const ViscosityTraits& row);
 /// Descriptions of all rows for which `wanted` is true: "full" with viscosity.correction = true, "explicit" or "none".
-template <class Facts>
-std::string described(const std::vector<Facts>& rows, bool Facts::*wanted) {
+template <class Traits>
+std::string described(const std::vector<Traits>& rows, bool Traits::*wanted) {
     std::vector<std::string> all;
-    for (const Facts& row : rows)
+    for (const Traits& row : rows)
         if (row.*wanted) all.push_back(described(row));
     std::string text;
     for (std::size_t k = 0; k < all.size(); ++k) text += (k == 0 ? "" : k + 1 < all.size() ? ", " : " or ") + all[k];

@@ -11,10 +11,10 @@ template <class E>
 using Choices = std::vector<std::pair<E, const char*>>;
 
 /// The rows' names. A name of several rows occurs once.
-template <class Facts>
-auto row_choices(const std::vector<Facts>& rows) {
-    Choices<decltype(Facts::model)> all;
-    for (const Facts& row : rows)
+template <class Traits>
+auto row_choices(const std::vector<Traits>& rows) {
+    Choices<decltype(Traits::model)> all;
+    for (const Traits& row : rows)
         if (all.empty() || all.back().first != row.model) all.emplace_back(row.model, row.name);
     return all;
 }

@@ -27,11 +27,11 @@ constexpr double coupled_above = 0.25;
 
 /// @param open the fluid has a free surface
 std::string pressure_reason(PressureModel pressure, const Scene& scene, const SceneScales& n, bool open) {
-    if (facts_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
+    if (traits_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
         return "usual with micropolar terms and a free surface; \"ppe\" also has them";
     if (!n.free_surface) return "every axis is periodic: no free surface";
     if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
-    if (pressure == PressureModel::ppe && misses_angle(facts_of(PressureModel::coupled), scene))
+    if (pressure == PressureModel::ppe && misses_angle(traits_of(PressureModel::coupled), scene))
         return "drops meet solids at the angle of their wetting";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
@@ -44,10 +44,10 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 
 /// @param open the fluid has a free surface
 PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool open) {
-    if (facts_of(scene.models.micropolar).spins)
-        return (open || scene.any_free_solid()) && !misses_angle(facts_of(PressureModel::wcsph), scene) ? PressureModel::wcsph
+    if (traits_of(scene.models.micropolar).spins)
+        return (open || scene.any_free_solid()) && !misses_angle(traits_of(PressureModel::wcsph), scene) ? PressureModel::wcsph
                                                                                                           : PressureModel::ppe;
-    const PressureTraits& coupled = facts_of(PressureModel::coupled);
+    const PressureTraits& coupled = traits_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
     const bool fits = n.free_surface && (coupled.moves_bodies || !scene.any_free_solid()) && !misses_angle(coupled, scene);
     return viscous && fits ? PressureModel::coupled : PressureModel::ppe;
@@ -59,7 +59,7 @@ public:
     /// @param given the scene as read @param scene the same scene after calibrated()
     Planner(const Scene& given, const Scene& scene, const SceneShapes& shapes)
         : given_(given), scene_(scene), shapes_(shapes), d_(scene.fluid.spacing),
-          n_(scene_numbers(scene, shapes, scene.fluid.support.value_or(usual.support) * d_)), step_(n_.step) {}
+          n_(scene_scales(scene, shapes, scene.fluid.support.value_or(usual.support) * d_)), step_(n_.step) {}
 
     Plan plan() {
         tell_numbers();
@@ -69,7 +69,7 @@ public:
         choose_sound_speed();
         choose_viscosity();
         plan_.micropolar = scene_.models.micropolar;
-        plan_.traits.micropolar = facts_of(plan_.micropolar);
+        plan_.traits.micropolar = traits_of(plan_.micropolar);
         if (plan_.traits.micropolar.spins) choose_micropolar(plan_, scene_, given_, step_, n_.across * d_ / 2);
         choose_artificial_viscosity();
         choose_preconditioner();
@@ -118,7 +118,7 @@ private:
             choose("models.pressure", scene_.models.pressure, automatic, pressure_reason(automatic, scene_, n_, plan_.free_surface));
         const PressureForm automatic_form = automatic_pressure_form();
         const PressureForm form = scene_.pressure.form.value_or(automatic_form);
-        plan_.traits.pressure = facts_of(plan_.pressure, form, scene_.pressure.source);
+        plan_.traits.pressure = traits_of(plan_.pressure, form, scene_.pressure.source);
         if (plan_.traits.pressure.form) note("pressure.form", name_of(form), !scene_.pressure.form, form_reason());
     }
 
@@ -170,7 +170,7 @@ private:
         else if (n_.explicit_step >= step_) wanted = ViscosityModel::explicit_laplacian, reason = explicit_step("longer");
         else wanted = ViscosityModel::full, reason = explicit_step("shorter");
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
-        plan_.traits.viscosity = facts_of(plan_.viscosity, scene_.viscosity);
+        plan_.traits.viscosity = traits_of(plan_.viscosity, scene_.viscosity);
         if (plan_.viscosity == ViscosityModel::full_assembled) {
             const double bytes = assembled_bytes(plan_.support / d_, plan_.dimensions());
             note("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
@@ -182,7 +182,7 @@ private:
     /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (1.84 is the first zero of J_1').
     double rotation_lost() const {
         const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > next_to_nothing;
-        if (facts_of(scene_.models.micropolar).spins) return 0;                // there the rotation becomes spin
+        if (traits_of(scene_.models.micropolar).spins) return 0;               // there the rotation becomes spin
         if (plan_.traits.pressure.form == PressureForm::projection) return 0;  // it uses another Laplacian
         if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
         const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;

@@ -44,7 +44,7 @@ public:
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
             const std::string name = entry_name("block", i);
             shape(name, scene_.blocks[i].shape);
-            if (!scene_.blocks[i].spin.is_zero() && !facts_of(scene_.models.micropolar).spins)
+            if (!scene_.blocks[i].spin.is_zero() && !traits_of(scene_.models.micropolar).spins)
                 reader_.disagree({name + ".spin", "models.micropolar"}, name + ".spin needs a micropolar model", "set models.micropolar");
         }
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);

@@ -316,6 +316,6 @@ private:
 
 }  // namespace
 
-SceneScales scene_numbers(const Scene& scene, const SceneShapes& shapes, double support) { return Survey(scene, shapes).numbers(support); }
+SceneScales scene_scales(const Scene& scene, const SceneShapes& shapes, double support) { return Survey(scene, shapes).numbers(support); }
 
 }  // namespace whorl

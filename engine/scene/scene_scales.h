@@ -36,7 +36,7 @@ struct SceneScales {
 };
 
 /// @param support kernel radius [m]
-SceneScales scene_numbers(const Scene& scene, const SceneShapes& shapes, double support);
+SceneScales scene_scales(const Scene& scene, const SceneShapes& shapes, double support);
 
 /// Times in the run at which expressions are sampled.
 std::vector<double> sample_times(double from, double to);

@@ -87,15 +87,15 @@ SetUp preconditioner(Preconditioner wanted, SetUp automatic, SetUp none, SetUp d
 class Assembler {
 public:
     Assembler(const Scene& scene, const Plan& plan)
-        : scene_(scene), plan_(plan), facts_(plan.traits), constraint_(facts_.pressure.form == PressureForm::constraint),
+        : scene_(scene), plan_(plan), traits_(plan.traits), constraint_(traits_.pressure.form == PressureForm::constraint),
           bodies_(scene.any_free_solid()), solid_factor_(factor_of_solids(scene, plan)), gate_{static_cast<Real>(scene.boundary.gate)} {}
 
     Assembly assemble() {
         limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
         flow_limits();
         ageing();
-        if (facts_.pressure.solves_viscosity) coupled();
-        else if (facts_.pressure.source == PressureSource::velocity) projection();
+        if (traits_.pressure.solves_viscosity) coupled();
+        else if (traits_.pressure.source == PressureSource::velocity) projection();
         else separate();
         ink_sources();
         if (scene_.marks_ink()) stage("ink markers", "ink", MoveInkMarkers{scene_.fluid.ink_diffusion});
@@ -118,12 +118,12 @@ private:
     /// Adds a force as acceleration. A micropolar model counts the work of these forces and of solids itself.
     template <class S>
     void push(const char* name, const char* group, S s, double EnergyBudget::*cause) {
-        stage(name, group, std::move(s), cause, facts_.micropolar.spins ? 0 : 1);
+        stage(name, group, std::move(s), cause, traits_.micropolar.spins ? 0 : 1);
     }
     void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
         made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
     }
-    double cfl() const { return scene_.time.cfl * facts_.pressure.cfl; }
+    double cfl() const { return scene_.time.cfl * traits_.pressure.cfl; }
     static std::string number(double value) { return Expression(value).text(); }
     static constexpr double never = std::numeric_limits<double>::infinity();  ///< step of a limit that does not apply
 
@@ -193,7 +193,7 @@ private:
         ProjectionOptions options;
         options.limits = scene_.pressure.limits;
         options.free_surface = plan_.free_surface;
-        options.sharp = !facts_.micropolar.spins;
+        options.sharp = !traits_.micropolar.spins;
         options.solves = bounded() ? 3 : 2;
         options.tension = plan_.free_surface ? scene_.fluid.surface_tension : 0;
         options.bare_surface = weightless() && options.tension == 0;
@@ -224,7 +224,7 @@ private:
             tension_limit();
         }
         push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
-        if (facts_.micropolar.spins) spin(system);
+        if (traits_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
             if (scene_.viscosity.without_spin() == LaplacianForm::brookshaw) {
                 stage("corrected viscosity", "viscosity", CorrectedViscosity{system}, &EnergyBudget::viscosity);
@@ -235,7 +235,7 @@ private:
         }
         kicks();
         force();
-        if (facts_.viscosity.implicit) {
+        if (traits_.viscosity.implicit) {
             if (weightless() || (!plan_.free_surface && !scene_.solids.empty()))
                 stage("expected pressure", "pressure", ExpectPressure{system}, &EnergyBudget::pressure);
             implicit_viscosity();
@@ -245,8 +245,8 @@ private:
         stage("shift", "shifting", ProjectionShift{system}, &EnergyBudget::moves);
         stage("move", "move", ProjectionMove{system}, &EnergyBudget::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
-        if (weightless()) stage("momenta", "move", RestoreMomentum{momenta, !facts_.micropolar.spins}, &EnergyBudget::smoothing);
-        if (facts_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
+        if (weightless()) stage("momenta", "move", RestoreMomentum{momenta, !traits_.micropolar.spins}, &EnergyBudget::smoothing);
+        if (traits_.micropolar.spins) stage("carry spin", "micropolar", CarrySpin{system});
         if (scene_.any_ink()) stage("carry ink", "ink", CarryInk{system});
         if (!scene_.solids.empty()) stage("keep outside", "boundary", PushOutOfSolids{}, &EnergyBudget::boundary);
     }
@@ -255,28 +255,28 @@ private:
     void separate() {
         made_.stages.push_back(neighbours());
         ink_diffusion();
-        if (facts_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
-        if (facts_.pressure.has_sound) sound_pressure();
-        if (facts_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
+        if (traits_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
+        if (traits_.pressure.has_sound) sound_pressure();
+        if (traits_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
         push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
-        if (facts_.pressure.has_sound) sound_forces();
-        if (facts_.micropolar.spins) spin();
+        if (traits_.pressure.has_sound) sound_forces();
+        if (traits_.micropolar.spins) spin();
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) explicit_viscosity();
         kicks();
         force();
         if (scene_.fluid.surface_tension > 0) surface_tension(nullptr);
         if (plan_.viscosity == ViscosityModel::xsph) smoothing(scene_.viscosity.alpha);
-        if (facts_.micropolar.spins && scene_.models.printed()) {
+        if (traits_.micropolar.spins && scene_.models.printed()) {
             smoothing(scene_.micropolar.xsph_velocity);
             stage("XSPH of the spin", "micropolar",
                   XsphSpin{static_cast<Real>(scene_.micropolar.xsph_spin), scene_.micropolar.micro_inertia});
         }
         const bool expects =
-            facts_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
+            traits_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
         // Half of what these two do together counts as work of viscosity, F.(u + v)/2, with the velocities u before the first and v after
         // the solve. The pressure of neighbours, which cancels out over the steps, does not contribute to these.
         if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
-        if (facts_.viscosity.implicit) implicit_viscosity();
+        if (traits_.viscosity.implicit) implicit_viscosity();
         if (expects) stage("forget pressure", "pressure", ForgetForce{}, &EnergyBudget::viscosity, 0.5);
         if (plan_.pressure == PressureModel::ppe) incompressibility();
         if (expects) stage("pressure force", "pressure", TakeForce{});
@@ -346,7 +346,7 @@ private:
     }
     void at_solids() {
         made_.stages.push_back(move_solids());
-        const bool keeps_off = facts_.pressure.has_sound && !scene_.models.printed();
+        const bool keeps_off = traits_.pressure.has_sound && !scene_.models.printed();
         stage("keep outside", "boundary", PushOutOfSolids{keeps_off ? Real(0.4) : Real(0)}, &EnergyBudget::boundary);
     }
 
@@ -394,7 +394,7 @@ private:
 
     void tension_limit() {
         const double tension = scene_.fluid.surface_tension;
-        const bool implicit = facts_.viscous_implicitly();
+        const bool implicit = traits_.viscous_implicitly();
         limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
               [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
                   double mu = 0;
@@ -409,7 +409,7 @@ private:
     }
 
     void ageing() {
-        const bool viscous = facts_.viscous() || facts_.viscosity.smooths || facts_.micropolar.spins;
+        const bool viscous = traits_.viscous() || traits_.viscosity.smooths || traits_.micropolar.spins;
         if (!viscous || !scene_.viscosity_ages()) {
             if (scene_.ages) stage("age", "move", AdvanceAge{});
             return;
@@ -507,7 +507,7 @@ private:
 
     const Scene& scene_;
     const Plan& plan_;
-    const ModelTraits& facts_;
+    const ModelTraits& traits_;
     bool constraint_, bodies_;
     Real solid_factor_;  ///< factor on the solids' volumes, see models/boundary/wall.h
     SolidGate gate_;

@@ -59,7 +59,7 @@ struct Argument<Update<F>> {
         static void list(std::vector<FieldAccess>&) {}             \
         static decltype(auto) get(World& w) { return (w.member); } \
     };
-WHORL_SHARED_ARGUMENT(const InteractionContext&, surroundings())
+WHORL_SHARED_ARGUMENT(const InteractionContext&, context())
 WHORL_SHARED_ARGUMENT(FluidPairs&, fluid_pairs)
 WHORL_SHARED_ARGUMENT(SolidPairs&, solid_pairs)
 WHORL_SHARED_ARGUMENT(NeighbourSearch&, search)

@@ -17,7 +17,7 @@ struct World {
     StepContext step;
     StepReport report;
 
-    InteractionContext surroundings() { return {fluid_pairs, solid_pairs, solids, boundary_particles, step}; }
+    InteractionContext context() { return {fluid_pairs, solid_pairs, solids, boundary_particles, step}; }
 };
 
 }  // namespace whorl

@@ -49,7 +49,7 @@ MicropolarStep micropolar_step(TestWorld& w, MicropolarOptions options) {
     std::vector<Vec3> spin(spin_now.begin(), spin_now.end());
     const ParticleStore& fluid = w.world.fluid;
     Micropolar stage(std::move(options));
-    stage(w.world.surroundings(), w.world.report, {fluid.column<field::role>()}, {fluid.column<field::density>()},
+    stage(w.world.context(), w.world.report, {fluid.column<field::role>()}, {fluid.column<field::density>()},
           {fluid.column<field::position>()}, {fluid.column<field::velocity>()}, {{Span<Vec3>(made.acceleration)}},
           {Span<Vec3>(made.spin_change)}, {{Span<Vec3>(spin)}});
     return made;

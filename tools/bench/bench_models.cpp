@@ -66,7 +66,7 @@ void viscous_product(benchmark::State& state) {
     ViscosityOptions options;
     options.solid_factor = block.factor;
     ViscousOperator A;
-    A.set_up(options, block.world.surroundings(), block.read<field::role>(), block.read<field::viscosity>());
+    A.set_up(options, block.world.context(), block.read<field::role>(), block.read<field::viscosity>());
     const auto u = block.column<field::velocity>();
     std::vector<Vec3> Au(u.size());
     for (auto _ : state) {
@@ -80,11 +80,11 @@ void pressure_product(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Block block(static_cast<Index>(state.range(0)));
     World& w = block.world;
-    Density{block.factor}(w.surroundings(), {block.column<field::density>()});
+    Density{block.factor}(w.context(), {block.column<field::density>()});
     PressureOptions options;
     options.solid_factor = block.factor;
     PoissonPressure pressure(options);
-    pressure(w.surroundings(), w.report, block.read<field::role>(), block.read<field::density>(), {{block.column<field::velocity>()}},
+    pressure(w.context(), w.report, block.read<field::role>(), block.read<field::density>(), {{block.column<field::velocity>()}},
              {{block.column<field::pressure>()}});
     const std::vector<Real> p(w.fluid.size(), 1);
     std::vector<Real> Ap(p.size());
@@ -103,8 +103,8 @@ void constraint_product(benchmark::State& state) {
     DensityRate D;
     const std::size_t n = static_cast<std::size_t>(w.fluid.size());
     Column<Real> rho(n), rate(n), q(n, 1);
-    D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.surroundings(), block.read<field::role>(),
-            block.read<field::velocity>(), rho, rate);
+    D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.context(), block.read<field::role>(), block.read<field::velocity>(),
+            rho, rate);
     Column<Padded> force(n);
     const std::vector<char> all(n, 1);
     for (auto _ : state) {

@@ -126,7 +126,7 @@ std::vector<std::string> exported_fields(const Scene& scene, const ParticleStore
     };
     if (scene.exported("points") || scene.exported("vtk")) {
         add(fields_of_particles());
-        if (facts_of(scene.models.micropolar).spins) add({"vorticity"});
+        if (traits_of(scene.models.micropolar).spins) add({"vorticity"});
     }
     if (scene.exported("mesh")) add(fields_of_surface());
     if (scene.exported("raw")) {  // so that any look can be drawn

@@ -127,7 +127,7 @@ void check_look(const SceneFile& file) {
                            file.surface.radius, file.surface.voxel),
                "use a smaller surface.voxel, or a larger surface.radius");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
-    if (shows_field(file.look) && of_spin && !facts_of(file.scene.models.micropolar).spins)
+    if (shows_field(file.look) && of_spin && !traits_of(file.scene.models.micropolar).spins)
         report("look.field", "look.field = \"" + file.look.field + "\" needs particles that spin",
                "set models.micropolar, or show \"vorticity\"");
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())

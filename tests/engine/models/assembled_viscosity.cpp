@@ -33,7 +33,7 @@ AssembledOperator assembled(TestWorld& w, bool printed = false, Span<const Mat3>
     options.printed = printed;
     AssembledOperator A;
     World& c = w.world;
-    A.set_up(options, c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w), before);
+    A.set_up(options, c.context(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w), before);
     return A;
 }
 
@@ -43,7 +43,7 @@ ViscousOperator matrix_free(TestWorld& w, Span<const Mat3> before = {}, Real pen
     options.correction = false;
     ViscousOperator A;
     World& c = w.world;
-    A.set_up(options, c.surroundings(), read<field::role>(w), read<field::viscosity>(w), w.world.fluid.column<field::density>(), before);
+    A.set_up(options, c.context(), read<field::role>(w), read<field::viscosity>(w), w.world.fluid.column<field::density>(), before);
     return A;
 }
 

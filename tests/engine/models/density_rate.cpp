@@ -41,13 +41,13 @@ struct Floor : TestWorld {
         rho.resize(world.fluid.size());
         rate.resize(rho.size());
         DensityRate D;
-        D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.surroundings(),
+        D.build(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.context(),
                 Read<field::role>{std::as_const(world.fluid).column<field::role>()},
                 Read<field::velocity>{std::as_const(world.fluid).column<field::velocity>()}, rho, rate);
         if (bend_step == 0) return;
         world.step.dt = bend_step;
         bend.resize(rho.size());
-        D.bend(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.surroundings(), rho,
+        D.bend(WallImage(world.step.kernel, world.step.support, world.step.spacing, SolidGate{threshold}), world.context(), rho,
                column<field::velocity>(), BodyRows{}.poses_after({}, world.solids), bend);
     }
     void move(double dt) {

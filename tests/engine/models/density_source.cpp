@@ -47,7 +47,7 @@ struct Fluid : TestWorld {
         stages[0].run(world);
         PoissonPressure pressure(options);
         const auto read = [&]<class F>(F) { return Read<F>{std::as_const(world.fluid).template column<F>()}; };
-        pressure(world.surroundings(), world.report, read(field::role{}), read(field::density{}),
+        pressure(world.context(), world.report, read(field::role{}), read(field::density{}),
                  Update<field::velocity>{column<field::velocity>()}, Update<field::pressure>{column<field::pressure>()});
         return pressure;
     }

@@ -26,7 +26,7 @@ ViscousOperator make_operator(TestWorld& w, Real dt, const ViscosityOptions& opt
     w.world.step.dt = dt;
     ViscousOperator A;
     World& c = w.world;
-    A.set_up(options, c.surroundings(), {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
+    A.set_up(options, c.context(), {c.fluid.column<field::role>()}, {c.fluid.column<field::viscosity>()});
     return A;
 }
 

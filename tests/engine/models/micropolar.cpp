@@ -148,7 +148,7 @@ TEST_CASE("without coupling the micropolar force equals explicit viscosity to 1e
         std::vector<Vec3> without(with_spin.size(), Vec3::Zero());
         const ParticleStore& fluid = w.world.fluid;
         ExplicitViscosity{{.laplacian = central ? LaplacianForm::monaghan : LaplacianForm::brookshaw, .solid_factor = factor}}(
-            w.world.surroundings(), {fluid.column<field::role>()}, {fluid.column<field::density>()}, {fluid.column<field::viscosity>()},
+            w.world.context(), {fluid.column<field::role>()}, {fluid.column<field::density>()}, {fluid.column<field::viscosity>()},
             {fluid.column<field::velocity>()}, {{Span<Vec3>(without)}});
         double most = 0, apart = 0;
         for (std::size_t i = 0; i < without.size(); ++i) {

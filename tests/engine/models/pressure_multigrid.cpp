@@ -79,8 +79,8 @@ struct Constraint {
         falling.resize(rho.size());
         World& w = f.world;
         for (Vec3& u : f.column<field::velocity>()) u = Vec3(0, -1, 0);
-        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.surroundings(), f.read<field::role>(),
-                f.read<field::velocity>(), rho, falling);
+        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.context(), f.read<field::role>(), f.read<field::velocity>(),
+                rho, falling);
         A.force.resize(rho.size());
         A.x = w.fluid_pairs.x_own;
         for (std::size_t i = 0; i < rho.size(); ++i) A.presses.push_back(D.diagonal[i] > 0 && rho[i] > 300);
@@ -106,7 +106,7 @@ struct Poisson {
         StepReport report;
         std::vector<Vec3> u(f.size(), Vec3(0, Real(-0.01), 0));
         std::vector<Real> p(u.size(), 0);
-        pressure(w.surroundings(), report, f.read<field::role>(), f.read<field::density>(), Update<field::velocity>{{u}},
+        pressure(w.context(), report, f.read<field::role>(), f.read<field::density>(), Update<field::velocity>{{u}},
                  Update<field::pressure>{{p}});
     }
     std::vector<char>& unknown() { return A.unknown; }

@@ -76,8 +76,8 @@ struct ConstraintSystem {
         Column<Real> rho(s.size());
         b.resize(rho.size());
         const auto role = std::as_const(w.fluid).column<field::role>();
-        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.surroundings(), Read<field::role>{role},
-                Read<field::velocity>{s.u}, rho, b);
+        D.build(WallImage(w.step.kernel, w.step.support, w.step.spacing), w.context(), Read<field::role>{role}, Read<field::velocity>{s.u},
+                rho, b);
         A.x = w.fluid_pairs.x_own;
         A.spacing = w.step.spacing;
         A.force.resize(rho.size());
@@ -118,7 +118,7 @@ struct PoissonSystem {
         Column<Real> p(s.size(), 0);
         StepReport report;
         const auto fluid = [&]<class F>(F) { return Read<F>{std::as_const(w.fluid).template column<F>()}; };
-        pressure(w.surroundings(), report, fluid(field::role{}), fluid(field::density{}), Update<field::velocity>{{u}},
+        pressure(w.context(), report, fluid(field::role{}), fluid(field::density{}), Update<field::velocity>{{u}},
                  Update<field::pressure>{{p}});
         double unknowns = 0, source = 0;
         for (std::size_t i = 0; i < b.size(); ++i) unknowns += A.unknown[i], source += static_cast<double>(b[i]) * b[i];

@@ -54,8 +54,7 @@ std::vector<Vec3> explicit_acceleration(TestWorld& w, bool monaghan) {
     std::vector<Vec3> a(w.column<field::velocity>().size(), Vec3::Zero());
     World& c = w.world;
     ExplicitViscosity{{.laplacian = monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw}}(
-        c.surroundings(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w), read<field::velocity>(w),
-        {{Span<Vec3>(a)}});
+        c.context(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w), read<field::velocity>(w), {{Span<Vec3>(a)}});
     return a;
 }
 
@@ -64,7 +63,7 @@ std::vector<Vec3> xsph_acceleration(TestWorld& w) {
     const StepContext& step = w.world.step;
     const Real nu = w.column<field::viscosity>()[0] / step.rest_density;
     std::vector<Vec3> change(w.column<field::velocity>().size()), u(w.column<field::velocity>().begin(), w.column<field::velocity>().end());
-    XsphViscosity{1}(w.world.surroundings(), read<field::role>(w), read<field::density>(w), {Span<Vec3>(change)}, {{Span<Vec3>(u)}});
+    XsphViscosity{1}(w.world.context(), read<field::role>(w), read<field::density>(w), {Span<Vec3>(change)}, {{Span<Vec3>(u)}});
     for (Vec3& a : change) a *= nu / (Real(0.0375) * step.support * step.support);
     return change;
 }
@@ -93,8 +92,7 @@ std::vector<ViscousModel> viscous_models() {
     all.push_back({"full_assembled", true, 2,
                    [](TestWorld& w) {
                        return acceleration_of<AssembledOperator>(w, [&](AssembledOperator& A, World& c) {
-                           A.set_up({.penalty = 0}, c.surroundings(), read<field::role>(w), read<field::density>(w),
-                                    read<field::viscosity>(w));
+                           A.set_up({.penalty = 0}, c.context(), read<field::role>(w), read<field::density>(w), read<field::viscosity>(w));
                        });
                    },
                    [=](double tolerance) {
@@ -105,7 +103,7 @@ std::vector<ViscousModel> viscous_models() {
     all.push_back({"full", true, 2,
                    [](TestWorld& w) {
                        return acceleration_of<ViscousOperator>(w, [&](ViscousOperator& A, World& c) {
-                           A.set_up({}, c.surroundings(), read<field::role>(w), read<field::viscosity>(w));
+                           A.set_up({}, c.context(), read<field::role>(w), read<field::viscosity>(w));
                        });
                    },
                    [=](double tolerance) {
@@ -129,7 +127,7 @@ TestWorld body(const std::vector<Vec3>& x, double spacing, double support, doubl
     for (Real& one : w.column<field::viscosity>()) one = static_cast<Real>(mu);
     w.world.step.gravity.setZero();
     w.find_pairs();
-    Density{}(w.world.surroundings(), {w.column<field::density>()});
+    Density{}(w.world.context(), {w.column<field::density>()});
     return w;
 }
 
