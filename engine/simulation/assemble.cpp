@@ -1,7 +1,6 @@
 #include "engine/simulation/assemble.h"
 
-#include <cmath>
-#include <limits>
+#include <algorithm>
 
 #include "engine/models/bodies/body_motion.h"
 #include "engine/models/boundary/wall.h"
@@ -37,9 +36,6 @@ namespace {
 /// Relative density error that may remain at a single particle. @param tolerance on the mean error of all particles: values looser than
 /// the default save iterations, but do not loosen this limit, so splashes keep their shape.
 double largest_error(double tolerance) { return 10 * std::min(tolerance, PressureOptions{}.limits.tolerance); }
-
-/// Largest cfl for the limit from pressure: with longer steps a column at rest becomes unstable (physics.md 3).
-constexpr double calm_cfl = 0.8;
 
 /// Finds fluid and solid neighbours, for models with one support radius.
 Stage neighbours() {
@@ -90,16 +86,14 @@ public:
         : scene_(scene), plan_(plan), traits_(plan.traits), constraint_(traits_.pressure.form == PressureForm::constraint),
           bodies_(scene.any_free_solid()), solid_factor_(factor_of_solids(scene, plan)), gate_{static_cast<Real>(scene.boundary.gate)} {}
 
-    Assembly assemble() {
-        limit("max_step", number(scene_.time.max_step) + " s", [most = scene_.time.max_step](const World&, double) { return most; });
-        flow_limits();
+    std::vector<Stage> stages() {
         ageing();
         if (traits_.pressure.solves_viscosity) coupled();
         else if (traits_.pressure.source == PressureSource::velocity) projection();
         else separate();
         ink_sources();
         if (scene_.marks_ink()) stage("ink markers", "ink", MoveInkMarkers{scene_.fluid.ink_diffusion});
-        return std::move(made_);
+        return std::move(stages_);
     }
 
 private:
@@ -112,41 +106,13 @@ private:
     /// @param cause of the energy that the stage (or a share of it) adds or removes
     template <class S>
     void stage(const char* name, const char* group, S s, double EnergyBudget::*cause = nullptr, double share = 1) {
-        made_.stages.push_back(make_stage(name, group, std::move(s)));
-        made_.stages.back().cause = cause, made_.stages.back().share = share;
+        stages_.push_back(make_stage(name, group, std::move(s)));
+        stages_.back().cause = cause, stages_.back().share = share;
     }
     /// Adds a force as acceleration. A micropolar model counts the work of these forces and of solids itself.
     template <class S>
     void push(const char* name, const char* group, S s, double EnergyBudget::*cause) {
         stage(name, group, std::move(s), cause, traits_.micropolar.spins ? 0 : 1);
-    }
-    void limit(std::string name, std::string formula, std::function<double(const World&, double)> dt) {
-        made_.limits.push_back({std::move(name), std::move(formula), std::move(dt)});
-    }
-    double cfl() const { return scene_.time.cfl * traits_.pressure.cfl; }
-    static std::string number(double value) { return Expression(value).text(); }
-    static constexpr double never = std::numeric_limits<double>::infinity();  ///< step of a limit that does not apply
-
-    /// No particle moves by more than cfl spacings, by its speed or by falling from rest; the same holds for solids.
-    void flow_limits() {
-        const double cfl = this->cfl(), d = plan_.spacing;
-        limit("cfl", number(cfl) + " d / max |u|", [=](const World& w, double speed) {
-            for (const Vec3& u : w.boundary_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
-            for (const Solid& s : w.solids.all) speed = std::max(speed, static_cast<double>(s.centre_velocity().norm()));
-            return speed > 0 ? cfl * d / speed : never;
-        });
-        limit("gravity", "sqrt(2 " + number(cfl) + " d / g)", [=](const World& w, double) {
-            const double g = w.step.gravity.norm();
-            return g > 0 ? std::sqrt(2 * cfl * d / g) : never;
-        });
-        if (scene_.emitters.empty()) return;
-        std::vector<Expression> speeds;
-        for (const EmitterKeys& e : scene_.emitters) speeds.push_back(e.speed);
-        limit("emitter", number(cfl) + " d / emitter speed", [=](const World& w, double) {
-            double speed = 0;
-            for (const Expression& s : speeds) speed = std::max(speed, 2 * std::abs(s(w.step.time)));
-            return speed > 0 ? 2 * cfl * d / speed : never;
-        });
     }
 
     void ink_diffusion() {
@@ -166,15 +132,8 @@ private:
         options.limits = scene_.pressure.limits;
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
-        // A longer step lets particles at walls without friction fall and catches them again: honey at rest then sinks.
-        const bool slips = std::any_of(scene_.solids.begin(), scene_.solids.end(), [](const SolidKeys& s) { return s.slip == Slip::free; });
-        if (slips)
-            limit("free slip", "0.05 sqrt(d / g)", [d = plan_.spacing](const World& w, double) {
-                const double g = w.step.gravity.norm();
-                return g > 0 ? 0.05 * std::sqrt(d / g) : never;
-            });
         auto system = std::make_shared<CoupledSystem>(options);
-        if (scene_.fluid.ink_diffusion > 0) made_.stages.push_back(neighbours());
+        if (scene_.fluid.ink_diffusion > 0) stages_.push_back(neighbours());
         ink_diffusion();
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
         stage("coupled gradient", "viscosity", CoupledGradient{system});
@@ -184,7 +143,7 @@ private:
         // removes.
         stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
-        made_.stages.push_back(move_solids());
+        stages_.push_back(move_solids());
         if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}, &EnergyBudget::moves);
         stage("coupled contact", "boundary", CoupledContact{system}, &EnergyBudget::viscosity);
     }
@@ -215,23 +174,17 @@ private:
         if (weightless()) stage("momenta before", "move", RecordMomentum{momenta});
         stage("drift", "move", ProjectionDrift{system});
         if (bodies_) stage("drift of bodies", "bodies", ProjectionBodyDrift{system});
-        if (!scene_.solids.empty()) made_.stages.push_back(move_solids());
-        made_.stages.push_back(neighbours());
+        if (!scene_.solids.empty()) stages_.push_back(move_solids());
+        stages_.push_back(neighbours());
         ink_diffusion();
         stage("geometry", "density", ProjectionGeometry{system});
-        if (options.tension > 0) {
-            stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
-            tension_limit();
-        }
+        if (options.tension > 0) stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
         push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
         if (traits_.micropolar.spins) spin(system);
         else if (plan_.viscosity == ViscosityModel::explicit_laplacian) {
-            if (scene_.viscosity.without_spin() == LaplacianForm::brookshaw) {
+            if (scene_.viscosity.without_spin() == LaplacianForm::brookshaw)
                 stage("corrected viscosity", "viscosity", CorrectedViscosity{system}, &EnergyBudget::viscosity);
-                viscous_limits();
-            } else {
-                explicit_viscosity();
-            }
+            else explicit_viscosity();
         }
         kicks();
         force();
@@ -241,7 +194,6 @@ private:
             implicit_viscosity();
         }
         stage("projection", "pressure", Projection{system}, &EnergyBudget::pressure);
-        if (bounded()) pressure_limit(cfl());
         stage("shift", "shifting", ProjectionShift{system}, &EnergyBudget::moves);
         stage("move", "move", ProjectionMove{system}, &EnergyBudget::smoothing);
         if (bodies_) stage("motion of bodies", "bodies", ProjectionBodyMove{system});
@@ -253,7 +205,7 @@ private:
 
     /// Stages in sequence: accelerations, the kick, changes of the velocity, the move.
     void separate() {
-        made_.stages.push_back(neighbours());
+        stages_.push_back(neighbours());
         ink_diffusion();
         if (traits_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (traits_.pressure.has_sound) sound_pressure();
@@ -319,16 +271,6 @@ private:
         push("pressure acceleration", "pressure", PressureAcceleration{pressure()}, &EnergyBudget::pressure);
         if (plan_.artificial_viscosity > 0)
             push("artificial viscosity", "pressure", ArtificialViscosity{pressure()}, &EnergyBudget::smoothing);
-        const double cfl = scene_.time.cfl, R = plan_.support, c = plan_.sound_speed, damping = scene_.pressure.sound_damping;
-        limit("sound", number(cfl) + " R/2 / (c + max |u|)", [=](const World&, double fastest) { return sound_step(cfl, R, c, fastest); });
-        if (bodies_)
-            limit("light bodies", "(" + number(cfl) + " R/2 / (c + max |u|)) sqrt(mass / mass of the fluid around)",
-                  [=](const World& w, double fastest) {
-                      return sound_step(cfl, R, c, fastest) * std::sqrt(lightness(w.solids, w.boundary_particles, w.step.mass));
-                  });
-        if (damping > 0)
-            limit("sound damping", "0.6 R/2 / (sound_damping c)",
-                  [dt = sound_damping_step(R, c, damping)](const World&, double) { return dt; });
     }
 
     void kicks() {
@@ -345,7 +287,7 @@ private:
         if (bodies_) stage("motion of bodies", "bodies", MoveBodies{!(constraint_ && plan_.pressure == PressureModel::ppe)});
     }
     void at_solids() {
-        made_.stages.push_back(move_solids());
+        stages_.push_back(move_solids());
         const bool keeps_off = traits_.pressure.has_sound && !scene_.models.printed();
         stage("keep outside", "boundary", PushOutOfSolids{keeps_off ? Real(0.4) : Real(0)}, &EnergyBudget::boundary);
     }
@@ -362,15 +304,6 @@ private:
         auto solver = preconditioner<ConstraintPreconditionerSetup>(scene_.pressure.preconditioner, constraint_automatic,
                                                                     constraint_unpreconditioned, diagonal_scaling, constraint_multigrid());
         stage("density constraint", "pressure", ConstraintPressure(pressure(), std::move(solver)), &EnergyBudget::pressure);
-        pressure_limit<field::constraint_pressure>(std::min(cfl(), calm_cfl));
-    }
-
-    template <class Field = field::pressure>
-    void pressure_limit(double cfl) {
-        limit("pressure", number(cfl) + " d / sqrt(p / rho)",
-              [cfl, d = plan_.spacing, rho_0 = scene_.fluid.density](const World& w, double) {
-                  return pressure_step(cfl, d, rho_0, w.fluid.column<Field>());
-              });
     }
 
     void pressure_equation() {
@@ -381,7 +314,6 @@ private:
             scene_.pressure.preconditioner, scene_.pressure.asks_for_multigrid() ? poisson_multigrid(levels) : poisson_automatic(levels),
             poisson_unpreconditioned, jacobi, poisson_multigrid(levels));
         stage("pressure equation", "pressure", PoissonPressure(pressure(), std::move(solver)), &EnergyBudget::pressure);
-        pressure_limit(cfl());
     }
 
     void surface_tension(std::shared_ptr<std::vector<Real>> internal) {
@@ -389,23 +321,6 @@ private:
         SurfaceTensionOptions options{tension, {}, std::move(internal), constraint_};
         for (const SolidKeys& solid : scene_.solids) options.wetting.push_back(static_cast<Real>(solid.wetting));
         stage("surface tension", "surface tension", SurfaceTension(std::move(options)), &EnergyBudget::surface_tension);
-        tension_limit();
-    }
-
-    void tension_limit() {
-        const double tension = scene_.fluid.surface_tension;
-        const bool implicit = traits_.viscous_implicitly();
-        limit("surface tension", implicit ? "b + sqrt(b^2 + rho d^3/(2 pi sigma)), b = mu d/(2 sigma)" : "sqrt(rho d^3 / (2 pi sigma))",
-              [=, rho = scene_.fluid.density, d = plan_.spacing](const World& w, double) {
-                  double mu = 0;
-                  if (implicit) {
-                      const auto each = w.fluid.column<field::viscosity>();
-                      mu = -parallel_max(w.fluid.size(), -std::numeric_limits<double>::infinity(),
-                                         [&](Index i) { return -static_cast<double>(each[i]); });
-                      if (!std::isfinite(mu)) mu = 0;  // no fluid yet
-                  }
-                  return surface_tension_step(rho, d, tension, mu);
-              });
     }
 
     void ageing() {
@@ -420,23 +335,7 @@ private:
         else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
     }
 
-    void explicit_viscosity() {
-        stage("explicit viscosity", "viscosity", ExplicitViscosity{viscosity()}, &EnergyBudget::viscosity);
-        viscous_limits();
-    }
-
-    void viscous_limits() {
-        const bool monaghan = scene_.viscosity.without_spin() == LaplacianForm::monaghan;
-        const double stiffness = monaghan ? monaghan_stiffness(plan_.dimensions()) : 1;
-        const double nu = stiffness * plan_.largest_viscosity / scene_.fluid.density;
-        const double step = nu > 0 ? viscous_step(plan_.support, nu) : never;
-        const std::string formula = monaghan ? "0.125 R^2 / (4 nu (D + 2)/D)" : "0.125 R^2 / (4 nu)";
-        limit("viscous", formula, [step](const World&, double) { return step; });
-        if (bodies_)
-            limit("light bodies in viscous fluid", "(" + formula + ") mass / mass of the fluid around", [step](const World& w, double) {
-                return step < never ? step * lightness(w.solids, w.boundary_particles, w.step.mass) : never;
-            });
-    }
+    void explicit_viscosity() { stage("explicit viscosity", "viscosity", ExplicitViscosity{viscosity()}, &EnergyBudget::viscosity); }
 
     void implicit_viscosity() {
         if (plan_.viscosity == ViscosityModel::full_assembled)
@@ -480,29 +379,6 @@ private:
             keys.curl_velocity || keys.curl_spin || !keys.co_rotating || n.central_viscosity != 0 || n.composed_coupling > 0 || n.slides;
         if (projection && !asks) push("micropolar", "micropolar", CorrectedMicropolar{projection, options}, &EnergyBudget::viscosity);
         else push("micropolar", "micropolar", Micropolar{options}, &EnergyBudget::viscosity);
-
-        const double R = plan_.support, rho = n.density;
-        // A spin that follows the flow reduces the viscosity by coupling/2. The larger of the two viscosities limits the step.
-        const double nu =
-            std::max(n.pair_viscosity + monaghan_stiffness(plan_.dimensions()) * std::abs(n.central_viscosity) + n.composed_coupling / 2,
-                     n.coupling / 2) /
-            rho;
-        limit("viscous", "0.125 R^2 / (4 max(nu, kappa/2))", [=](const World&, double) { return nu > 0 ? viscous_step(R, nu) : never; });
-        const double diffusion = n.spin_viscosity / (rho * n.micro_inertia);
-        const double k = largest_curl(plan_.kernel, static_cast<Real>(R), static_cast<Real>(plan_.spacing));
-        const double exchange = n.coupling > 0 ? exchange_step(n.coupling / rho, n.micro_inertia, k) : never;
-        limit("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)",
-              [=](const World&, double) { return diffusion > 0 ? viscous_step(R, diffusion) : never; });
-        // The rates of decay add up: their sum is at most 1.1 over the limits (R = 3 d), and the step is stable up to 2.
-        if (n.composed_coupling > 0) {
-            const double together =
-                1.5 / (1 / viscous_step(R, nu) + diffusion / viscous_step(R, 1) + (n.implicit_exchange ? 0 : 1 / exchange));
-            limit("spin", "1.5 / (sum of 1/limits of viscosity, spin diffusion and explicit exchange)",
-                  [=](const World&, double) { return together; });
-        }
-        if (n.implicit_exchange || n.coupling == 0) return;
-        limit("exchange", "theta / (kappa (1 + sqrt(1 + theta k^2))), k = " + number(std::round(100 * k * plan_.spacing) / 100) + "/d",
-              [=](const World&, double) { return exchange; });
     }
 
     const Scene& scene_;
@@ -511,11 +387,11 @@ private:
     bool constraint_, bodies_;
     Real solid_factor_;  ///< factor on the solids' volumes, see models/boundary/wall.h
     SolidGate gate_;
-    Assembly made_;
+    std::vector<Stage> stages_;
 };
 
 }  // namespace
 
-Assembly assemble(const Scene& scene, const Plan& plan) { return Assembler(scene, plan).assemble(); }
+Assembly assemble(const Scene& scene, const Plan& plan) { return {Assembler(scene, plan).stages(), step_limits(scene, plan)}; }
 
 }  // namespace whorl
