@@ -32,8 +32,8 @@ void check_wetting(const Scene& scene, const Plan& plan, const KeyProblems& repo
         if (!misses_angle(pressure, solid)) continue;
         const bool slips = pressure.solves_viscosity && solid.slip != Slip::no;
         report(entry_name("solid", k) + ".wetting",
-               fmt::format("with {}{}, drops do not meet the solid at the angle of wetting = {:g}", setting("models.pressure", pressure.name),
-                           slips ? " and a slip other than \"no\"" : "", solid.wetting),
+               fmt::format("with {}{}, drops do not meet the solid at the angle of wetting = {:g}",
+                           setting("models.pressure", pressure.name), slips ? " and a slip other than \"no\"" : "", solid.wetting),
                "use models.pressure = \"ppe\", or remove fluid.surface_tension",
                pressure.solves_viscosity && !slips ? "allowed: 0 to 0.5" : "");
     }
@@ -204,7 +204,8 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
                     "use 0.5, or pressure.form = \"constraint\"", "allowed: 0.5");
     if (scene.fluid.surface_tension > 0 && has_dry_floor(scene, shapes))
         problem("pressure.form",
-                "with pressure.form = \"projection\" and surface tension, fluid that covers a solid in part (a drop, a front) does not meet it at "
+                "with pressure.form = \"projection\" and surface tension, fluid that covers a solid in part (a drop, a front) does not "
+                "meet it at "
                 "the angle of its wetting: it spreads, comes off or diverges",
                 "use pressure.form = \"constraint\"");
     for (std::size_t k = 0; k < scene.emitters.size(); ++k)

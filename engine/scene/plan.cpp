@@ -46,7 +46,7 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
 PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool open) {
     if (traits_of(scene.models.micropolar).spins)
         return (open || scene.any_free_solid()) && !misses_angle(traits_of(PressureModel::wcsph), scene) ? PressureModel::wcsph
-                                                                                                          : PressureModel::ppe;
+                                                                                                         : PressureModel::ppe;
     const PressureTraits& coupled = traits_of(PressureModel::coupled);
     const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
     const bool fits = n.free_surface && (coupled.moves_bodies || !scene.any_free_solid()) && !misses_angle(coupled, scene);

@@ -1,5 +1,7 @@
 #pragma once
 /// Use of the last step's pressure force before an implicit viscosity (docs/physics.md 3).
+#include <cmath>
+
 #include "engine/core/parallel.h"
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
@@ -20,9 +22,11 @@ struct ExpectForce {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
                     Update<field::velocity> u) const {
         const StepContext& step = context.step;
-        const Real most = step.spacing / (10 * step.dt * step.dt);  // the pressure of an impact is not expected again
+        const Real most = step.spacing / (10 * step.dt * step.dt);  // more, as in an impact, is not expected again
         parallel_for(u.size(), [&](Index i) {
-            if (role[i] != 0 || !(a[i].norm() < most)) a[i].setZero();
+            const Real size = a[i].norm();
+            if (role[i] != 0 || !std::isfinite(size)) a[i].setZero();
+            else if (size > most) a[i] *= most / size;
             u[i] += step.dt * a[i];
         });
         each_body(context, [&](RigidBody& body) {

@@ -268,8 +268,8 @@ TEST_CASE("the projection is chosen if fluid fills its space, and is a warning i
     REQUIRE(warnings(projection + tank + block("[0.4, 0.2, 0.2]")).size() == 1);
     CHECK_THAT(warnings(projection + tank + block("[0.4, 0.2, 0.2]"))[0],
                Catch::Contains("it diverges or loses volume if a column collapses"));
-    CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.4, 0.2]")).empty());
-    CHECK_THAT(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")),
+    CHECK(message("surface_tension = 0.1\n" + projection + tank + block("[0.4, 0.2, 0.2]")).empty());
+    CHECK_THAT(message("surface_tension = 0.1\n" + projection + tank + block("[0.2, 0.2, 0.2]")),
                Catch::Contains("fluid that covers a solid in part"));
     CHECK(
         message(projection + tank + block("[0.4, 0.2, 0.2]") + "[[solid]]\nshape = \"sphere\"\nposition = [0.2, 0.1, 0.1]\nradius = 0.05\n")
