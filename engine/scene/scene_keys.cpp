@@ -344,7 +344,7 @@ KeyTable solid_keys() {
     t.key("wetting", &SolidKeys::wetting, "",
           "with surface tension: the solid's attraction of the fluid over the fluid's attraction of itself; contact angle of cos = 2 "
           "wetting - 1: 1 wets, 0.5 gives 90 degrees, 0 repels; ppe allows all values, coupled up to 0.5 if the fluid sticks, the "
-          "projection and wcsph only 0.5")
+          "projection only 0.5, wcsph none")
         .at_least(0)
         .at_most(1)
         .live();
