@@ -10,11 +10,11 @@ namespace {
 
 float radians(float degrees) { return degrees * std::numbers::pi_v<float> / 180; }
 
-/// All of a box, from the direction `away` [unit], as near as its corners allow.
+/// The nearest view of a whole box from the direction `away` (unit vector from the target to the eye).
 View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, const Vec3f& away) {
     constexpr float margin = 1.12f;
     const Vec3f side = camera.up.cross(away).normalized(), above = away.cross(side), middle = 0.5f * (low + high);
-    // A corner at (h, v, z) along side, above and away lies in a picture from (H, V, Z) where
+    // A corner at (h, v, z) along side, above and away is in the image from an eye at (H, V, Z) if
     // |h - H| <= wide (Z - z) and |v - V| <= tall (Z - z).
     const float tall = std::tan(0.5f * radians(camera.fov)) / margin, wide = camera.aspect * tall;
     const auto fit = [&](const Vec3f& axis, float slope) {
@@ -32,12 +32,12 @@ View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, co
     return {target + std::max(far_for_width, far_for_height) * away, target, camera.up, camera.fov};
 }
 
-/// The cubic from key 1 to key 2 of four, with the slopes of Catmull and Rom for keys that are not evenly spaced in time. Where it would go
-/// beyond a key they are less steep (Fritsch and Carlson 1980): between equal keys nothing moves.
+/// The cubic from key 1 to key 2 of four. The slopes are those of Catmull and Rom for unevenly spaced times, limited so that the cubic
+/// does not overshoot a key (Fritsch and Carlson 1980). So the value is constant between equal keys.
 float through(const std::array<double, 4>& x, const std::array<double, 4>& time, double now) {
     const double span = time[2] - time[1], rise = (x[2] - x[1]) / span, s = (now - time[1]) / span;
-    const auto slope_at = [&](std::size_t key, std::size_t from) {  // `from` to from + 1 is the span on the key's other side
-        if (!(time[from] < time[from + 1])) return rise;            // the first key, the last, or a cut
+    const auto slope_at = [&](std::size_t key, std::size_t from) {  // from, from + 1: the span on the other side of the key
+        if (!(time[from] < time[from + 1])) return rise;            // the first or last key, or a cut (two keys at one time)
         const double other = (x[from + 1] - x[from]) / (time[from + 1] - time[from]), most = 3 * std::min(std::abs(rise), std::abs(other));
         if (std::signbit(rise) != std::signbit(other)) return 0.0;
         return std::clamp((x[key + 1] - x[key - 1]) / (time[key + 1] - time[key - 1]), -most, most);
@@ -65,7 +65,7 @@ View between_keys(const CameraOptions& camera, double time) {
     return found;
 }
 
-View standing_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
+View pose_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
     if (camera.kind == "fixed") return {camera.position, camera.target, camera.up, camera.fov};
     if (camera.kind == "keys" && !camera.keys.empty()) return between_keys(camera, time);
     if (camera.kind == "orbit") {
@@ -94,13 +94,13 @@ Mat3f camera_axes(const View& view) {
 }
 
 View view_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
-    View view = standing_at(camera, time, domain_min, domain_max);
+    View view = pose_at(camera, time, domain_min, domain_max);
     view.aperture = camera.aperture;
     view.focus = camera.focus.value_or((view.target - view.position).norm());
     view.open = static_cast<float>(camera.shutter / 360 * camera.interval);
     if (view.open <= 0) return view;
-    const View ahead = standing_at(camera, time + 0.5 * static_cast<double>(view.open), domain_min, domain_max);
-    const View back = standing_at(camera, time - 0.5 * static_cast<double>(view.open), domain_min, domain_max);
+    const View ahead = pose_at(camera, time + 0.5 * static_cast<double>(view.open), domain_min, domain_max);
+    const View back = pose_at(camera, time - 0.5 * static_cast<double>(view.open), domain_min, domain_max);
     view.position_velocity = (ahead.position - back.position) / view.open;
     view.target_velocity = (ahead.target - back.target) / view.open;
     return view;

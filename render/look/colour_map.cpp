@@ -9,8 +9,8 @@
 namespace whorl {
 namespace {
 
-/// Ten colours, evenly spaced, of the maps that van der Walt and Smith published in 2015 (tables under CC0). Their lightness rises
-/// evenly; taken through L*a*b* in between, it keeps doing so.
+/// Ten evenly spaced colours of a map by van der Walt and Smith (2015, tables under CC0). Their lightness rises evenly. Interpolation in
+/// L*a*b* preserves this.
 using Table = std::array<int, 10>;
 constexpr Table viridis{0x440154, 0x482878, 0x3e4989, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
 constexpr Table inferno{0x000004, 0x1b0c41, 0x4a0c6b, 0x781c6d, 0xa52c60, 0xcf4446, 0xed6925, 0xfb9b06, 0xf7d13d, 0xfcffa4};
@@ -31,18 +31,18 @@ Vec3f entry(const Table& table, int n) {
     return lab_of(Vec3f(static_cast<float>(colour >> 16), static_cast<float>(colour >> 8 & 255), static_cast<float>(colour & 255)) / 255);
 }
 
-/// Catmull-Rom through the table; beyond its ends it goes straight on.
+/// Catmull-Rom interpolation of the table, extrapolated linearly at its ends.
 Vec3f at(const Table& table, float t) {
     constexpr int last = static_cast<int>(std::tuple_size_v<Table>) - 1;
-    const float place = t * last;
-    const int n = std::min(static_cast<int>(place), last - 1);
-    const float s = place - static_cast<float>(n);
+    const float position = t * last;
+    const int n = std::min(static_cast<int>(position), last - 1);
+    const float s = position - static_cast<float>(n);
     const Vec3f b = entry(table, n), c = entry(table, n + 1);
     const Vec3f a = n > 0 ? entry(table, n - 1) : Vec3f(2 * b - c), d = n + 1 < last ? entry(table, n + 2) : Vec3f(2 * c - b);
     return srgb(b + 0.5f * s * ((c - a) + s * ((2 * a - 5 * b + 4 * c - d) + s * (3 * (b - c) + d - a))));
 }
 
-/// Moreland, "Diverging color maps for scientific visualization" (2009): L*a*b* in polar form (magnitude, saturation, hue); the two ends
+/// Moreland, "Diverging color maps for scientific visualization" (2009): L*a*b* in polar form (magnitude, saturation, hue). The two ends
 /// meet in a light grey without a Mach band.
 Vec3f polar(const Vec3f& colour) {
     const Vec3f lab = lab_of(colour);
@@ -54,7 +54,7 @@ Vec3f from_polar(const Vec3f& msh) {
     return srgb(msh.x() * Vec3f(std::cos(msh.y()), std::sin(msh.y()) * std::cos(msh.z()), std::sin(msh.y()) * std::sin(msh.z())));
 }
 
-/// Hue that a saturated end turns to on its way to the unsaturated middle of magnitude `middle`.
+/// Hue of the saturated colour `end` after its rotation towards the unsaturated middle, which has magnitude `middle`.
 float turned_hue(const Vec3f& end, float middle) {
     if (end.x() >= middle) return end.z();
     const float spin = end.y() * std::sqrt(middle * middle - end.x() * end.x()) / (end.x() * std::sin(end.y()));
@@ -97,9 +97,9 @@ ColourTable::ColourTable(const std::string& map) {
 
 Vec3f ColourTable::operator()(float t) const {
     const std::size_t last = colours_.size() - 1;
-    const float place = std::clamp(t, 0.0f, 1.0f) * static_cast<float>(last);
-    const std::size_t i = std::min(static_cast<std::size_t>(place), last - 1);
-    return colours_[i] + (place - static_cast<float>(i)) * (colours_[i + 1] - colours_[i]);
+    const float position = std::clamp(t, 0.0f, 1.0f) * static_cast<float>(last);
+    const std::size_t i = std::min(static_cast<std::size_t>(position), last - 1);
+    return colours_[i] + (position - static_cast<float>(i)) * (colours_[i + 1] - colours_[i]);
 }
 
 bool is_diverging(const std::string& map) { return map == "coolwarm"; }

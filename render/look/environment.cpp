@@ -44,14 +44,15 @@ std::array<Vec3f, 9> light_of(const Environment& environment) {
     sum.fill(Vec3f::Zero());
     for (int y = 0; y < environment.height; ++y) {
         const float down = pi * (static_cast<float>(y) + 0.5f) / static_cast<float>(environment.height);
-        const float angle = 2 * pi * pi * std::sin(down) / static_cast<float>(environment.width * environment.height);  // solid, of a pixel
+        const float angle =
+            2 * pi * pi * std::sin(down) / static_cast<float>(environment.width * environment.height);  // solid angle of a pixel
         for (int x = 0; x < environment.width; ++x) {
             const std::array<float, 9> t = terms(environment.direction(x, y));
             const Vec3f light = angle * environment.at(x, y);
             for (int k = 0; k < 9; ++k) sum[k] += t[k] * light;
         }
     }
-    // Squares of the harmonics' factors, times what a cosine keeps of their order: 1, 2/3, 1/4.
+    // Squared normalisation factor of each harmonic, times the factor of a cosine lobe for its order: 1, 2/3, 1/4.
     constexpr float first = 0.079577f, second = 2.0f / 3 * 0.238732f, third = 0.25f;
     const std::array<float, 9> factor{
         first, second, second, second, third * 1.193662f, third * 1.193662f, third * 0.099472f, third * 1.193662f, third * 0.298416f};
@@ -105,7 +106,7 @@ Mat3f studio_axes(const View& view) {
     const Vec3f right = camera.row(0), above = camera.row(1), back = camera.row(2), up = view.up.normalized();
     Mat3f axes;
     axes.row(0) = right.transpose();
-    axes.row(1) = (back.cross(up).norm() < 1e-3f ? above : up).transpose();  // straight down the picture's own still holds
+    axes.row(1) = (back.cross(up).norm() < 1e-3f ? above : up).transpose();  // looking straight up or down: the image's up
     axes.row(2) = right.cross(Vec3f(axes.row(1))).transpose();
     return axes;
 }

@@ -31,7 +31,7 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
     for (const float v : values)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     if (low > high) return {0, 1};
-    if (look.field == "q_criterion" && !is_diverging(look.colour_map)) low = 0;  // below it no vortex is
+    if (look.field == "q_criterion" && !is_diverging(look.colour_map)) low = 0;  // no vortex has Q < 0
     if (is_diverging(look.colour_map)) high = std::max(std::abs(low), std::abs(high)), low = -high;
     if (high <= low) high = low + 1;
     return {low, high};
@@ -48,8 +48,8 @@ std::string unit_of(const std::string& quantity) {
 
 namespace {
 
-/// In a volume each is as thick as it can be: how much there is, is the strength, whose square is the density. Ink is three times as dense
-/// as fields are, which fill the whole fluid.
+/// In a volume, each colour is that of the undiluted mixture (concentrations scaled to sum 1). The amount of ink determines the strength,
+/// whose square is the density. Ink is three times as dense as other fields, because those fill the whole fluid.
 FieldColours ink_colours(const Frame& frame, const LookOptions& look) {
     const Pigments pigments(look.inks.of, Vec3f::Constant(0.9f));
     FieldColours colours;

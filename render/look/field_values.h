@@ -1,5 +1,5 @@
 #pragma once
-/// The field that colours particles, as places on a colour map.
+/// Values of the field that colours the particles, and the resulting colours.
 #include <vector>
 
 #include "engine/io/frame.h"
@@ -7,23 +7,23 @@
 
 namespace whorl {
 
-/// One value a particle: speed [m/s], the norm of a vector field (its component along z on a diverging map), or a scalar field.
-/// Zeros where the frame does not carry the field.
+/// Value per particle: speed [m/s], norm of a vector field (on a diverging map its z component), or a scalar field. Zeros if the frame
+/// does not contain the field.
 std::vector<float> field_values(const Frame& frame, const LookOptions& look);
-/// The look's range; where it is empty the values' own, symmetric about zero on a diverging map.
+/// The look's range. If it is empty: the range of the values, symmetric about zero on a diverging map; Q starts at 0 on other maps.
 std::array<float, 2> field_range(const std::vector<float>& values, const LookOptions& look);
 
-/// Unit of a particle's quantity, "m/s"; empty for pure numbers.
+/// Unit of a quantity, such as "m/s"; empty for pure numbers.
 std::string unit_of(const std::string& quantity);
 
 /// Colours of the particles.
 struct FieldColours {
     std::vector<Vec3f> colour;    ///< linear RGB
-    std::vector<float> strength;  ///< 0 .. 1, how far the field is from nothing: from the range's low end, or on a diverging map its middle
+    std::vector<float> strength;  ///< 0 .. 1, distance from the range's lower bound, or on a diverging map from its middle
 };
 FieldColours field_colours(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range);
 
-/// The ink markers as the particles of a frame at rest, or the particles with their own inks if the run has no markers.
+/// The ink markers as particles of a frame, with zero velocity. If the run has no markers: the particles with their own inks.
 Frame inked_points(const Frame& frame);
 
 /// Fields that an image needs in addition to positions and velocities.

@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-constexpr float table_size = 0.4f;  // m: the diagonal of a scene whose liquids look as they do in a kitchen
+constexpr float table_size = 0.4f;  // m, largest diagonal of a scene whose liquids look as they do in a kitchen
 
 const std::vector<std::pair<std::string, Material>>& fluid_presets() {
     static const std::vector<std::pair<std::string, Material>> presets = [] {
@@ -102,7 +102,7 @@ Material fluid_material(const LookOptions& look, float size) {
 }
 
 float hides(const Material& material, float size) {
-    // Some of what a clear body keeps comes out of it again.
+    // A clear body scatters part of the light that it removes from a ray back out.
     return material.refracts ? 0.75f * (1 - std::exp(-(material.absorption.mean() + material.haze) * size / 8)) : 1;
 }
 
@@ -121,7 +121,7 @@ std::vector<std::string> table_names() { return names_of(table_presets()); }
 
 namespace {
 
-/// Scattering of a layer of an ink of concentration 1: what lies behind it cannot be seen any more.
+/// Scattering S of an ink of concentration 1, large enough to hide the ground.
 constexpr float hiding = 8;
 
 }  // namespace
@@ -139,7 +139,7 @@ std::array<Vec3f, 3> absorption_ratios(const std::vector<std::string>& colours) 
     for (std::size_t k = 0; k < std::min(colours.size(), ratio.size()); ++k) {
         Vec3f colour = Vec3f::Ones();
         read_colour(colours[k], colour);
-        // No pigment takes all light of a band, and none gives all back.
+        // No pigment absorbs or reflects all light of a band.
         ratio[k] = linear_of(colour).unaryExpr([](float reflected) {
             const float R = std::clamp(reflected, 0.005f, 0.98f);
             return (1 - R) * (1 - R) / (2 * R);
@@ -154,8 +154,8 @@ Pigments::Pigments(const std::vector<std::string>& colours, const Vec3f& ground)
 Vec3f Pigments::operator()(const Vec3f& concentration) const {
     const float amount = concentration.sum();
     if (!(amount > 1e-5f)) return ground_;
-    // A little of a strong pigment tints a lot: were the layer as thick as there is ink, one part in a thousand would take a quarter of the
-    // red.
+    // S grows faster than the amount, because a little of a strong pigment tints a lot: with S proportional to the amount, one part in a
+    // thousand would absorb a quarter of the red.
     const float S = hiding * amount * std::sqrt(amount);
     Vec3f colour;
     for (int band = 0; band < 3; ++band) {

@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// Height of a capital letter: 14 pixels of a picture of 720.
+/// Height of a capital letter [pixels]: 14 in an image of 720 lines.
 float text_height(const Image& image) { return std::max(9.0f, static_cast<float>(std::min(image.height, image.width)) / 51); }
 
 TextStyle style_for(const Image& image, const LookOptions& look) {
@@ -65,7 +65,7 @@ struct Bar {
     float x, y, length, thick;  ///< pixels; x, y: the upper left corner
 };
 
-/// The map along the bar, with an arrow at each end.
+/// Draws the colour map along the bar, with an arrow at each end.
 void draw_bar(Image& image, const std::string& map, const Bar& bar) {
     const float arrow = 0.5f * bar.thick;
     const auto byte = [](float c) { return static_cast<std::uint8_t>(std::lround(255 * c)); };
@@ -101,7 +101,7 @@ void draw_ticks(Image& image, const Ticks& ticks, const std::array<float, 2>& ra
     }
 }
 
-/// Title, legend and time one under the other.
+/// Draws title, legend and time, one below the other.
 void draw_column(Image& image, const PictureBox& box, const LookOptions& look, const std::array<float, 2>& range, const std::string& time,
                  const TextStyle& style) {
     const float h = style.height, x = static_cast<float>(box.x) + h, top = static_cast<float>(box.y);
@@ -118,7 +118,7 @@ void draw_column(Image& image, const PictureBox& box, const LookOptions& look, c
     draw_text(image, x, bar.y - 1.8f * h, field_title(look, ticks.power), style);
 }
 
-/// Title above the time at the left, the legend at the right.
+/// Draws the title and the time at the left, the legend at the right.
 void draw_strip(Image& image, const PictureBox& box, const LookOptions& look, const std::array<float, 2>& range, const std::string& time,
                 const TextStyle& style) {
     const float h = style.height, left = static_cast<float>(box.x), first = static_cast<float>(box.y) + 1.8f * h;
@@ -162,7 +162,7 @@ void draw_words_over(Image& image, const LookOptions& look, double time) {
 
 namespace {
 
-/// The largest box of that aspect in the middle of another.
+/// The largest box of this aspect, centred in `room`.
 PictureBox fitted(const PictureBox& room, float aspect) {
     PictureBox box = room;
     const float wide = static_cast<float>(room.width), tall = static_cast<float>(room.height);
@@ -190,7 +190,7 @@ bool has_legend(const LookOptions& look) { return look.legend && shows_field(loo
 
 Layout layout_of(int width, int height, float aspect, const LookOptions& look, const std::array<float, 2>& range) {
     Layout layout;
-    // Legible at 360 lines, and no larger than need be at 1080.
+    // Legible in an image of 360 lines, not larger than necessary at 1080.
     layout.text = std::max(9.0f, static_cast<float>(std::min(width, height)) / 51);
     const bool words = !look.title.empty() || look.time_stamp || has_legend(look);
     if (!words) {
@@ -204,7 +204,7 @@ Layout layout_of(int width, int height, float aspect, const LookOptions& look, c
     const PictureBox left = fitted({edge, edge, width - edge - column, height - 2 * edge}, aspect);
     layout.below = above.width >= left.width;
     layout.flow = layout.below ? above : left;
-    // Remaining space on the far side goes to the margin: flow and text are together in the middle of the image.
+    // The margin touches the flow, so that both are together in the middle of the image.
     if (layout.below) layout.margin = {layout.flow.x, layout.flow.y + layout.flow.height, layout.flow.width, strip};
     else layout.margin = {layout.flow.x + layout.flow.width, layout.flow.y, column, layout.flow.height};
     return layout;

@@ -14,35 +14,36 @@ struct PictureBox {
 };
 
 struct Layout {
-    PictureBox flow;    ///< the largest that has the flow's sides and leaves room for the words
-    PictureBox margin;  ///< next to it, or below it if the flow is wider than the image; empty without text
-    bool below = false;
-    float text = 0;  ///< height of a capital letter [pixels]
+    PictureBox flow;     ///< largest box of the flow's aspect that leaves room for the text
+    PictureBox margin;   ///< box of the text, beside the flow or below it, whichever leaves the flow larger; empty without text
+    bool below = false;  ///< the margin is below the flow
+    float text = 0;      ///< height of a capital letter [pixels]
 };
 
-/// @param aspect of the flow, width over height @param range of the legend
+/// Boxes of the flow and its text in an image.
+/// @param width, height of the image [pixels] @param aspect of the flow, width over height @param range of the legend
 Layout layout_of(int width, int height, float aspect, const LookOptions& look, const std::array<float, 2>& range);
-/// A picture has a legend if it shows a field by a colour map.
+/// Whether the look draws a legend: it asks for one and shows a field by a colour map (inks have none).
 bool has_legend(const LookOptions& look);
 
-/// "height [10^-3 m]": a name with its unit, neither of which needs to be there. @param power of ten that its numbers are given in
+/// A name with its unit, "height [10^-3 m]"; both may be empty. @param power of ten by which the numbers on the axis are divided
 std::string axis_title(const std::string& name, const std::string& unit, int power = 0);
-/// "speed [m/s]": the field with its unit; on a diverging map a vector's name is that of its component, "spin z [1/s]".
+/// The field with its unit, "speed [m/s]". On a diverging map a vector field shows its component, "spin z [1/s]".
 std::string field_title(const LookOptions& look, int power = 0);
 
-/// Numbers for a scale from low to high.
+/// Tick values of a scale and their labels.
 struct Ticks {
-    std::vector<double> place;       ///< values, rising, in whole multiples of a step of 1, 2 or 5 times a power of ten
+    std::vector<double> place;       ///< rising multiples of a step of 1, 2 or 5 times a power of ten
     std::vector<std::string> label;  ///< value / 10^power, all with the same number of decimals
-    int power = 0;                   ///< 0 where numbers are easy to read without
+    int power = 0;                   ///< 0 if the numbers are readable unscaled
 };
-/// At most `most` of them.
+/// At most `most` ticks of a scale from low to high.
 Ticks ticks_of(double low, double high, int most);
 
-/// The look's title, the time and the legend, those that it asks for, into the layout's margin. The legend is the colour map as a bar with
-/// numbers, the field's name and its unit; values beyond the range have the colours of the ends: arrows say so.
+/// Draws the title, the time and the legend into the layout's margin, as far as the look requests them. The legend is the colour map as a
+/// bar with numbers, the field's name and its unit. Its ends are arrows, because values beyond the range have the end colours.
 void draw_words(Image& image, const Layout& layout, const LookOptions& look, const std::array<float, 2>& range, double time);
-/// The title and the time alone, at the upper and the lower left of a picture without margin.
+/// Draws the title at the upper left and the time at the lower left of an image without a margin.
 void draw_words_over(Image& image, const LookOptions& look, double time);
 
 }  // namespace whorl
