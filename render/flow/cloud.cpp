@@ -9,9 +9,9 @@
 namespace whorl {
 namespace {
 
-constexpr float least_density = 2e-3f;  // a haze below it is nothing: rays leap over it
+constexpr float least_density = 2e-3f;  // smaller densities count as 0, so that rays can skip them
 
-/// One layer of nodes across `main`, the other two axes along it.
+/// Layers of nodes, stacked along the axis `main`. The axes a and b lie in a layer.
 struct Layers {
     int main, a, b;
     std::size_t node(const FlowGrid& grid, int layer, int i, int j) const {
@@ -45,7 +45,7 @@ std::vector<float> depth_towards(const FlowGrid& grid, const std::vector<float>&
     layers.a = (layers.main + 1) % 3, layers.b = (layers.main + 2) % 3;
     const int n = grid.n[layers.main], na = grid.n[layers.a], nb = grid.n[layers.b];
     const bool up = towards[layers.main] > 0;
-    const float layer_step = grid.cell[layers.main] / std::abs(towards[layers.main]);  // m, along the light
+    const float layer_step = grid.cell[layers.main] / std::abs(towards[layers.main]);  // m, path of the light between two layers
     const float move_a = layer_step * towards[layers.a] / grid.cell[layers.a],
                 move_b = layer_step * towards[layers.b] / grid.cell[layers.b];
     for (int count = 1; count < n; ++count) {
@@ -88,7 +88,7 @@ Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light) 
         if (dense < least_density) dense = 0;
     find_blocks(grid, density, cloud);
     const std::vector<float> to_lamp = depth_towards(grid, density, thickness, light.towards);
-    // The sky: the lamp's direction and the three that make a regular tetrahedron with it.
+    // The sky light comes from four directions, the corners of a regular tetrahedron. One of them is the direction of the lamp.
     const Vec3f w = light.towards, u = w.unitOrthogonal(), v = w.cross(u);
     std::vector<float> open(nodes, 0);
     for (const float turn : {0.0f, 1 / 3.0f, 2 / 3.0f}) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The flow as a lit cloud, for drawing volumes.
+/// A field of the flow as a lit cloud, for drawing volumes.
 #include <array>
 #include <vector>
 
@@ -7,31 +7,33 @@
 
 namespace whorl {
 
-/// The light that falls on a cloud, linear RGB.
+/// Light on a cloud, linear RGB.
 struct CloudLight {
-    Vec3f towards = Vec3f::UnitY();  ///< the lamp, unit length
-    Vec3f lamp = Vec3f::Ones();      ///< its light on an unshaded white body
-    Vec3f sky = Vec3f::Zero();       ///< the same of the light from all round
-    float glow = 0;                  ///< the cloud's emission, in its colour
+    Vec3f towards = Vec3f::UnitY();  ///< direction to the lamp, unit vector
+    Vec3f lamp = Vec3f::Ones();      ///< radiance of an unshaded white body in the light of the lamp
+    Vec3f sky = Vec3f::Zero();       ///< radiance of an unshaded white body in the ambient light
+    float glow = 0;                  ///< emitted radiance over the colour of the cloud
 };
 
-/// On the nodes of a grid. Densities are parts of the strongest field's.
+/// Lit cloud on the nodes of a grid. A density of 1 is that of the strongest field.
 struct Cloud {
     static constexpr int block = 8;      ///< nodes along a block's edge
-    std::vector<Eigen::Vector4f> lit;    ///< radiance times density, density
+    std::vector<Eigen::Vector4f> lit;    ///< per node: radiance times density (linear RGB), density
     std::array<int, 3> blocks{0, 0, 0};  ///< ceil(nodes / block) along each axis
-    std::vector<float> most;             ///< largest density in a block and a node around it; 0: empty
+    std::vector<float> most;             ///< largest density in a block, with one more node on each side; 0: empty
 };
 
-/// The square of the strength, as far as there is fluid. @param grid with the strength as the fourth of its values
+/// Density per node: the cover times the square of the strength. @param grid with the strength as the fourth of its values
 std::vector<float> cloud_density(const FlowGrid& grid);
 
-/// @param grid with colour times strength, and strength, as its values; the density is cloud_density()
-/// @param thickness optical depth of a metre of density 1
+/// Lights the cloud of density cloud_density(). Densities below 0.002 become 0.
+/// @param grid with colour times strength (linear RGB) and strength as its values
+/// @param thickness optical depth per metre at density 1
 Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light);
 
-/// Optical depth between each node and a lamp far off in the direction `towards`, over the grid alone: linear from layer to layer of nodes.
-/// @param density of each node @param thickness optical depth of a metre of density 1
+/// Optical depth between each node and a distant lamp, within the grid. It is summed from layer to layer of nodes, and interpolated
+/// linearly within a layer.
+/// @param density per node @param thickness optical depth per metre at density 1 @param towards direction to the lamp, unit vector
 std::vector<float> depth_towards(const FlowGrid& grid, const std::vector<float>& density, float thickness, const Vec3f& towards);
 
 }  // namespace whorl

@@ -8,7 +8,7 @@
 namespace whorl {
 namespace {
 
-/// An index on an axis; -1 outside.
+/// Index of node i on an axis, wrapped if the axis is periodic; -1: outside the grid.
 int on_axis(const FlowGrid& g, int axis, int i) {
     if (g.periodic[axis]) return ((i % g.n[axis]) + g.n[axis]) % g.n[axis];
     return i >= 0 && i < g.n[axis] ? i : -1;
@@ -16,7 +16,7 @@ int on_axis(const FlowGrid& g, int axis, int i) {
 
 bool finite(const Vec3f& x) { return std::isfinite(x.x()) && std::isfinite(x.y()) && std::isfinite(x.z()); }
 
-/// Box, nodes and cells; the fluid's box with a margin, the whole domain along periodic axes.
+/// Grid without values. Along a periodic axis it covers the whole domain, along the others the fluid and a margin of `reach` [m].
 FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float cell) {
     Vec3f low = Vec3f::Constant(1e30f), high = Vec3f::Constant(-1e30f);
     for (const Vec3f& x : frame.position)
@@ -29,11 +29,11 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float
         else low[a] -= reach, high[a] += reach;
     }
     const bool plane = frame.dimensions == 2;
-    if (plane) low.z() = -0.5f * frame.spacing, high.z() = 0.5f * frame.spacing, grid.periodic[2] = true;  // one node, wherever z
+    if (plane) low.z() = -0.5f * frame.spacing, high.z() = 0.5f * frame.spacing, grid.periodic[2] = true;  // one node, for any z
     for (;; cell *= 1.25f) {
         double nodes = 1;
         for (int a = 0; a < 3; ++a) {
-            // A periodic axis has whole cells; another one more node than cells.
+            // A periodic axis has as many nodes as cells, another axis one more.
             const float cells = plane && a == 2 ? 1 : std::max(1.0f, std::round((high[a] - low[a]) / cell));
             grid.n[a] = static_cast<int>(cells) + (grid.periodic[a] ? 0 : 1);
             grid.cell[a] = (high[a] - low[a]) / cells;
@@ -45,7 +45,7 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float
     return grid;
 }
 
-/// Particles by the layer of nodes below them, in their order within each. The last list has particles in no layer.
+/// Particles by the layer of nodes below them, in index order. The last list contains the particles outside all layers.
 std::vector<std::vector<std::uint32_t>> by_layer(const FlowGrid& grid, const std::vector<Vec3f>& position) {
     std::vector<std::vector<std::uint32_t>> layers(grid.n[2] + 1);
     for (std::size_t p = 0; p < position.size(); ++p) {
@@ -56,7 +56,7 @@ std::vector<std::vector<std::uint32_t>> by_layer(const FlowGrid& grid, const std
     return layers;
 }
 
-/// Sums over particles, at the nodes.
+/// Weighted sums over particles, at the nodes.
 struct Sums {
     const Frame& frame;
     const std::vector<Vec3f>& along;
@@ -65,7 +65,7 @@ struct Sums {
     float h;  // m
     int reach[3];
 
-    /// Adds a particle to a row of nodes along x, `away` [m^2] off it. @param j, k of the row
+    /// Adds a particle to the row (j, k) of nodes along x. @param away squared distance from the row [m^2]
     void add_to_row(std::uint32_t p, float away, int j, int k) {
         const float room = h * h - away;
         if (room <= 0) return;
@@ -102,7 +102,7 @@ struct Sums {
 
 FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value, std::size_t most_nodes,
                    float cell_in_spacings, float reach) {
-    // full: sum of the weights in a full lattice, 4 pi (1/3 - 2/5 + 1/7) 1.5^3; in 2D pi/3 1.5^2.
+    // Sum of the weights in a full lattice at a reach of 1.5 spacings: 4 pi (1/3 - 2/5 + 1/7) 1.5^3 in 3D, pi/3 1.5^2 in 2D.
     const float full = frame.dimensions == 2 ? 2.36f : 3.2f;
     FlowGrid grid = laid_out(frame, reach * frame.spacing, most_nodes, cell_in_spacings * frame.spacing);
     if (grid.n[0] == 0) return grid;
@@ -113,14 +113,14 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const st
     if (!value.empty()) grid.value.assign(nodes, Eigen::Vector4f::Zero());
     grid.cover.assign(nodes, 0);
     Sums sums{frame, along, value, grid, h, {}};
-    // A periodic axis shorter than the reach would meet the same node twice.
+    // On a periodic axis shorter than the reach, a particle would be added to the same node twice.
     for (int a = 0; a < 3; ++a) {
         sums.reach[a] = static_cast<int>(std::ceil(h / grid.cell[a]));
         if (grid.periodic[a]) sums.reach[a] = std::min(sums.reach[a], (grid.n[a] - 1) / 2);
     }
     const std::vector<std::vector<std::uint32_t>> layers = by_layer(grid, frame.position);
     const std::size_t row = grid_count(grid.n[0], grid.n[1]);
-    // Each layer of nodes collects from the layers of particles round it, from below upward.
+    // Each layer of nodes gathers from the layers of particles around it, in ascending order.
     parallel_for(grid.n[2], [&](Index k) {
         for (int below = sums.reach[2]; below >= -sums.reach[2]; --below) {
             const int layer = on_axis(grid, 2, k - below);
@@ -146,8 +146,8 @@ FlowGrid::Corners FlowGrid::corners(const Vec3f& x) const {
     int low[3], high[3];
     float share[3];
     for (int a = 0; a < 3; ++a) {
-        const float place = (x[a] - origin[a]) / cell[a], floor = std::floor(place);
-        share[a] = place - floor;
+        const float position = (x[a] - origin[a]) / cell[a], floor = std::floor(position);
+        share[a] = position - floor;
         low[a] = on_axis(*this, a, static_cast<int>(floor));
         high[a] = on_axis(*this, a, static_cast<int>(floor) + 1);
     }

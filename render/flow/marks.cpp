@@ -14,7 +14,7 @@ using Point = Eigen::Vector2f;
 
 int longer_side(const PlaneField& field) { return std::max(field.width, field.height); }
 
-/// Slope of the value over the range, per pixel: from neighbours with fluid. A descending range reverses colours, not slopes.
+/// Slope of value/|range| [1/pixel], from neighbours with fluid. A descending range reverses colours, not slopes.
 Point slope_at(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int x, int y) {
     const auto difference = [&](int x0, int y0, int x1, int y1) {
         x0 = std::max(x0, 0), y0 = std::max(y0, 0), x1 = std::min(x1, field.width - 1), y1 = std::min(y1, field.height - 1);
@@ -28,7 +28,7 @@ Point slope_at(const PlaneField& field, const std::vector<float>& value, const s
 
 struct Arrow {
     Point tail, tip;
-    float width, head;  ///< pixels: of the shaft, length of the head
+    float width, head;  ///< pixels, width of the shaft and length of the head
 };
 
 /// Distance of a point from the arrow [pixels]; negative inside.
@@ -60,7 +60,7 @@ void draw(const Arrow& arrow, float rim, const PlaneField& field, Arrows& onto) 
 
 std::vector<float> iso_lines(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int count) {
     const float half_width = 0.5f * std::max(1.0f, static_cast<float>(longer_side(field)) / 900);
-    constexpr float even = 0.004f;  // of the space between two lines, a pixel: there one would be a blotch
+    constexpr float even = 0.004f;  // slope [line spacings per pixel] below which lines fade, or they would be blotches
     std::vector<float> share(field.cover.size(), 0.0f);
     parallel_for(field.height, [&](Index row) {
         for (int x = 0; x < field.width; ++x) {
@@ -111,11 +111,11 @@ Arrows arrows(const PlaneField& field, int count, float seconds, float pixel) {
 
 namespace {
 
-constexpr int half_pieces = 20;        ///< of a streak to each side
-constexpr float longest_piece = 1.7f;  ///< pixels; a faster flow has shorter streaks
-constexpr float calm = 3;              ///< pixels; flow that moves less has fainter streaks
+constexpr int half_pieces = 20;        ///< number of integration steps to each side of a pixel
+constexpr float longest_piece = 1.7f;  ///< pixels, longest step; limits the streaks of fast flow
+constexpr float calm = 3;              ///< pixels; shorter streaks are fainter
 
-/// Static white noise of mean 0 and variance 1, for fluid whose particles have no identity.
+/// Static white noise of mean 0 and variance 1, for frames without "grain".
 std::vector<float> still_noise(int width, int height) {
     std::vector<float> noise(grid_count(width, height));
     for (std::size_t k = 0; k < noise.size(); ++k) {
@@ -126,7 +126,7 @@ std::vector<float> still_noise(int width, int height) {
     return noise;
 }
 
-/// Linear between the middles of the pixels, constant beyond the outermost.
+/// Linear interpolation between pixel centres, constant beyond the outermost.
 struct Pixels {
     int width, height;
     struct Place {
@@ -154,8 +154,8 @@ std::vector<float> streaks(const PlaneField& field, float seconds, float pixel) 
     const std::vector<float>& noise = own.empty() ? field.noise : own;
     const float grain = std::max(1.0f, field.grain_size);
     const Pixels pixels{field.width, field.height};
-    const float step = seconds / (half_pieces * pixel);  // s/pixel: velocity -> pixels of one piece
-    const auto way = [&](float x, float y) {
+    const float step = seconds / (half_pieces * pixel);  // s pixel/m, velocity [m/s] -> displacement of one step [pixels]
+    const auto displacement = [&](float x, float y) {
         const Pixels::Place p = pixels.place(x, y);
         Eigen::Vector2f v(step * Pixels::mix(field.velocity[0], p), step * Pixels::mix(field.velocity[1], p));
         const float length = v.norm();
@@ -171,19 +171,19 @@ std::vector<float> streaks(const PlaneField& field, float seconds, float pixel) 
                 float sum = noise[k], weights = 1, length = 0;
                 for (const float side : {1.0f, -1.0f}) {
                     float px = static_cast<float>(x), py = static_cast<float>(y);
-                    Eigen::Vector2f before = side * way(px, py);
+                    Eigen::Vector2f before = side * displacement(px, py);
                     for (int s = 1; s <= half_pieces; ++s) {
-                        // Adams and Bashforth's second order: one look at the flow a piece
-                        const Eigen::Vector2f now = side * way(px, py), v = 1.5f * now - 0.5f * before;
+                        // Adams-Bashforth, second order: one velocity sample per step
+                        const Eigen::Vector2f now = side * displacement(px, py), v = 1.5f * now - 0.5f * before;
                         before = now;
                         px += v.x(), py += v.y();
-                        // A window without ends that one could see flicker (Hann's).
+                        // A Hann window, which has no visible ends that could flicker.
                         const float w = 0.5f + 0.5f * std::cos(3.1415927f * static_cast<float>(s) / (half_pieces + 1));
                         sum += w * Pixels::mix(noise, pixels.place(px, py)), weights += w;
                         length += v.norm();
                     }
                 }
-                // A mean over half the length averages this number of grains.
+                // Number of grains in the mean, whose effective width is half the length.
                 const float grains = 1 + length / (2.5f * grain), faint = std::min(1.0f, length / calm);
                 brightness[k] = faint * std::sqrt(grains) * sum / weights;
             }

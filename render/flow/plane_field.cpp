@@ -13,14 +13,15 @@
 namespace whorl {
 namespace {
 
-constexpr int tile = 32;  ///< pixels; one thread fills a tile
+constexpr int tile = 32;  ///< pixels, edge of a tile; one thread fills a tile
 
-/// The particles near a plane, with their periodic images: in metres from the corner, along right, up and the normal.
+/// Particles near a plane, with their periodic images. Coordinates [m] are relative to the plane's corner, along right, up and normal.
 struct PlaneParticles {
-    /// Particles within twice the reach [m] of the rectangle and of the plane.
+    /// Selects the particles within twice the reach of the rectangle. @param how_far the reach [m]
     PlaneParticles(const Frame& frame, const PixelPlane& plane, float how_far)
         : reach(how_far), ghosted(with_ghosts(frame, 2 * reach)),
-          rows(places(ghosted.original.empty() ? frame.position : ghosted.position, plane), reach) {}
+          rows(select(ghosted.original.empty() ? frame.position : ghosted.position, plane), reach) {}
+    /// Index in the frame of row i.
     std::uint32_t particle(Index i) const {
         const Index n = near[rows.original[i]];
         return static_cast<std::uint32_t>(ghosted.original.empty() ? n : ghosted.original[n]);
@@ -28,11 +29,11 @@ struct PlaneParticles {
 
     const float reach;
     const Ghosted ghosted;
-    std::vector<Index> near;  ///< of the particles and their images
+    std::vector<Index> near;  ///< indices of the selected ones among the particles and their images
     const ParticleRows rows;
 
 private:
-    std::vector<Vec3f> places(const std::vector<Vec3f>& position, const PixelPlane& plane) {
+    std::vector<Vec3f> select(const std::vector<Vec3f>& position, const PixelPlane& plane) {
         const float margin = 2 * reach, wide = plane.pixel * static_cast<float>(plane.width) + margin,
                     tall = plane.pixel * static_cast<float>(plane.height) + margin;
         std::vector<Vec3f> found;
@@ -45,13 +46,13 @@ private:
     }
 };
 
-/// Values and gradients of one particle; entry 0 and 1: velocity, then the field.
+/// Values and gradients of one particle. Entries 0 and 1: velocity, the others: the shown field.
 struct Linear {
     std::array<float, 5> value{};
     std::array<Vec3f, 5> gradient;
 };
 
-/// G minimises sum w (f_j - f_i - G r)^2.
+/// Gradients G by least squares: G minimises the sum over neighbours j of w (f_j - f_i - G r)^2, w = (1 - r^2/h^2)^2.
 std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<std::array<float, 5>>& value, int count, bool flat) {
     std::vector<Linear> fields(value.size());
     const float h = near.reach;
@@ -83,7 +84,8 @@ struct Tile {
     std::array<std::array<float, tile * tile>, 5> sum{};
     std::array<float, tile * tile> weight{}, noise{}, grains{};
 
-    /// Calls f(first pixel of the row, x of its middle, y, count) for the rows of pixels within `reach` of (x, y).
+    /// Calls f(first, dx, dy, n) for each row of n pixels within `reach` of (x, y): index of its first pixel in the tile, and the offset of
+    /// the centre of that pixel from (x, y) [pixels].
     template <class F>
     void rows(float x, float y, float reach, const F& f) const {
         const int low = std::max(y0, static_cast<int>(std::ceil(y - reach - 0.5f))),
@@ -95,7 +97,7 @@ struct Tile {
                 f((row - y0) * tile + left - x0, static_cast<float>(left) + 0.5f - x, static_cast<float>(row) + 0.5f - y, right - left);
     }
 
-    /// @param at in pixels @param h the same
+    /// Adds a particle. @param at its position [pixels] @param h reach [pixels] @param metres edge of a pixel [m]
     void add(const Vec3f& at, float h, const Linear& of, int count, float metres) {
         rows(at.x(), at.y(), h, [&](int first, float dx, float dy, int n) {
             const float over = 1 / (h * h), rest = 1 - (dy * dy + at.z() * at.z()) * over;
@@ -126,17 +128,17 @@ struct Tile {
     }
 };
 
-/// Positions of grains around their particle: about four on every pixel.
+/// Grains of noise at random positions around each particle, about four on every pixel.
 struct Grains {
     float radius;   ///< pixels
     float scatter;  ///< m
-    int each;
+    int each;       ///< number per particle
 
     Grains(float spacing, float pixel, bool flat) : radius(std::max(1.7f, 0.2f * spacing / pixel)), scatter(0.7f * spacing) {
         const float size = radius * pixel / spacing, layers = flat ? 1.0f : 2.0f;
         each = std::clamp(static_cast<int>(std::ceil(4 / (3.14f * size * size * layers))), 1, 24);
     }
-    /// Calls f(x, y, sign) for those of a particle, in pixels.
+    /// Calls f(x, y, sign) for each grain of a particle. @param at its position [pixels] @param own its "grain", seed of the random numbers
     template <class F>
     void of(const Vec3f& at, float own, float fade, float pixel, const F& f) const {
         RandomNumbers random(std::bit_cast<std::uint32_t>(own));
@@ -147,6 +149,7 @@ struct Grains {
     }
 };
 
+/// Writes the means of a tile into the field. @param lattice sum of the weights in a full lattice
 void finish(PlaneField& field, const Tile& t, int count, float lattice) {
     for (int y = 0; y < t.ny; ++y)
         for (int x = 0; x < t.nx; ++x) {
@@ -194,9 +197,9 @@ PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>
                 high(metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin, margin);
             near.rows.runs(low, high, [&](Index first, Index last) {
                 for (Index i = first; i < last; ++i) {
-                    const Vec3f place = near.rows.at(i), at = place / metres;
+                    const Vec3f position = near.rows.at(i), at = position / metres;
                     t.add(at, h / metres, fields[i], count, metres);
-                    const float fade = 1 - place.z() * place.z() / (h * h);
+                    const float fade = 1 - position.z() * position.z() / (h * h);
                     if (!field.noise.empty() && fade > 0)
                         grains.of(at, grain->second[near.particle(i)], fade, metres,
                                   [&](float x, float y, float sign) { t.add_grain(x, y, grains.radius, sign); });

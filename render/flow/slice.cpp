@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// Position of the slice on its axis [m]: as given, else the middle of the fluid.
+/// Position of the slice on its axis [m]: the look's, or the middle of the fluid if it is not set.
 float slice_position(const Frame& frame, const LookOptions& look, int axis) {
     if (look.slice_position) return *look.slice_position;
     float low = 1e30f, high = -1e30f;
@@ -21,8 +21,8 @@ float slice_position(const Frame& frame, const LookOptions& look, int axis) {
     return low <= high && frame.dimensions == 3 ? 0.5f * (low + high) : 0.5f * (frame.domain_min[axis] + frame.domain_max[axis]);
 }
 
-/// The way that streaks and arrows show to each side [s]: as chosen for the film, else by the fastest flow.
-float way_shown(const PlaneField& field, const LookOptions& look, const PixelPlane& plane) {
+/// Flow time that streaks and arrows cover upstream and downstream [s]: the look's, or chosen by the fastest flow if it is not set.
+float shown_time(const PlaneField& field, const LookOptions& look, const PixelPlane& plane) {
     if (look.streak_time > 0) return look.streak_time;
     float fastest = 0;
     for (std::size_t k = 0; k < field.cover.size(); ++k)
@@ -31,7 +31,7 @@ float way_shown(const PlaneField& field, const LookOptions& look, const PixelPla
     return fastest > 0 ? size * (look.streaks ? 1.0f / 45 : arrow_reach / static_cast<float>(look.arrows)) / fastest : 0;
 }
 
-/// Marks that the look lays over the colours; those not requested are empty.
+/// Marks over the colours, per pixel. Those that the look does not request are empty.
 struct SliceMarks {
     std::vector<float> streak, light, line;
     Arrows arrow;
@@ -50,26 +50,27 @@ struct SliceMarks {
 SliceMarks marks_of(const PlaneField& field, const LookOptions& look, const std::array<float, 2>& range, bool inked,
                     const PixelPlane& plane) {
     SliceMarks marks;
-    const float seconds = look.streaks || look.arrows > 0 ? way_shown(field, look, plane) : 0;
+    const float seconds = look.streaks || look.arrows > 0 ? shown_time(field, look, plane) : 0;
     if (look.streaks && seconds > 0) marks.streak = streaks(field, seconds, plane.pixel);
     if (look.arrows > 0 && seconds > 0) marks.arrow = arrows(field, look.arrows, seconds, plane.pixel);
     if (look.relief <= 0 && look.isolines == 0) return marks;
     std::vector<float> value = field.value[0];
-    for (int n = 1; inked && n < 3; ++n)  // of inks: how much of all
+    for (int n = 1; inked && n < 3; ++n)  // inks: the sum of their concentrations
         for (std::size_t k = 0; k < value.size(); ++k) value[k] += field.value[n][k];
     if (look.relief > 0) marks.light = relief(field, value, range, look.relief);
     if (look.isolines > 0) marks.line = iso_lines(field, value, range, look.isolines);
     return marks;
 }
 
-/// A function of the inks of each point, in the pixels. Points of two inks side by side show both; only inks of one point mix as pigments.
+/// Values f(inks) of the points, interpolated in the pixels. So only inks of one point mix as pigments; adjacent points of different inks
+/// show both colours.
 template <class F>
-std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& plane, const F& of) {
+std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& plane, const F& f) {
     const Frame points = inked_points(frame);
     const auto ink = points.vector.find("ink");
     std::vector<std::vector<float>> value(3);
     for (std::size_t p = 0; p < points.position.size(); ++p) {
-        const Vec3f shown = of(ink == points.vector.end() ? Vec3f(Vec3f::Zero()) : Vec3f(ink->second[p].cwiseMax(0.0f).cwiseMin(1.0f)));
+        const Vec3f shown = f(ink == points.vector.end() ? Vec3f(Vec3f::Zero()) : Vec3f(ink->second[p].cwiseMax(0.0f).cwiseMin(1.0f)));
         for (int k = 0; k < 3; ++k) value[k].push_back(shown[k]);
     }
     return plane_field(points, value, plane).value;
@@ -122,7 +123,7 @@ namespace {
 using Point = Eigen::Vector2f;
 using Edge = std::array<Point, 2>;
 
-/// Edges in which the plane cuts the solid's triangles, in pixels. A corner in the plane counts as above it: outlines stay closed.
+/// Edges in which the plane cuts the solid's triangles [pixels]. A corner in the plane counts as above it, so that outlines are closed.
 std::vector<Edge> cut_edges(const FrameSolid& solid, const PixelPlane& plane) {
     std::vector<Vec3f> at;
     for (const Vec3f& own : solid.mesh->position) {
@@ -136,7 +137,7 @@ std::vector<Edge> cut_edges(const FrameSolid& solid, const PixelPlane& plane) {
         for (int a = 0; a < 3; ++a) {
             Vec3f p = at[t[a]], q = at[t[(a + 1) % 3]];
             if ((p.z() >= 0) == (q.z() >= 0)) continue;
-            if (p.z() > q.z()) std::swap(p, q);  // the same crossing from both triangles of a side
+            if (p.z() > q.z()) std::swap(p, q);  // bit-identical crossings from both triangles of a side
             edge[crossings++] = (p + p.z() / (p.z() - q.z()) * (q - p)).head<2>();
         }
         if (crossings == 2) edges.push_back(edge);
@@ -144,7 +145,7 @@ std::vector<Edge> cut_edges(const FrameSolid& solid, const PixelPlane& plane) {
     return edges;
 }
 
-/// Even-odd, with four lines a row and the exact share of each pixel on a line.
+/// Share of each pixel inside the edges by the even-odd rule. Each row has four scan lines, whose coverage of a pixel is exact.
 std::vector<float> filled(const std::vector<Edge>& edges, int width, int height) {
     constexpr int lines = 4;
     std::vector<std::vector<float>> crossings(static_cast<std::size_t>(lines) * static_cast<std::size_t>(height));
@@ -171,6 +172,7 @@ std::vector<float> filled(const std::vector<Edge>& edges, int width, int height)
     return share;
 }
 
+/// Share of each pixel that a line along the edges covers. @param line its width [pixels]
 std::vector<float> stroked(const std::vector<Edge>& edges, int width, int height, float line) {
     std::vector<float> share(grid_count(width, height), 0.0f);
     const float reach = 0.5f * line + 0.5f;

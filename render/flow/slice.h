@@ -1,5 +1,5 @@
 #pragma once
-/// A plane through the flow as a picture: the field's colours, streaked along the flow.
+/// Colours of a plane through the flow: those of the field, with streaks along the flow and other marks.
 #include <array>
 #include <vector>
 
@@ -10,27 +10,27 @@ namespace whorl {
 
 struct FlowSlice {
     PixelPlane plane;
-    std::vector<float> rgba;  ///< linear light, four floats a pixel, rows from the corner on; alpha: the fluid's cover
+    std::vector<float> rgba;  ///< linear light, four floats per pixel, rows from the plane's corner; alpha: drawn share of fluid
 
     bool empty() const { return rgba.empty(); }
 };
 
-/// How much of a pixel is drawn as fluid. @param weight PlaneField's cover
+/// Share of a pixel that is drawn as fluid, 0 .. 1. @param weight PlaneField's cover
 float flow_cover(float weight);
-/// The plane of the look's slice through the domain, in pixels. @param longest pixels of the longer side. Seen from the positive end of its
-/// axis.
+/// Plane of the look's slice through the domain, seen from the positive end of its axis. @param longest number of pixels of the longer side
 PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest);
-/// @param range of the colour map @param ground linear RGB of the ground under inks
+/// Colours of the fluid in a plane. @param range of the colour map @param ground colour under inks, linear RGB
 FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,
                      const Vec3f& ground);
 
+/// Section of a solid, per pixel of a plane, rows from below.
 struct SolidSection {
     bool container = false;      ///< the fluid is inside the outline
-    std::vector<float> inside;   ///< share of each pixel that lies within the outline, rows from below; empty if the plane misses it
-    std::vector<float> outline;  ///< share of each pixel that its line covers
+    std::vector<float> inside;   ///< share of the pixel inside the outline, 0 .. 1
+    std::vector<float> outline;  ///< share of the pixel that the line of the outline covers, 0 .. 1
 };
 
-/// @param line width of the outline [pixels]
+/// Sections of the solids that the plane cuts. @param line width of the outline [pixels]
 std::vector<SolidSection> section_solids(const Frame& frame, const PixelPlane& plane, float line);
 
 }  // namespace whorl

@@ -22,7 +22,7 @@ Tones tones_of(const LookOptions& look) { return look.background == "dark" ? Ton
 
 void lay(Vec3f& colour, float tone, float share) { colour += share * (Vec3f::Constant(tone) - colour); }
 
-/// @param slice_in of a plane in the flow: its FlowSlice
+/// @param slice_in function that returns the FlowSlice of a plane on a ground of a colour
 template <class SliceIn>
 Image plate(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, int width, int height,
             const SliceIn& slice_in) {
@@ -46,7 +46,7 @@ Image plate(const Frame& frame, const LookOptions& look, const std::array<float,
                 if (!solid.container) lay(colour, tones.solid, solid.inside[k]);
                 lay(colour, tones.outline, solid.outline[k]);
             }
-            // A thin line round the flow, which else has no edge on paper.
+            // A thin line round the flow marks its edge on the paper.
             const bool rim = x == 0 || row == 0 || x + 1 == plane.width || row + 1 == plane.height;
             if (rim) lay(colour, tones.outline, 0.5f);
             std::uint8_t* pixel = image.pixel(layout.flow.x + x, layout.flow.y + plane.height - 1 - static_cast<int>(row));

@@ -12,26 +12,26 @@
 namespace whorl {
 namespace {
 
-constexpr float weak = 0.1f;  ///< strength below which no line is
-constexpr int around = 8;     ///< corners of a section
+constexpr float weak = 0.1f;  ///< strength below which a line ends
+constexpr int around = 8;     ///< corners of a cross-section
 
 struct LinePoint {
-    Vec3f place, tangent, side, colour;
+    Vec3f position, tangent, side, colour;
     float strength = 0, light = 1;
 };
 
 /// Data for tracing a line.
 struct LineField {
     const FlowGrid& grid;
-    std::vector<float> depth;  ///< between each node and the lamp
+    std::vector<float> depth;  ///< optical depth between each node and the lamp
     float spacing;
 
-    /// False where no line is.
-    bool look(const Vec3f& x, LinePoint& point) const {
+    /// Sets the position, tangent, strength and colour of a point. @return false if the field is too weak for a line, or there is no fluid
+    bool sample(const Vec3f& x, LinePoint& point) const {
         const FlowGrid::Sample s = grid.at(x);
         const float turn = s.along.norm();
         if (s.cover < 0.4f || turn <= 0 || s.value[3] < weak) return false;
-        point.place = x, point.tangent = s.along / turn;
+        point.position = x, point.tangent = s.along / turn;
         point.strength = s.value[3], point.colour = s.value.head<3>() / s.value[3];
         return true;
     }
@@ -42,32 +42,34 @@ struct LineField {
             if (near.node[c] >= 0) sum += near.weight[c] * depth[near.node[c]];
         return std::exp(-sum);
     }
-    /// Direction of a ribbon's side after a step: the neighbouring line, `side` away, turns about this one.
+    /// Side of a ribbon after a step [m]. It follows the neighbouring line in the direction `side`, which winds about this one.
     Vec3f turned(const LinePoint& p, const Vec3f& side, float step) const {
         const float offset = 0.5f * spacing;
-        const Vec3f here = grid.at(p.place - offset * side).along, there = grid.at(p.place + offset * side).along;
+        const Vec3f here = grid.at(p.position - offset * side).along, there = grid.at(p.position + offset * side).along;
         const float turn = 0.5f * (here + there).norm();
         return turn > 0 ? Vec3f(side + step * (there - here) / (2 * offset * turn)) : side;
     }
 };
 
+/// Component of `side` normal to the tangent, as a unit vector; any normal if `side` is along the tangent.
 Vec3f across(const Vec3f& side, const Vec3f& tangent) {
     const Vec3f square = side - side.dot(tangent) * tangent;
     const float length = square.norm();
     return length > 1e-4f ? Vec3f(square / length) : Vec3f(tangent.unitOrthogonal());
 }
 
-/// One way from the seed, which is not in it. @param closed set where the line came back to the seed
+/// Points of a line to one side of its seed, without the seed. @param step negative: backwards [m] @param most largest number of points
+/// @param closed set to true if the line returns to the seed
 std::vector<LinePoint> walk(const LineField& field, const LinePoint& seed, float step, int most, bool& closed) {
     std::vector<LinePoint> line;
     LinePoint at = seed, half;
     for (int k = 0; k < most; ++k) {
-        if (!field.look(at.place + 0.5f * step * at.tangent, half)) break;
+        if (!field.sample(at.position + 0.5f * step * at.tangent, half)) break;
         LinePoint next;
-        if (!field.look(at.place + step * half.tangent, next)) break;
+        if (!field.sample(at.position + step * half.tangent, next)) break;
         line.push_back(next);
         at = next;
-        if (k > 8 && (at.place - seed.place).norm() < 0.7f * std::abs(step)) {
+        if (k > 8 && (at.position - seed.position).norm() < 0.7f * std::abs(step)) {
             closed = true;
             break;
         }
@@ -75,7 +77,7 @@ std::vector<LinePoint> walk(const LineField& field, const LinePoint& seed, float
     return line;
 }
 
-constexpr float most_steps = 20000;  // of a line, one way
+constexpr float most_steps = 20000;  // to each side of a seed
 
 std::vector<LinePoint> line_through(const LineField& field, const LinePoint& seed, const LineShape& shape) {
     const float step = 0.5f * field.spacing;
@@ -89,7 +91,8 @@ std::vector<LinePoint> line_through(const LineField& field, const LinePoint& see
     line.push_back(seed);
     const std::size_t middle = line.size() - 1;
     line.insert(line.end(), ahead.begin(), ahead.end());
-    // The frame is carried from the seed to both ends: the seed's own is the same in every frame.
+    // The side is carried from the seed to both ends. At the seed it starts from a constant vector, so that it does not jump between
+    // frames.
     line[middle].side = across(Vec3f(0.3f, 1, 0.2f), line[middle].tangent);
     const auto carry = [&](std::size_t from, std::size_t to, float way) {
         const Vec3f side = shape.flat ? field.turned(line[from], line[from].side, way) : line[from].side;
@@ -97,8 +100,8 @@ std::vector<LinePoint> line_through(const LineField& field, const LinePoint& see
     };
     for (std::size_t k = middle; k + 1 < line.size(); ++k) carry(k, k + 1, step);
     for (std::size_t k = middle; k > 0; --k) carry(k, k - 1, -step);
-    for (LinePoint& p : line) p.light = field.light(p.place);
-    // Thin ends; and nothing pops up where a seed comes into a strong line.
+    for (LinePoint& p : line) p.light = field.light(p.position);
+    // Ends are thin. The strength at the seed scales the whole line, so that a line does not appear suddenly at full width.
     const auto fade = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
     const float whole = fade((seed.strength - weak) / weak);
     const int taper = std::max(1, most / 5);
@@ -110,7 +113,7 @@ std::vector<LinePoint> line_through(const LineField& field, const LinePoint& see
     return line;
 }
 
-/// By how many whole periods a place lies outside the periodic domain.
+/// Vector [m] of whole periods by which a point lies outside the periodic domain.
 Vec3f periods_outside(const Frame& frame, const Vec3f& x) {
     Vec3f shift = Vec3f::Zero();
     for (int a = 0; a < 3; ++a) {
@@ -120,11 +123,12 @@ Vec3f periods_outside(const Frame& frame, const Vec3f& x) {
     return shift;
 }
 
-class Skin {
+/// Adds the triangles of lines to a mesh.
+class LineMesher {
 public:
-    Skin(VortexLines& all, const LineShape& shape) : all_(all), shape_(shape) {}
+    LineMesher(VortexLines& all, const LineShape& shape) : all_(all), shape_(shape) {}
 
-    /// A piece of a line within one period; where it does not end in a point it is closed by a lid.
+    /// Adds points first .. last - 1 of a line, which are in one period. A lid closes an end unless the line is very thin there.
     void piece(const std::vector<LinePoint>& line, std::size_t first, std::size_t last, const Vec3f& shift) {
         if (last - first < 2) return;
         lid(line[first], shift, -1);
@@ -150,7 +154,7 @@ private:
             const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(c) / around, x = std::cos(angle), y = std::sin(angle);
             // The ellipse's normal, times its half-widths: (x thick, y wide).
             const Vec3f normal = shape_.flat ? Vec3f(0.12f * x * p.side + y * up) : Vec3f(x * p.side + y * up);
-            add(p.place - shift + wide * x * p.side + thick * y * up, normal.normalized(), p);
+            add(p.position - shift + wide * x * p.side + thick * y * up, normal.normalized(), p);
         }
     }
     void lid(const LinePoint& p, const Vec3f& shift, float way) {
@@ -161,14 +165,14 @@ private:
         for (std::uint32_t c = 1; c + 1 < around; ++c)
             for (const std::uint32_t corner : {first, first + c, first + c + 1}) all_.index.push_back(corner);
     }
-    void add(const Vec3f& place, const Vec3f& normal, const LinePoint& p) {
-        all_.position.push_back(place), all_.normal.push_back(normal), all_.colour.push_back(p.colour), all_.light.push_back(p.light);
+    void add(const Vec3f& position, const Vec3f& normal, const LinePoint& p) {
+        all_.position.push_back(position), all_.normal.push_back(normal), all_.colour.push_back(p.colour), all_.light.push_back(p.light);
     }
     VortexLines& all_;
     const LineShape& shape_;
 };
 
-/// The particles that lines go through, in their order in the frame.
+/// Particles that lines pass through.
 std::vector<std::size_t> seeds_of(const Frame& frame, int count) {
     std::vector<std::size_t> chosen(frame.position.size());
     std::iota(chosen.begin(), chosen.end(), std::size_t{0});
@@ -191,15 +195,15 @@ VortexLines vortex_lines(const Frame& frame, const FlowGrid& grid, const LineSha
     std::vector<std::vector<LinePoint>> lines(seeds.size());
     parallel_for(static_cast<Index>(seeds.size()), [&](Index s) {
         LinePoint seed;
-        if (field.look(frame.position[seeds[s]], seed)) lines[s] = line_through(field, seed, shape);
+        if (field.sample(frame.position[seeds[s]], seed)) lines[s] = line_through(field, seed, shape);
     });
-    Skin skin(all, shape);
+    LineMesher mesher(all, shape);
     for (const std::vector<LinePoint>& line : lines)
         for (std::size_t first = 0; first < line.size();) {
-            const Vec3f shift = periods_outside(frame, line[first].place);
+            const Vec3f shift = periods_outside(frame, line[first].position);
             std::size_t last = first + 1;
-            while (last < line.size() && periods_outside(frame, line[last].place) == shift) ++last;
-            skin.piece(line, first, last, shift);
+            while (last < line.size() && periods_outside(frame, line[last].position) == shift) ++last;
+            mesher.piece(line, first, last, shift);
             first = last;
         }
     return all;
@@ -207,7 +211,7 @@ VortexLines vortex_lines(const Frame& frame, const FlowGrid& grid, const LineSha
 
 namespace {
 
-constexpr int pieces = 6;
+constexpr int pieces = 6;  ///< of a trail
 
 }  // namespace
 
