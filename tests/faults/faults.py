@@ -141,7 +141,7 @@ class Faults:
                 child.send_signal(signal.SIGKILL)
                 child.communicate()
                 done = self.resume(out)
-                if done.returncode == 2 and ("no run folder" in done.stderr or "no such folder" in done.stderr):
+                if done.returncode == 2 and ("not a run folder" in done.stderr or "no such folder" in done.stderr):
                     done = self.run(*self.command(out))  # no output yet: restarted
                 self.said(done, 0)
                 self.same(out)
@@ -240,7 +240,7 @@ class Faults:
                         raise Lost(f"said: {done.stderr[-300:]}")
                     self.run("mount", "-o", "remount,size=64m", disk)
                     done = self.resume(out)
-                    if done.returncode == 2 and ("no run folder" in done.stderr or "no such folder" in done.stderr):
+                    if done.returncode == 2 and ("not a run folder" in done.stderr or "no such folder" in done.stderr):
                         done = self.run(*self.command(out))
                     self.said(done, 0)
                     self.same(out)

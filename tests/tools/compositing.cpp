@@ -139,7 +139,7 @@ TEST_CASE("unsupported settings of EXR and transparent images are reported at th
     const Scratch panels(drop + "[[panel]]\nlabel = \"a\"\n[[panel]]\nlabel = \"b\"\n");
     const Outcome outcome = test::whorl({"render", panels.scene(), "--out", panels.run(), "--quiet"});
     CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Catch::Contains("has no words, and panels need their labels"));
+    CHECK_THAT(outcome.err, Catch::Contains("has no text, but panels need their labels"));
 }
 
 }  // namespace compositing_test

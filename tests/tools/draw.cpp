@@ -94,7 +94,7 @@ TEST_CASE("drawing a range into its run keeps its exports, and elsewhere replace
     CHECK(fs::exists(other / "frames/000001.png"));
     CHECK(fs::exists(other / "frames/000003.png"));
     CHECK(test::whorl({"video", other.string()}).code == 0);
-    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("holds pictures that were drawn of another run; continue"));
+    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("contains images that were drawn from another run; continue"));
     {
         const RunFolder held = RunFolder::existing(other);
         const Outcome locked = test::whorl({"draw", run.string(), "--out", other.string()});
@@ -102,7 +102,7 @@ TEST_CASE("drawing a range into its run keeps its exports, and elsewhere replace
         CHECK_THAT(locked.err, Catch::Contains("another run is at work in this folder"));
     }
     fs::rename(run, folder / "moved");
-    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("another run; that one is no longer in "));
+    CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("another run; that run is no longer in "));
     fs::rename(folder / "moved", run);
     for (const char* file : {"run.json", "scene.resolved.toml"}) fs::remove(other / file);
     std::ofstream(other / "thesis.txt") << "years of work";
@@ -123,7 +123,7 @@ TEST_CASE("images of a run that was replaced are replaced with --overwrite only"
             0);
     const Outcome other = draw();
     CHECK(other.code == 2);
-    CHECK_THAT(other.err, Catch::Contains(drawn.string() + ": the folder holds a run already"));
+    CHECK_THAT(other.err, Catch::Contains(drawn.string() + ": the folder already contains a run"));
     words.emplace_back("--overwrite");
     CHECK(draw().code == 0);
     CHECK_FALSE(fs::exists(drawn / "frames/000003.png"));
@@ -206,8 +206,9 @@ TEST_CASE("draw follows a running render, next to its images, or in its folder i
     if (draws_itself) {
         const Outcome refused = test::whorl(draw);
         CHECK(refused.code == 2);
-        CHECK_THAT(refused.err, Catch::Contains("the run continues and draws its own images here; draw into another folder, as in --out " +
-                                                run.string() + "_drawn"));
+        CHECK_THAT(refused.err,
+                   Catch::Contains("the run is in progress and draws its own images here; draw into another folder, as in --out " +
+                                   run.string() + "_drawn"));
         draw.insert(draw.end(), {"--out", other.string()});
     }
     const fs::path drawn = draws_itself ? other : run;
@@ -250,7 +251,7 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     };
     refused({"--set", "look.exposure=2", "--set", "fluid.viscosity=3"}, "--set fluid.viscosity=3: only what the pictures show");
     refused({"--frames", "2", "--size", "320x180"},
-            "--frames: the other pictures in " + run.string() + " are 160x90, and these would be 320x180; draw all frames, or into");
+            "--frames: the other images in " + run.string() + " are 160x90, but the new ones would be 320x180; draw all frames, or choose");
     CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "2"}).err, Catch::Contains("1 frame drawn: "));
     CHECK(test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()}).err == "");
     fs::rename(run / "frames/000002.png", folder / "second.png");
@@ -261,7 +262,7 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"}) refused({"--frames", frames}, "names no frames");
     fs::rename(run / "raw/000002.frame", run / "raw/000003.frame");
     fs::copy(run / "raw/000001.frame", run / "raw/000002.frame");
-    refused({}, "000002.frame: holds frame 1, not 2");
+    refused({}, "000002.frame: contains frame 1, not 2");
     fs::rename(run / "raw/000003.frame", run / "raw/000002.frame");
     std::ofstream(run / "raw/000002.frame", std::ios::app) << "x";
     refused({}, "000002.frame: is not a complete frame");
@@ -278,8 +279,7 @@ TEST_CASE("a run with images of another size does not continue, and the error na
     REQUIRE(test::whorl({"draw", run.string(), "--size", "320x180", "--quiet"}).code == 0);
     const Outcome larger = test::whorl({"resume", run.string(), "--frames", "3", "--quiet"});
     CHECK(larger.code == 2);
-    CHECK_THAT(larger.err,
-               Catch::Contains("frames/000001.png: is 320x180, and the film is 160x90; where the run has raw frames: whorl draw"));
+    CHECK_THAT(larger.err, Catch::Contains("frames/000001.png: is 320x180, but the video is 160x90; draw raw frames again: whorl draw"));
     REQUIRE(test::whorl({"draw", run.string(), "--quiet"}).code == 0);
     CHECK(test::whorl({"resume", run.string(), "--frames", "3", "--quiet"}).code == 0);
     CHECK(fs::exists(run / "puddle.mp4"));

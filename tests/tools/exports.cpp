@@ -84,7 +84,7 @@ delay = 0.1
     std::ofstream(scratch / "other/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
     const Outcome refused = test::whorl({"resume", scratch.run("other")});
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("know their number and age") != std::string::npos);
+    CHECK(refused.err.find("need other columns of the particles (number, age)") != std::string::npos);
 }
 
 TEST_CASE("every export writes files named as the scene, changes no particle, and resumes identically", "[tools][export]") {

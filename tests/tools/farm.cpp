@@ -133,7 +133,7 @@ TEST_CASE("one invalid scene stops all at the start, and an interrupted farm pri
     for (const char* name : {"little_honey", "huge"}) fs::create_directories(scratch / "films" / name);
     for (const char* file : {"little_honey/scene.resolved.toml", "huge/thesis.txt"}) std::ofstream(scratch / "films" / file) << "# text";
     const auto together = [&] { return scratch.whorl({"farm", "--overwrite", (scratch / "huge.toml").string()}, "films").err; };
-    CHECK_THAT(together(), Catch::Contains("films/huge: the folder holds files that are not of a run"));
+    CHECK_THAT(together(), Catch::Contains("films/huge: the folder contains files but no run"));
     fs::remove(scratch / "films/huge/thesis.txt");
     {
         const RunFolder held = RunFolder::any(scratch / "films/huge");

@@ -189,7 +189,7 @@ TEST_CASE("an extended run of panels keeps its first colours, and its settings r
     const std::string settings = read_whole(run / "scene.resolved.toml");
     const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05", "--quiet"});
     CHECK(shorter.code == 2);
-    CHECK_THAT(shorter.err, Catch::Contains("the run is at frame 5, 0.1 s, already"));
+    CHECK_THAT(shorter.err, Catch::Contains("the run has already reached frame 5 (0.1 s)"));
     CHECK((read_whole(run / "scene.resolved.toml") == settings));
 }
 
@@ -255,7 +255,7 @@ TEST_CASE("a panel with images of another size, or without images, is refused be
         CHECK_FALSE(fs::exists(scratch.run()));
     };
     refused("output.size=[1280, 720]", "all panels have the same size");
-    refused("output.images=false", "a panel without pictures leaves its place in the film empty");
+    refused("output.images=false", "a panel without images leaves its part of the video empty");
 }
 
 TEST_CASE("panels are combined when the images of each are drawn") {
@@ -269,14 +269,13 @@ TEST_CASE("panels are combined when the images of each are drawn") {
     CHECK_FALSE(fs::exists(run / "two_drops.mp4"));
     CHECK_FALSE(fs::exists(run / "panels/1/frames/000001.png"));
     CHECK_THAT(test::whorl({"draw", scratch.run()}).err, Catch::Contains("then put them together: whorl resume " + scratch.run() + "\n"));
-    CHECK_THAT(
-        test::whorl({"resume", scratch.run()}).err,
-        Catch::Contains("panels/1: the run has no picture of its frame 1; draw it first: whorl draw " + scratch.run() + "/panels/1"));
+    CHECK_THAT(test::whorl({"resume", scratch.run()}).err,
+               Catch::Contains("panels/1: the run has no image of frame 1; draw it first: whorl draw " + scratch.run() + "/panels/1"));
     const auto draw = [&](const std::string& panel, const std::string& size) {
         return test::whorl({"draw", (run / "panels" / panel).string(), "--size", size, "--quiet"}).code;
     };
     REQUIRE((draw("1", "80x90") == 0 && draw("2", "64x36") == 0));
-    CHECK_THAT(test::whorl({"resume", scratch.run()}).err, Catch::Contains("panels/2/frames/000001.png: is 64x36, and the film is 80x90"));
+    CHECK_THAT(test::whorl({"resume", scratch.run()}).err, Catch::Contains("panels/2/frames/000001.png: is 64x36, but the video is 80x90"));
     REQUIRE(draw("2", "80x90") == 0);
     const Outcome together = test::whorl({"resume", scratch.run(), "--quiet"});
     CHECK(together.err == "");
@@ -368,7 +367,7 @@ TEST_CASE("an extended film with a difference equals a new film of its settings"
     const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.03"});
     INFO(longer.err);
     REQUIRE(longer.code == 0);
-    CHECK_THAT(longer.err, Catch::Contains("panel 1 of 2: slow, from the start: the difference needs all its frames"));
+    CHECK_THAT(longer.err, Catch::Contains("panel 1 of 2: slow, from the start: a difference needs all frames"));
     CHECK(run_json(run).at("frames") == 4);
     CHECK_FALSE(fs::exists(run / "panels/1/raw"));
     REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
@@ -397,7 +396,7 @@ TEST_CASE("a difference or chart of a missing panel is refused with its location
     refused("[\"slow\", \"fast\"]", "[\"slow\"]", "two labels, as in");
     refused("flow.kinetic_energy", "flow.kinetic_enrgy", "did you mean \"flow.kinetic_energy\"?");
     refused("style = \"slice\"\nfield = \"vorticity\"\ncolour_map = \"coolwarm\"\nstreaks = false", "style = \"particles\"",
-            "differences are drawn of slices");
+            "a difference needs slices");
 }
 
 TEST_CASE("a film without a range uses the 99th percentile of a coarse run") {

@@ -153,7 +153,7 @@ TEST_CASE("an extension that would change constants is refused, with their names
                 .code == 0);
     const Outcome refused = test::whorl({"resume", scratch.run(), "--until", "0.1"});
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("until 0.1 s this scene takes other models or constants than until 0.03 s") != std::string::npos);
+    CHECK(refused.err.find("with time.end = 0.1 s the plan chooses other models or constants than with 0.03 s") != std::string::npos);
     CHECK(refused.err.find("pressure.sound_speed") != std::string::npos);
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("a film with images left to draw continues when they are drawn, or wit
     const Scratch scratch;
     const Outcome slow = test::whorl({"render", scratch.scene(), "--fps", "1e-5", "--out", scratch.run()});  // not needed without a video
     CHECK(slow.code == 2);
-    CHECK(slow.err.find("time.fps = 1e-05: too few frames a second for a video; set output.video = false") != std::string::npos);
+    CHECK(slow.err.find("time.fps = 1e-05: too few frames per second for a video; set output.video = false") != std::string::npos);
     REQUIRE(test::whorl({"render", scratch.scene(), "--quality", "draft", "--size", "64x36", "--no-draw", "--until", "0.05", "--quiet",
                          "--out", scratch.run()})
                 .code == 0);
@@ -185,7 +185,7 @@ TEST_CASE("a film with images left to draw continues when they are drawn, or wit
     const std::vector<std::string> longer{"resume", scratch.run(), "--until", "0.075", "--quiet"};
     const Outcome refused = test::whorl(longer);
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("the run has no picture of its frame 1; draw it first: whorl draw " + scratch.run() +
+    CHECK(refused.err.find("the run has no image of frame 1; draw it first: whorl draw " + scratch.run() +
                            "; or continue with --no-draw") != std::string::npos);
     CHECK((read_whole(scratch / "run/scene.resolved.toml") == settings));
     REQUIRE(test::whorl({"draw", scratch.run(), "--quiet"}).code == 0);
@@ -220,7 +220,7 @@ TEST_CASE("resume refuses other settings by name, and accepts settings that only
     replace("spacing = 0.0025", "spacing = 0.0026");
     const Outcome refused = test::whorl({"resume", scratch.run()});
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("the checkpoint is of other settings") != std::string::npos);
+    CHECK(refused.err.find("the checkpoint was written with other settings") != std::string::npos);
     CHECK(refused.err.find("fluid.spacing: 0.0025, now 0.0026") != std::string::npos);
 }
 
@@ -423,7 +423,7 @@ TEST_CASE("a run without a checkpoint restarts, and equals an uninterrupted run"
     }
     std::ofstream(scratch / "run/final_cut.mp4") << "keep";
     const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
-    CHECK(resumed.err == "no checkpoint yet: the run begins again from the start\n");
+    CHECK(resumed.err == "no checkpoint yet: the run restarts\n");
     REQUIRE(resumed.code == 0);
     check_same_particles(scratch / "whole", scratch / "run");
     CHECK(reproducible(lines(scratch / "whole/diagnostics.csv")) == reproducible(lines(scratch / "run/diagnostics.csv")));
@@ -452,7 +452,7 @@ TEST_CASE("a run without a checkpoint restarts, and equals an uninterrupted run"
     write("done", 4);
     const Outcome done = test::whorl({"resume", scratch.run()});
     CHECK(done.code == 2);
-    CHECK_THAT(done.err, Catch::EndsWith("the run is done, and has no checkpoint to continue from; render the scene again\n"));
+    CHECK_THAT(done.err, Catch::EndsWith("the run is done and has no checkpoint to continue from; render the scene again\n"));
     CHECK(files_in(scratch / "run/frames").size() == 4);
 }
 

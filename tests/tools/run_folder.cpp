@@ -25,7 +25,7 @@ TEST_CASE("a run in the folder is replaced with --overwrite only, and other file
     std::ofstream(scratch / "run/thesis.txt") << "years of work";
     const Outcome refused = test::whorl(arguments);
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("holds files that are not of a run") != std::string::npos);
+    CHECK(refused.err.find("contains files but no run") != std::string::npos);
     CHECK(files_in(scratch / "run").size() == 1);
 
     fs::remove(scratch / "run/thesis.txt");
@@ -34,7 +34,7 @@ TEST_CASE("a run in the folder is replaced with --overwrite only, and other file
     const std::string first = read_whole(scratch / "run/log.txt");
     const Outcome second = test::whorl(arguments);
     CHECK(second.code == 2);
-    CHECK_THAT(second.err, Catch::Contains("the folder holds a run already; choose another folder with --out, or replace the run with"));
+    CHECK_THAT(second.err, Catch::Contains("the folder already contains a run; choose another folder with --out, or replace the run with"));
     CHECK(read_whole(scratch / "run/log.txt") == first);
 
     fs::create_directory_symlink(scratch / "run", scratch / "link");

@@ -1,5 +1,5 @@
 #pragma once
-/// A queue of limited length between two threads: the producer waits while it is full.
+/// Queue of limited length between two threads; the producer waits while it is full.
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -12,7 +12,7 @@ class BoundedQueue {
 public:
     explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-    /// Waits for room. @return false if the queue was aborted: the value is dropped
+    /// Waits while the queue is full, then appends the value. @return false if the queue was aborted; the value is dropped then
     bool push(T value) {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return aborted_ || values_.size() < capacity_; });
@@ -22,7 +22,7 @@ public:
         return true;
     }
 
-    /// Waits for a value. Nothing when the queue is closed and empty, or aborted.
+    /// Waits for a value and removes it. @return nothing if the queue is closed and empty, or aborted
     std::optional<T> pop() {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return aborted_ || closed_ || !values_.empty(); });
@@ -33,13 +33,13 @@ public:
         return value;
     }
 
-    /// No more items will come; items in it are still delivered.
+    /// Ends the input; pop() still returns the values in the queue.
     void close() {
         const std::lock_guard lock(mutex_);
         closed_ = true;
         changed_.notify_all();
     }
-    /// Nobody waits any longer.
+    /// Ends all waiting: from then on push() returns false, and pop() nothing.
     void abort() {
         const std::lock_guard lock(mutex_);
         aborted_ = true;

@@ -23,7 +23,7 @@ std::filesystem::path existing_picture(const std::filesystem::path& run_folder, 
     return std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame);
 }
 
-/// Twelve of `count`, evenly spaced, with the first and the last; all if there are at most twelve.
+/// Indices of at most twelve of `count` items, evenly spaced from the first to the last.
 std::vector<int> spread(int count) {
     const int chosen = std::min(12, count);
     std::vector<int> numbers;
@@ -43,9 +43,9 @@ Image read_picture(const std::filesystem::path& run_folder, int frame, int width
     Image image = read_picture(run_folder, frame);
     if (image.width != width || image.height != height)
         throw InputError({existing_picture(run_folder, frame).string(), 0, 0},
-                         fmt::format("is {}x{}, and the film is {}x{}", image.width, image.height, width, height),
-                         fmt::format("where the run has raw frames: whorl draw {} --size {}x{}; else render it again", run_folder.string(),
-                                     width, height));
+                         fmt::format("is {}x{}, but the video is {}x{}", image.width, image.height, width, height),
+                         fmt::format("draw raw frames again: whorl draw {} --size {}x{}; without raw frames, render the scene again",
+                                     run_folder.string(), width, height));
     return image;
 }
 
@@ -59,8 +59,8 @@ Frame exported_frame(const std::filesystem::path& run_folder, int frame) {
     const std::filesystem::path file = frame_file(run_folder, frame);
     Frame read = read_frame(file);
     if (read.number != frame)
-        throw InputError({file.string(), 0, 0}, fmt::format("holds frame {}, not {}", read.number, frame),
-                         "restore the files' names, or export the frames again");
+        throw InputError({file.string(), 0, 0}, fmt::format("contains frame {}, not {}", read.number, frame),
+                         "restore the file names, or export the frames again");
     return read;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The pictures of a run folder: their names, and twelve of them on one sheet.
+/// Images and raw frames of a run folder: file names, reading, and a contact sheet of twelve images.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,23 +9,23 @@
 
 namespace whorl {
 
-/// frames/000012.png @param format as output.format says it
+/// Path of a frame's image: frames/000012.png. @param format value of output.format: png | exr
 std::filesystem::path picture_file(const std::filesystem::path& run_folder, int frame, const std::string& format = "png");
-/// Whether the frame has one, of whatever format.
+/// Whether the frame has an image, in any format.
 bool has_picture(const std::filesystem::path& run_folder, int frame);
-/// The frame's picture as screens show it, of whatever format it is. @throws InputError if there is none
+/// Reads the frame's image in any format; EXR is converted for screens. @throws InputError if there is none
 Image read_picture(const std::filesystem::path& run_folder, int frame);
-/// Reads an image of a film that continues with this size. @throws InputError if the image has another size
+/// Reads the frame's image for a video of this size [pixels]. @throws InputError if the image has another size
 Image read_picture(const std::filesystem::path& run_folder, int frame, int width, int height);
-/// @param file .png or .exr
+/// Reads an image file, .png or .exr (converted for screens).
 Image read_picture(const std::filesystem::path& file);
-/// raw/000012.frame
+/// Path of an exported frame: raw/000012.frame.
 std::filesystem::path frame_file(const std::filesystem::path& run_folder, int frame);
-/// Reads an exported frame. @throws InputError if it is not a complete frame, or not the one of its name
+/// Reads an exported frame. @throws InputError if the file is incomplete, or if its frame number differs from its name
 Frame exported_frame(const std::filesystem::path& run_folder, int frame);
-/// contact.png: twelve of the pictures from the first to the last, evenly. @throws InputError if one is missing
+/// Writes contact.png: at most twelve of the images, evenly spaced from the first to the last. @throws InputError if one is missing
 void write_contact_sheet(const std::filesystem::path& run_folder, const std::vector<std::filesystem::path>& pictures);
-/// Contact sheet of frames 1 to `frames`.
+/// Writes contact.png for frames 1 to `frames`.
 void write_contact_sheet(const std::filesystem::path& run_folder, int frames);
 
 }  // namespace whorl

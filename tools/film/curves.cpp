@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// sRGB, distinguishable for readers who do not see red or green. @param dark on black they are lifted
+/// Colour k of the palette [sRGB], distinguishable with red-green colour blindness. @param dark brighter, for a black background
 Vec3f curve_colour(std::size_t k, bool dark) {
     static const std::vector<Vec3f> colours{{0.12f, 0.31f, 0.59f}, {0.80f, 0.25f, 0.12f}, {0.16f, 0.53f, 0.40f},
                                             {0.55f, 0.35f, 0.62f}, {0.45f, 0.35f, 0.15f}, {0.35f, 0.40f, 0.45f}};
@@ -21,10 +21,10 @@ struct CurveAxes {
     struct Box {
         double left, right, top, bottom;
     } box;                                                ///< pixels
-    double low_x = 0, high_x = 0, low_y = 0, high_y = 0;  ///< values at its sides
+    double low_x = 0, high_x = 0, low_y = 0, high_y = 0;  ///< values at the sides of the box
     double x(double v) const { return box.left + (v - low_x) / (high_x - low_x) * (box.right - box.left); }
     double y(double v) const { return box.bottom - (v - low_y) / (high_y - low_y) * (box.bottom - box.top); }
-    /// The ranges grow by the curve's.
+    /// Extends the ranges to the finite points of the curve.
     void hold(const Curve& curve) {
         for (std::size_t k = 0; k < curve.x.size(); ++k) {
             if (!std::isfinite(curve.y[k])) continue;
@@ -32,7 +32,7 @@ struct CurveAxes {
             low_y = std::min(low_y, curve.y[k]), high_y = std::max(high_y, curve.y[k]);
         }
     }
-    /// No range is empty.
+    /// Makes every range non-empty, so that x() and y() are finite.
     void finish() {
         if (!(low_x <= high_x)) low_x = 0, high_x = 1;
         if (!(low_y <= high_y)) low_y = 0, high_y = 1;
@@ -41,7 +41,7 @@ struct CurveAxes {
     }
 };
 
-/// Lines across the axes with their numbers, and the numbers below. @param text size of the font [pixels]
+/// Draws horizontal grid lines with their numbers, and the numbers below the x axis. @param text size of the font [pixels]
 void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ticks& along, double text, const Vec3f& ink,
                 const Vec3f& pale) {
     for (std::size_t k = 0; k < up.place.size(); ++k) {
@@ -52,7 +52,7 @@ void draw_ticks(Canvas& canvas, const CurveAxes& axes, const Ticks& up, const Ti
         canvas.words(axes.x(along.place[k]), axes.box.bottom + 1.4 * text, along.label[k], ink, text, 0);
 }
 
-/// The part of the curve up to x = `until`; of points within half a pixel one.
+/// Draws the curve up to x = `until`. Skips points within half a pixel of the previous one.
 void draw_curve(Canvas& canvas, const CurveAxes& axes, const Curve& curve, double until, const Vec3f& colour, double width) {
     std::vector<std::array<double, 2>> path;
     const auto end_path = [&] {
@@ -111,7 +111,7 @@ Image PanelChart::at(double time) const {
     const double text = std::max(11.0, height / 9.5), thin = std::max(1.0, text / 14);
     const Vec3f paper = Vec3f::Constant(dark ? 0.0f : 1.0f), ink = Vec3f::Constant(dark ? 0.85f : 0.15f), pale = 0.3f * ink + 0.7f * paper;
     double names = 0;
-    CurveAxes axes{};  // from 0
+    CurveAxes axes{};  // the ranges include 0
     for (const Curve& one : curve) {
         names = std::max(names, Canvas::width_of(one.label, text));
         axes.hold(one);

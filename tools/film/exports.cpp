@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-/// The strength of the field that a volume shows, on the nodes, and the flow.
+/// Grid of the velocity, and of the strength of the field that a volume shows (component 3 of the value).
 FlowGrid volume_grid(const Frame& frame, const LookOptions& look) {
     const FieldColours field = field_colours(frame, look, field_range(field_values(frame, look), look));
     std::vector<Eigen::Vector4f> strength(field.strength.size(), Eigen::Vector4f::Zero());

@@ -1,5 +1,5 @@
 #pragma once
-/// A film's files for other programs, requested by --export and output.export.
+/// Files of a run for other programs, requested by --export and output.export.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -22,33 +22,35 @@ struct PictureOptions {
 
 struct FilmOptions {
     std::filesystem::path folder;      ///< the run folder
-    std::filesystem::path video;       ///< empty: none
-    bool images = true;                ///< false: no surface is drawn, EGL is not touched
-    std::string name;                  ///< the scene's: exported files are KIND/NAME.0001.SUFFIX
+    std::filesystem::path video;       ///< empty: no video
+    bool images = true;                ///< false: nothing is drawn, and EGL is not started
+    std::string name;                  ///< of the scene; exported files are KIND/NAME.0001.SUFFIX
     std::vector<std::string> exports;  ///< points, mesh, obj, vdb, scene, vtk, raw
-    std::string format = "png";        ///< of the pictures: png | exr
-    int width = 1280, height = 720;    ///< pixels of a picture
+    std::string format = "png";        ///< of the images: png | exr
+    int width = 1280, height = 720;    ///< of an image [pixels]
     double fps = 24;
-    double interval = 0;    ///< s, simulated, from frame to frame
-    int frames_before = 0;  ///< frames whose files already exist (a resumed run): their images begin the video
+    double interval = 0;    ///< simulated time between frames [s]
+    int frames_before = 0;  ///< frames that already exist (a resumed run); the video begins with their images
 };
-/// A film of the scene with everything that it asks for.
+/// Options from the scene's [output] and [time].
 FilmOptions film_options(const Scene& scene, const std::filesystem::path& folder);
 
 class Exports {
 public:
-    /// Calls its second argument and notes the time that this kind of file took.
+    /// Calls `write` and adds the time that it takes to the stage of this kind of file.
     using Timer = std::function<void(const std::string& kind, const std::function<void()>& write)>;
 
     explicit Exports(FilmOptions options);
     bool wants(const char* kind) const;
-    /// Whether a frame's surface is needed, and the distance to it.
+    /// Whether the exports need the mesh of a frame's surface.
     bool wants_surface() const { return wants("mesh") || wants("obj") || wants("vdb") || wants("vtk"); }
+    /// Whether the exports need the distance to the surface.
     bool wants_distance() const { return wants("vdb"); }
 
-    /// Writes a frame's files. @param whole_film also files of the whole film up to now: a checkpoint follows @throws EnvironmentError
+    /// Writes the files of a frame. @param whole_film also writes the glTF scene of all frames so far, because a checkpoint follows
+    /// @throws EnvironmentError
     void write(const Frame& frame, const Surface& surface, const PictureOptions& how, bool whole_film, const Timer& timed);
-    /// Writes the files of the whole film, at its end.
+    /// Writes the files that contain all frames, after the last one.
     void finish() const;
 
 private:
@@ -56,13 +58,13 @@ private:
     std::filesystem::path vtk_file(const char* part, int frame, const char* suffix) const;
     void add_to_scene(const Frame& frame, const PictureOptions& how, bool whole_film);
     void write_grids(const Frame& frame, const Surface& surface, const PictureOptions& how) const;
-    /// @param carried the fluid's values on the surface, computed at first use
+    /// @param carried values of the fluid at the vertices of the surface, computed in the first call
     void write_vtk(const Frame& frame, const TriangleMesh& mesh, const std::function<const VertexFields&()>& carried);
     std::filesystem::path scene_file() const { return options_.folder / "scene" / (options_.name + ".glb"); }
 
     FilmOptions options_;
     SceneExport scene_;
-    std::vector<TimedFile> timed_;  ///< of the .pvd
+    std::vector<TimedFile> timed_;  ///< entries of the .pvd file
 };
 
 /// Adds raw frames to the scene's exports.

@@ -16,7 +16,7 @@ Film::Film(FilmOptions options) : options_(std::move(options)), exports_(options
         start("draw", &Film::draw);
         start("export", &Film::export_files);
         start("write", &Film::write);
-    } catch (...) {  // a thread, or memory for it, could not be had
+    } catch (...) {  // a thread could not be started
         stop();
         throw;
     }
@@ -43,7 +43,7 @@ void Film::start(const char* name, void (Film::*work)()) {
     });
 }
 
-/// @param stage the thread's name, or that and its task
+/// Does the work and adds its times to the stage. @param stage name of the calling thread, or that, a space and its task
 void Film::timed(const std::string& stage, const std::function<void()>& work) {
     const std::string thread = stage.substr(0, stage.find(' '));
     const auto cpu_so_far = [&] {
@@ -57,7 +57,7 @@ void Film::timed(const std::string& stage, const std::function<void()>& work) {
     const std::lock_guard lock(mutex_);
     StageTime& spent = times_[stage];
     spent.wall += wall_seconds() - wall;
-    spent.cpu = thread == stage ? cpu_now : spent.cpu + cpu_now - cpu;  // other work of a thread counts for its only stage
+    spent.cpu = thread == stage ? cpu_now : spent.cpu + cpu_now - cpu;  // all CPU time of a thread with one stage counts
     ++spent.calls;
 }
 
@@ -74,7 +74,7 @@ void Film::make_surfaces() {
 }
 
 void Film::draw() {
-    std::optional<Renderer> renderer;  // made here, at once: the context belongs to this thread, and making it takes a while
+    std::optional<Renderer> renderer;  // created on this thread, which owns the context, and early, because it takes a while
     if (options_.images) renderer.emplace(options_.width, options_.height);
     while (auto shot = to_draw_.pop()) {
         const Frame& frame = *(*shot)->frame;
@@ -104,7 +104,7 @@ void Film::export_files() {
     to_write_.close();
 }
 
-/// In the place of one of another format.
+/// Writes the image and removes the frame's image in the other format.
 void Film::write_picture(const Shot& shot) const {
     const bool exr = options_.format == "exr";
     const std::filesystem::path file = picture_file(options_.folder, shot.frame->number, options_.format);

@@ -1,11 +1,11 @@
 #pragma once
-/// From frames to pictures and files: surface -> draw -> export -> write, each on its own thread, with a bounded queue before each.
+/// Pipeline from frames to images and files. Each stage has its own thread, with a bounded queue before it.
 ///
 ///   add(frame) --> [queue] --> surface --> [queue] --> draw --> [queue] --> export --> [queue] --> write: PNG, video, checkpoint
 ///
-/// A full queue makes the caller of add() wait; nothing is dropped. A frame's checkpoint travels with it and is written after its picture
-/// and exports, so a checkpoint never promises files that do not exist. What a stage throws stops all stages and comes out of add() or
-/// finish().
+/// A full queue makes the caller of add() wait; no frame is dropped. A checkpoint passes through the queues with its frame and is written
+/// after the frame's image and exports, so all files up to a checkpoint exist. An exception in a stage stops all stages; add() or finish()
+/// rethrows it.
 #include <atomic>
 #include <exception>
 #include <filesystem>
@@ -26,24 +26,24 @@ namespace whorl {
 class Film {
 public:
     explicit Film(FilmOptions options);
-    /// Stops without finishing; the unfinished video keeps its partial name.
+    /// Stops without finishing; the incomplete video keeps its partial name.
     ~Film();
     Film(const Film&) = delete;
     Film& operator=(const Film&) = delete;
 
-    /// @param how to make its picture @param state of the run at the frame's time @param write_state also write it to disk
-    /// @throws whatever a stage threw
+    /// Passes a frame to the pipeline. @param how options of its image @param state state of the run at the frame's time
+    /// @param write_state also writes the state to disk @throws the exception of a stage
     void add(Frame frame, std::shared_ptr<const PictureOptions> how, std::shared_ptr<const Checkpoint> state, bool write_state);
-    /// Waits until all frames are written. @param complete false: the run continues later, the video keeps its partial name
+    /// Waits until all frames are written. @param complete false if the run will be continued; the video then keeps its partial name
     void finish(bool complete);
 
-    /// The state of the last frame that is completely written; null before the first.
+    /// State of the run at the last frame whose files are all written; null before the first.
     std::shared_ptr<const Checkpoint> newest_state() const;
     int frames_written() const { return written_; }
-    /// Wall and CPU seconds of surface, draw, export, write (threads that these start included) and encode (the encoder's process, once it
-    /// has ended).
+    /// Wall and CPU time [s] of the stages surface, draw, export and write, with the threads that they start, and of encode (the encoder
+    /// process, after it has ended).
     StageTimes times() const;
-    /// Renderer and version of the GL in use; "" before the first picture or without pictures.
+    /// Renderer and version of OpenGL; "" before the first image or without images.
     std::string device() const;
 
 private:
@@ -53,8 +53,8 @@ private:
         std::shared_ptr<const Checkpoint> state;
         bool write_state = false;
         Surface surface;
-        Image image;           ///< of the format png
-        PictureLayers layers;  ///< of the format exr
+        Image image;           ///< if the format is png
+        PictureLayers layers;  ///< if the format is exr
     };
     using Queue = BoundedQueue<std::unique_ptr<Shot>>;
 
@@ -70,7 +70,7 @@ private:
     void rethrow() const;
 
     FilmOptions options_;
-    Exports exports_;  ///< the thread "export" has it
+    Exports exports_;  ///< used by the thread "export"
     Queue to_surface_{1}, to_draw_{1}, to_export_{1}, to_write_{1};
     std::vector<std::thread> threads_;
     mutable std::mutex mutex_;  ///< protects the members below

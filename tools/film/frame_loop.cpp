@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// The scene with every automatic choice of `plan`: later changes cannot change the models.
+/// The scene with the automatic choices of `plan` as its keys, so that later changes of the scene cannot change the models.
 Scene with_models_of(const Plan& plan, const Scene& scene) {
     Scene s = scene;
     s.models = plan.chosen_models(scene.models);
@@ -87,11 +87,10 @@ void FrameLoop::apply(const SceneFile& file) {
 
 namespace {
 
-/// From a to b on a logarithmic scale as s goes from `begin` to `begin` + 1; a where b does not give up anything.
+/// Value between a and b on a logarithmic scale, as s goes from `begin` to `begin` + 1.
 double between(double a, double b, double s, double begin) { return a * std::pow(b / a, std::clamp(s - begin, 0.0, 1.0)); }
 
-/// How strongly the governor answers, in units of sacrifice a factor of e in time; and how far a frame may be under the budget before it
-/// takes back.
+/// Change of the reductions per factor of e in wall time, and the part of the budget below which the governor takes reductions back.
 constexpr double answer = 0.6, slack = 0.8;
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
-/// Common loop of a film and a live run: advances a simulation from frame to frame. Probes see every step, the solvers' residuals are
-/// recorded, accuracy is reduced for the budget, and changes of the scene are applied.
+/// Common loop of `whorl render` and `whorl live`: advances a simulation from frame to frame. It calls the probes after every step, records
+/// the solvers' largest residual, reduces accuracy if the scene has a budget of time, and follows changes of the scene.
 #include <string>
 
 #include "engine/io/diagnostics.h"
@@ -10,30 +10,31 @@
 
 namespace whorl {
 
-/// Reduction of quality, from 0 (none) to 4 (all): each unit uses up one of the four settings, on a logarithmic scale.
+/// Reduction of quality. `amount` goes from 0 (none) to 4 (all): each unit moves one of the four settings from its value in the scene to
+/// its bound in [budget], on a logarithmic scale.
 struct QualityReduction {
     double amount = 0;
-    double tolerance = 1, cfl = 0, voxel = 0;  ///< factor; value; value
-    int samples = 0;
+    double tolerance = 1, cfl = 0, voxel = 0;  ///< factor on the tolerances; time.cfl; surface.voxel [spacings]
+    int samples = 0;                           ///< per pixel
 };
 
-/// Keeps a run to its budget of time by giving up accuracy in a set order, within bounds that the scene sets: first the solvers'
-/// tolerances, then the length of steps, then the surface's voxels, then samples per pixel. Never the fluid.
+/// Keeps a run within its budget of wall time. It reduces accuracy within the bounds of [budget], in this order: the solvers' tolerances,
+/// the length of steps, the surface's voxels, the samples per pixel. The number of particles never changes.
 class Governor {
 public:
-    /// @param given the scene as the user wants it @param frames of the film
+    /// @param given the scene without reductions @param frames number of frames of the run
     Governor(const SceneFile& given, int frames);
 
-    /// The user's scene is another one from now on.
+    /// Replaces the scene without reductions.
     void set_scene(const SceneFile& given);
-    /// After a frame. @param seconds it took, wall @param frame its number @param spent s, wall, over the whole run
-    /// @return whether the reductions changed
+    /// Adjusts the reductions after a frame. @param seconds wall time of the frame [s] @param frame its number
+    /// @param spent wall time of the whole run [s] @return whether the reductions changed
     bool after_frame(double seconds, int frame, double spent);
     /// The scene with the current reductions.
     SceneFile governed() const;
 
     bool has_budget() const { return given_.scene.budget.any(); }
-    double allowed() const { return allowed_; }  ///< s, of the last frame
+    double allowed() const { return allowed_; }  ///< wall time for the last frame [s]
     QualityReduction now() const;
 
 private:
@@ -42,49 +43,50 @@ private:
     double amount_ = 0, allowed_ = 0;
 };
 
-/// The columns of budget.csv: what the frame took and was allowed, what was given up, and what that did to what can be measured.
+/// Header of budget.csv: wall time and budget of each frame, the reductions, and the resulting residual, unconverged solves and density
+/// errors.
 std::string budget_header();
 
-/// Who runs the loop: a film, or a live run.
+/// Callbacks of the loop; a run and a live run implement them.
 class FrameLoopHost {
 public:
     virtual ~FrameLoopHost() = default;
-    /// Asked before every step: whether to stop on the way.
+    /// Called before every step. @return true to stop before the frame time
     virtual bool stop_wanted() = 0;
-    /// May change the scene for the next step. @param began s, at the step's start
+    /// Called after every step; may change the scene for the next one. @param began time at the start of the step [s]
     virtual void after_step(const StepReport& /*report*/, double /*began*/) {}
-    /// From now on pictures are made as `file` says.
+    /// Uses the surface, camera and look of `file` for the following images.
     virtual void set_pictures(const SceneFile& file) = 0;
 };
 
-/// A frame that was reached.
+/// Measurements of a frame and of the steps that led to it.
 struct FrameSummary {
     Measures measures;
-    RunTotals before;       ///< at the frame before
-    long steps = 0;         ///< since then
-    double iterations = 0;  ///< of all solvers, a step
+    RunTotals before;       ///< at the previous frame
+    long steps = 0;         ///< since the previous frame
+    double iterations = 0;  ///< of all solvers, per step
 };
 
 class FrameLoop {
 public:
-    /// @param file the scene as the user wants it @param frames of the film
+    /// @param file the scene without reductions @param frames number of frames of the run
     FrameLoop(FrameLoopHost& host, Simulation& simulation, const SceneFile& file, int frames, TheorySearch search);
 
-    /// @param time s @return false if the host stopped it, or the run diverged
+    /// Steps until this time [s]. @return false if the host stopped the loop or the run diverged
     bool step_to(double time);
-    /// Measures the frame that was reached.
+    /// Measures the current state, at a frame time.
     FrameSummary measure_frame();
-    /// Compares what the frame took with the budget.
-    /// @param seconds it took, wall @param spent s, wall, over the whole run @return the row of budget.csv; "" without a budget
+    /// Compares the wall time of a frame with the budget and chooses the next reductions, which apply_governor() applies.
+    /// @param seconds wall time of the frame [s] @param spent wall time of the whole run [s] @return row of budget.csv; "" without a budget
     std::string hold_to_budget(const FrameSummary& summary, int frame, double seconds, double spent);
-    /// Continues as the last hold_to_budget() decided.
+    /// Applies the reductions that the last hold_to_budget() chose to the simulation and the images.
     void apply_governor();
-    /// The user's scene is another one now; the simulation knows it already.
+    /// Replaces the scene without reductions, which the simulation already has.
     void scene_changed(const SceneFile& file);
 
     const NamedProbes& probes() const { return probes_; }
     const Governor& governor() const { return governor_; }
-    /// Relative; of the solves since the last frame.
+    /// Largest relative residual of the solves since the last frame.
     double largest_residual() const { return largest_residual_; }
 
 private:
@@ -94,7 +96,7 @@ private:
     Simulation& simulation_;
     NamedProbes probes_;
     Governor governor_;
-    bool decided_ = false;  ///< the governor has reductions that were not applied
+    bool decided_ = false;  ///< the governor changed its reductions, and they are not applied yet
     RunTotals totals_at_frame_;
     double largest_residual_ = 0;
 };

@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-/// @throws InputError if the chart is of nothing that the panels measure
+/// @throws InputError if no probe of the run has the column of output.chart
 void check_chart(const std::string& chart, const FileLocation& place, const Simulation& start) {
     std::vector<std::string> names;
     for (const auto& [name, probe] : make_probes(start, TheorySearch::wait))
@@ -24,10 +24,10 @@ void check_chart(const std::string& chart, const FileLocation& place, const Simu
     if (std::find(names.begin(), names.end(), chart) != names.end()) return;
     const std::string near = nearest_name(chart, names);
     throw InputError(place, "no probe measures \"" + chart + "\"", near.empty() ? "" : "did you mean \"" + near + "\"?",
-                     "the name of a [[probe]], a point, and one of its columns");
+                     "the name of a [[probe]], a dot, and one of its columns");
 }
 
-/// Whether fluid goes the same way in two panels, as far as a box and a range show it: they differ in how it is drawn or computed.
+/// Whether one coarse run gives the camera box and colour range of two panels: they differ only in drawing, models, solvers and spacing.
 bool flow_alike(const SceneFile& a, const SceneFile& b) {
     const std::vector<std::string> alike{"look", "camera", "output", "surface", "models", "pressure", "viscosity", "micropolar"};
     const std::vector<KeyDifference> all = differences(a, b);
@@ -36,14 +36,14 @@ bool flow_alike(const SceneFile& a, const SceneFile& b) {
     });
 }
 
-/// One range for each map that several panels draw with, and one box for all automatic cameras, that hold what each panel needs. Places the
-/// fluid of every panel for it. @throws InputError if a panel's scene is impossible
+/// Sets one range for all panels with the same field and colour map, and one box for all automatic cameras, large enough for each panel.
+/// Places the fluid of every panel for this. @throws InputError if a panel's scene is impossible
 void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     std::map<std::pair<std::string, std::string>, std::array<float, 2>> shared;
     SeenBox extent;
     std::vector<const SceneFile*> seen;
     for (const SceneFile& panel : panels) {
-        const Simulation start(panel.scene, make_plan(panel.scene));  // an impossible scene ends here, before anything is written
+        const Simulation start(panel.scene, make_plan(panel.scene));  // throws if the scene is impossible, before anything is written
         check_probes(start);
         const bool known =
             choose && std::any_of(seen.begin(), seen.end(), [&](const SceneFile* other) { return flow_alike(*other, panel); });
@@ -65,7 +65,7 @@ void share_choices(std::vector<SceneFile>& panels, const Choose& choose) {
     }
 }
 
-/// The place of the label among the panels that are runs. @throws InputError
+/// Index of the run of the panel with this label. @throws InputError if there is none
 int run_called(const std::vector<PanelKeys>& panels, const std::string& label, const FileLocation& place) {
     int run = 0;
     std::vector<std::string> labels;
@@ -77,18 +77,17 @@ int run_called(const std::vector<PanelKeys>& panels, const std::string& label, c
     }
     const std::string near = nearest_name(label, labels);
     throw InputError(place, "no panel with a run has the label \"" + label + "\"",
-                     near.empty() ? "give the panels labels" : "did you mean \"" + near + "\"?");
+                     near.empty() ? "set the label of each panel" : "did you mean \"" + near + "\"?");
 }
 
 PanelCell difference_of(const SceneFile& file, std::size_t k) {
     const PanelKeys& panel = file.scene.panels[k];
     const FileLocation place = file.scene.place("panel[" + std::to_string(k) + "].difference");
     if (panel.difference.size() != 2)
-        throw InputError(place, "a difference is between two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
+        throw InputError(place, "a difference needs two panels", "", "two labels, as in [\"no spin\", \"spin\"]");
     if (file.look.style != "slice")
-        throw InputError(place, "differences are drawn of slices, and look.style is \"" + file.look.style + "\"",
-                         "use look.style = \"slice\"");
-    if (!panel.set.empty()) throw InputError(place, "a difference has no run, and nothing to set", "leave out either set or difference");
+        throw InputError(place, "a difference needs slices, but look.style is \"" + file.look.style + "\"", "use look.style = \"slice\"");
+    if (!panel.set.empty()) throw InputError(place, "a difference has no run, so it cannot have set", "remove set or difference");
     PanelCell cell;
     for (int n = 0; n < 2; ++n) cell.between[n] = run_called(file.scene.panels, panel.difference[n], place);
     return cell;
@@ -101,7 +100,7 @@ int panel_columns(const Scene& scene) {
     if (scene.output.panel_columns) return std::min(*scene.output.panel_columns, static_cast<int>(panels));
     if (scene.domain.dimensions == 3)
         return panels <= 3 ? static_cast<int>(panels) : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(panels))));
-    // A flow in 2D is seen whole: the columns that make it largest.
+    // An image of a 2D flow shows the whole domain: choose the columns that show it largest.
     const Vec3d size = scene.domain.max - scene.domain.min;
     const auto scale = [&](int columns) {
         const int rows = (static_cast<int>(panels) + columns - 1) / columns;
@@ -130,14 +129,16 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
     const int rows = (count + columns - 1) / columns;
     const auto check_format = [](const Scene& scene, const FileLocation& place) {
         if (scene.output.format != "png")
-            throw InputError(place, "output.format = \"" + scene.output.format + "\" has no words, and panels need their labels",
-                             "leave it out, or render the scene of one panel alone", "allowed: png");
+            throw InputError(place, "output.format = \"" + scene.output.format + "\" has no text, but panels need their labels",
+                             "remove it, or render the scene of one panel alone", "allowed: png");
     };
     const auto check_pictures = [](const Scene& panel, const Scene& plain) {
         if (panel.output.size != plain.output.size)
-            throw InputError({}, "all panels have the same size, that of their place in the film", "give output.size to the whole scene");
+            throw InputError({}, "all panels have the same size, a part of the whole image",
+                             "set output.size in [output], for the whole image");
         if (panel.output.images != plain.output.images)
-            throw InputError({}, "a panel without pictures leaves its place in the film empty", "give output.images to the whole scene");
+            throw InputError({}, "a panel without images leaves its part of the video empty",
+                             "set output.images in [output], for all panels");
     };
     check_format(file.scene, file.scene.place("output.format"));
     SceneFile alone = file;
@@ -149,7 +150,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
                                (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
     const std::vector<PanelKeys>& panels = file.scene.panels;
     const bool differences = std::any_of(panels.begin(), panels.end(), [](const PanelKeys& panel) { return !panel.difference.empty(); });
-    if (differences && file.scene.output.images) export_raw(alone.scene);  // source of a difference
+    if (differences && file.scene.output.images) export_raw(alone.scene);  // a difference is drawn from raw frames
     std::vector<SceneFile> scenes;
     std::vector<Problem> problems;
     for (int k = 0; k < count; ++k) {
@@ -162,7 +163,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
             check_format(scenes.back().scene, {});
             check_pictures(scenes.back().scene, alone.scene);
             if (scenes.back().look.title.empty()) scenes.back().look.title = file.scene.panels[k].label;
-            scenes.back().scene.places = file.scene.places;  // its errors are reported at locations in the file
+            scenes.back().scene.places = file.scene.places;  // so that its errors name locations in the file
         } catch (const InputError& error) {
             for (Problem problem : error.problems()) {
                 problem.place = file.scene.place(name);

@@ -1,5 +1,5 @@
 #pragma once
-/// The runs and the pictures of a film of panels, as its scene has them.
+/// Runs and cells of a video of panels ([[panel]]).
 #include <array>
 #include <functional>
 #include <vector>
@@ -9,27 +9,27 @@
 
 namespace whorl {
 
-/// The scenes of those panels that are runs: their keys put in, pictures as large as their place. Panels that show the same field through
-/// the same map share its range, so that equal colours mean equal values, and automatic cameras share their box.
-/// @throws InputError with the problems of a panel's keys
-/// @param choose gives a run its range and its box; by default an estimate, which is enough for a plan
+/// Returns `run` with its colour range and camera box set.
 using Choose = std::function<SceneFile(const SceneFile& run, const Simulation& start)>;
+/// Scenes of the panels that are runs, with the panels' keys set and images of the size of a cell. Panels that show the same field with the
+/// same colour map share its range, so that equal colours mean equal values. Automatic cameras share their box.
+/// @param choose empty: ranges and boxes are estimates, which suffice for a plan @throws InputError with the problems of all panels' keys
 std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose = {});
 
-/// Warnings of the plans of a film's runs: the scene's, or its panels', each with its panel unless all have it. @throws InputError
-/// if one is impossible
+/// Warnings of the scene's plan or, if it has panels, of the plans of its panels. A warning names its panel unless all panels have it.
+/// @throws InputError if a plan is impossible
 std::vector<std::string> warnings_of(const SceneFile& file);
 
-/// A place in the film.
+/// A cell of the video.
 struct PanelCell {
-    int run = -1;                        ///< its number among the runs; -1: a difference
-    std::array<int, 2> between{-1, -1};  ///< the runs of a difference
+    int run = -1;                        ///< index of its run; -1: a difference of two runs
+    std::array<int, 2> between{-1, -1};  ///< indices of the runs of a difference
 };
-/// One a panel, in the scene's order. @throws InputError if a difference names a panel without a run
+/// Cells of the panels, in the order of the scene. @throws InputError if a difference names a panel without a run
 std::vector<PanelCell> panel_cells(const SceneFile& file);
 
-/// Number of panels in a row: as the scene specifies; in 2D the number that makes the flow largest; else all of two or three, from four on
-/// about the number of rows.
+/// Number of panels per row: output.panel_columns if it is set; in 2D the number that shows the flow largest; in 3D all panels if there are
+/// at most three, otherwise the square root of their number, rounded up.
 int panel_columns(const Scene& scene);
 
 /// Height of the chart under the panels [pixels]; 0: none.
@@ -37,8 +37,8 @@ int chart_height(const Scene& scene);
 
 constexpr int panel_gap = 4;  ///< pixels between panels
 
-/// The file with what its panels' runs were given, ranges of colours and boxes of cameras, so that it makes the same pictures again.
-/// @param runs of panel_scenes()
+/// The file with the colour ranges and camera boxes of `runs` as keys of its panels, so that it gives the same images again.
+/// @param runs result of panel_scenes()
 SceneFile with_choices_of(SceneFile file, const std::vector<SceneFile>& runs);
 
 }  // namespace whorl

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Whether they are to be drawn now.
+/// Whether the run draws images.
 bool wants_pictures(const RunRequest& request) { return request.file.scene.output.images && !request.no_draw; }
 
 class PanelFilm {
@@ -56,7 +56,7 @@ public:
         say(fmt::format("{} of {} panels: {}", counted(frames, "frame"), scenes_.size(),
                         (filmed && scene_.output.video ? video() : folder_.path()).string()));
         if (request_.no_draw && scene_.output.images && frames > 0)
-            say(fmt::format("draw each panel (whorl draw {}), then put them together: whorl resume {}", panel(0).string(),
+            say(fmt::format("draw each panel (whorl draw {}), then combine them: whorl resume {}", panel(0).string(),
                             folder_.path().string()));
         return failed.empty() ? exit_done : exit_failed;
     }
@@ -83,13 +83,13 @@ private:
     Next next_of(std::size_t k) const {
         const std::string status = status_of(k);
         if ((status == "done" && frames_of(k) >= frames_wanted()) || status == "diverged") return Next::nothing;
-        // The colours of a difference depend on all frames of both runs, which are only kept if they are exported.
+        // The colour range of a difference depends on all frames of both runs. They are deleted after drawing unless raw is exported.
         if (has_differences() && scene_.output.images && frames_of(k) > 0 && !fs::exists(frame_file(panel(k), 1))) return Next::restarts;
-        // If all checkpoints are damaged, resuming is refused: the panel is left untouched for repair.
+        // If all checkpoints are damaged, resuming fails and leaves the panel untouched for repair.
         return has_checkpoint(panel(k)) ? Next::goes_on : Next::begins;
     }
 
-    /// @throws InputError with the reason that a panel cannot continue; images may be left to draw, or drawn again in another size
+    /// @throws InputError if a panel cannot continue, or if the video needs an image of a finished panel that is missing or of another size
     void check_resumed(std::size_t k) const {
         check_end(folder_.path(), scene_, frames_of(k), frames_wanted());
         const Next next = next_of(k);
@@ -98,7 +98,7 @@ private:
         if (next == Next::nothing && wants_pictures(request_)) check_pictures(panel.folder, scenes_[k].scene, frames_of(k));
     }
 
-    /// Name of the run's panel.
+    /// Label of the run's panel, or the number of the run if there is none.
     std::string name_of(std::size_t run) const {
         const std::string& label = scene_.panels[panel_of(run)].label;
         return label.empty() ? std::to_string(run + 1) : label;
@@ -126,7 +126,7 @@ private:
     int run_panel(std::size_t k) const {
         const Next next = next_of(k);
         if (next == Next::nothing) return status_of(k) == "done" ? exit_done : exit_failed;
-        const char* const why = ", from the start: the difference needs all its frames, which --export raw would have kept";
+        const char* const why = ", from the start: a difference needs all frames, but they were deleted (--export raw keeps them)";
         say(fmt::format("panel {} of {}: {}{}", k + 1, scenes_.size(), name_of(k), next == Next::restarts ? why : ""));
         RunRequest panel = request_of(k);
         if (next == Next::goes_on) resume_from_newest(panel);
@@ -140,7 +140,7 @@ private:
         return exit_interrupted;
     }
 
-    /// Frames that every panel has.
+    /// Number of frames that every panel has.
     int least_frames() const {
         int least = std::numeric_limits<int>::max();
         for (std::size_t k = 0; k < scenes_.size(); ++k) least = std::min(least, frames_of(k));
@@ -153,8 +153,8 @@ private:
         return run >= 0 ? panel(static_cast<std::size_t>(run)) : folder_.path() / "panels" / fmt::format("difference-{}", k + 1);
     }
 
-    /// Draws the difference of two panels from the frames that they exported. The colour map's range holds 99 % of the fluid in every frame
-    /// of the film. If the frames were removed, existing images are kept. @throws InputError if a frame is missing or damaged
+    /// Draws the difference of two panels from their raw frames. The colour range covers 99 % of the fluid in each of at most 24 frames,
+    /// evenly spaced. If the raw frames were removed, existing images are kept. @throws InputError if a frame is missing or damaged
     void draw_difference(std::size_t k, int frames) const {
         const PanelCell& cell = cells_[k];
         const fs::path one = panel(static_cast<std::size_t>(cell.between[0])), other = panel(static_cast<std::size_t>(cell.between[1]));
@@ -181,7 +181,7 @@ private:
         }
     }
 
-    /// Chart of the curves up to now. Without a chart: empty.
+    /// Chart with a curve of output.chart for each run; empty without output.chart.
     PanelChart chart() const {
         const std::string& of = scene_.output.chart;
         const std::size_t dot = of.rfind('.');
@@ -200,7 +200,7 @@ private:
         return chart;
     }
 
-    /// Puts the panels' images of each frame side by side.
+    /// Combines the panels' images of each frame, and encodes the video.
     void film(int frames) const {
         fs::create_directories(folder_.path() / "frames");
         const int width = scene_.output.size[0], height = scene_.output.size[1];
@@ -251,7 +251,7 @@ private:
 }  // namespace
 
 int run_panels(const RunRequest& request, bool resumed) {
-    if (!resumed) RunFolder::check_fresh(request.folder, request.overwrite);  // not only after the coarse runs
+    if (!resumed) RunFolder::check_fresh(request.folder, request.overwrite);  // also checked here, before the coarse runs
     if (wants_pictures(request) && request.file.scene.output.video) check_video(request.file.scene);
     return PanelFilm(request, resumed).make();
 }

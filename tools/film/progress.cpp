@@ -54,7 +54,8 @@ std::function<void(double)> watch_coarse_run(bool quiet) {
         if (!line) {
             if (!quiet)
                 fmt::print(stderr,
-                           "coarse run of the whole film with larger particles: where the fluid goes, and what steps and images cost\n");
+                           "coarse run of the whole film with larger particles, to predict where the fluid goes and the cost of steps and "
+                           "images\n");
             began = wall_seconds();
             line = std::make_shared<StatusLine>(quiet, began);
         }

@@ -8,13 +8,13 @@
 
 namespace whorl {
 
-/// A line on standard error: on a terminal it is written over, else it is printed every five seconds.
+/// Status line on standard error. A terminal shows only the newest line; elsewhere a line is printed at most every five seconds.
 class StatusLine {
 public:
-    /// @param shown when the line before it was shown [wall_seconds()]
+    /// @param shown time when the previous line was shown [wall_seconds()]
     explicit StatusLine(bool quiet, double shown = 0);
     ~StatusLine() { clear(); }
-    /// Whether it may be shown again.
+    /// Whether enough time has passed since the last line: 0.1 s on a terminal, otherwise 5 s. False if quiet.
     bool due() const;
     void show(const std::string& text);
     void clear();
@@ -24,23 +24,23 @@ private:
     double shown_;
 };
 
-/// Progress of a run in a status line; with --json a line of JSON a frame on standard output instead.
+/// Progress of a run in a status line; with --json one line of JSON per frame on standard output instead.
 class Progress {
 public:
     Progress(int first_frame, int last_frame, bool quiet, bool json);
 
-    /// Expected times of the frames [s], from the first on: the time left follows from them and the current pace.
+    /// Sets the predicted wall time of each frame [s], from frame 1 on. seconds_left() scales them by the current pace.
     void foresee(std::vector<double> frames_seconds) { foreseen_ = std::move(frames_seconds); }
-    /// s, after a frame.
+    /// Predicted wall time from this frame to the end of the run [s].
     double seconds_left(int frame) const;
 
-    /// After every step.
+    /// To be called after every step.
     void step(const Simulation& simulation, int frame);
-    /// When a frame's time is reached. @param iterations a step, over the steps since the last frame
+    /// To be called at every frame time. @param iterations per step, mean over the steps since the last frame
     void frame_done(const Simulation& simulation, int frame, double iterations);
-    /// A line that stays. Not with --json or --quiet.
+    /// Prints a line that is not overwritten; prints nothing with --json or --quiet.
     void say(const std::string& text);
-    /// tell_note(), in order with the other lines.
+    /// Clears the status line, then calls tell_note().
     void note(const std::string& text);
 
 private:
@@ -51,17 +51,18 @@ private:
     bool quiet_, json_;
     StatusLine line_;
     double began_;
-    double frame_seconds_ = 0;  ///< wall, newest frames counting most
+    double frame_seconds_ = 0;  ///< mean wall time of a frame; newer frames have more weight
     std::vector<double> foreseen_;
-    double foreseen_seconds_ = 0;  ///< of the same frames with the same weights
+    double foreseen_seconds_ = 0;  ///< mean predicted time of the same frames, with the same weights
     double frame_done_at_;
     double iterations_ = 0;
 };
 
-/// Callback for the completed part of a coarse run (tools/cost/coarse_run.h): prints its purpose at the start, then the progress.
+/// Callback for a coarse run (tools/cost/coarse_run.h), called with the completed part, 0 to 1. Prints the purpose of the coarse run, then
+/// its progress.
 std::function<void(double)> watch_coarse_run(bool quiet);
 
-/// Prints an important message on standard error, or as an event on standard output.
+/// Prints an important message on standard error, or with `json` as an event on standard output.
 void tell_note(const std::string& text, bool json);
 /// 80 -> "1 min 20 s".
 std::string duration(double seconds);

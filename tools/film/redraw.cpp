@@ -1,4 +1,3 @@
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +25,7 @@ namespace fs = std::filesystem;
 FilmOptions film_options(const RedrawRequest& request, bool whole) {
     FilmOptions options = film_options(request.file.scene, request.out);
     if (!whole) options.video.clear();
-    // Some exports have a file of the whole film, which a range must not replace.
+    // Some exports have a file for all frames, which a range must not replace.
     std::erase_if(options.exports, [&](const std::string& what) {
         const bool made = std::find(request.made.begin(), request.made.end(), what) != request.made.end();
         return what == "raw" ? request.out == request.run : !whole && made && (what == "scene" || what == "vtk");
@@ -34,7 +33,7 @@ FilmOptions film_options(const RedrawRequest& request, bool whole) {
     return options;
 }
 
-/// Solids keep their shape: one that the frame before has, too, is the same mesh, whose distance field is known.
+/// Reuses meshes of the previous frame for solids of the same shape, so that their distance fields are not computed again.
 void share_meshes(std::vector<FrameSolid>& solids, const std::vector<FrameSolid>& before) {
     for (std::size_t k = 0; k < std::min(solids.size(), before.size()); ++k)
         if (solids[k].mesh && before[k].mesh && solids[k].mesh->position == before[k].mesh->position &&
@@ -44,7 +43,7 @@ void share_meshes(std::vector<FrameSolid>& solids, const std::vector<FrameSolid>
 
 bool in_range(const RedrawRequest& request, int number) { return number >= request.first && (request.last == 0 || number <= request.last); }
 
-/// Images of one film have one size. @throws InputError if those that stay have another
+/// All images of a video have one size. @throws InputError if an existing image that is not drawn again has another size
 void check_size_of_others(const RedrawRequest& request) {
     const std::array<int, 2>& size = request.file.scene.output.size;
     for (const int number : exported_frames(request.run)) {
@@ -52,19 +51,19 @@ void check_size_of_others(const RedrawRequest& request) {
         Image other;
         try {
             other = read_picture(request.out, number);
-        } catch (const std::exception&) { continue; }  // damaged: it is no measure
+        } catch (const std::exception&) { continue; }  // damaged: its size is unknown
         if (other.width == size[0] && other.height == size[1]) return;
         throw InputError({"--frames", 0, 0},
-                         fmt::format("the other pictures in {} are {}x{}, and these would be {}x{}", request.out.string(), other.width,
+                         fmt::format("the other images in {} are {}x{}, but the new ones would be {}x{}", request.out.string(), other.width,
                                      other.height, size[0], size[1]),
-                         "draw all frames, or into another folder with --out");
+                         "draw all frames, or choose another folder with --out");
     }
 }
 
-/// Frames to draw: all of the run, or the existing ones, then each new one until the run ends.
+/// Raw frames to draw. If the run is in progress: the existing frames, then each new one until the run ends.
 class Exported {
 public:
-    /// @throws InputError if there is none, and none to wait for
+    /// @throws InputError if the range has no frames and the run will not export any
     explicit Exported(const RedrawRequest& request) : request_(request), over_(!request.goes_on) {
         all_ = exported_frames(request.run);
         if (!over_ && request.file.scene.exported("raw")) return;
@@ -75,24 +74,24 @@ public:
                          "", fmt::format("{} to {}", all_.front(), all_.back()));
     }
     const std::vector<int>& all() const { return all_; }
-    /// Numbers of those in the range that are there and that next() has not returned.
+    /// Numbers of the existing frames in the range that next() has not returned.
     std::vector<int> ready() const {
         std::vector<int> numbers;
         for (const int n : all_)
             if (n > newest_ && in_range(request_, n)) numbers.push_back(n);
         return numbers;
     }
-    /// Whether the range holds every frame of the run.
+    /// Whether the range contains every frame of the run.
     bool whole() const {
         return over_ ? !all_.empty() && in_range(request_, all_.front()) && in_range(request_, all_.back())
                      : request_.first == 1 && request_.last == 0;
     }
-    /// The next frame's number, once it is there; 0: there is none. @throws InputError if the run was resumed to draw the same images
+    /// Waits for the next frame. @return its number; 0 if none is left @throws InputError if the run was resumed and draws the same images
     int next() {
         for (;;) {
             if (const std::vector<int> numbers = ready(); !numbers.empty()) return newest_ = numbers.front();
             if (over_ || (request_.last > 0 && newest_ >= request_.last)) return 0;
-            held_.emplace(RunFolder::existing(request_.run, RunFolder::Hold::looking));  // waits for two seconds during the run
+            held_.emplace(RunFolder::existing(request_.run, RunFolder::Hold::looking));  // waits two seconds if the run is in progress
             over_ = held_->is_held();
             if (!over_) check_images_free(request_.run, request_.out);
             all_ = exported_frames(request_.run);
@@ -103,7 +102,7 @@ private:
     const RedrawRequest& request_;
     bool over_;
     std::vector<int> all_;
-    int newest_ = 0;  ///< that next() returned
+    int newest_ = 0;  ///< last number that next() returned
     std::optional<RunFolder> held_;
 };
 
@@ -133,7 +132,7 @@ SceneFile with_choices_from(SceneFile file, const fs::path& run, const std::vect
     if (!wants_range(file.look) && !wants_extent(file) && !wants_streak_time(file.look)) return file;
     try {
         return with_estimates(file, Simulation(file.scene, make_plan(file.scene)));
-    } catch (const InputError&) {  // this machine can draw the film but has too little memory to simulate it: each frame uses its own range
+    } catch (const InputError&) {  // enough memory to draw, but not to simulate: each frame uses its own colour range
         return file;
     }
 }
@@ -141,13 +140,13 @@ SceneFile with_choices_from(SceneFile file, const fs::path& run, const std::vect
 void check_images_free(const fs::path& run, const fs::path& out) {
     std::error_code none;
     if (!fs::equivalent(run, out, none) || !report_of(run).value("draws", true)) return;
-    throw InputError({run.string(), 0, 0}, "the run continues and draws its own images here",
+    throw InputError({run.string(), 0, 0}, "the run is in progress and draws its own images here",
                      "draw into another folder, as in --out " + out.string() + "_drawn, or wait for its end");
 }
 
 int redraw(const RedrawRequest& request) {
     Exported frames(request);
-    // The existing frames of an unfinished run do not show the whole film.
+    // The existing frames of an unfinished run do not show its end.
     const Scene& scene = request.file.scene;
     const SceneFile file = request.goes_on
                                ? with_choices(request.file, Simulation(scene, make_plan(scene)), watch_coarse_run(request.quiet))

@@ -80,8 +80,8 @@ double RunTimes::cpu() const { return earlier_cpu_ + process_cpu_seconds() - cpu
 
 StageTimes RunTimes::stages(const StageTimes& simulation, const StageTimes& film) const {
     StageTimes all = simulation, of_film = film;
-    // The CPU time of the simulation's threads, shared out by the stages' wall time: measured stage by stage, the threads that draw
-    // meanwhile would count too.
+    // Divides the CPU time of the simulation's threads among the stages in proportion to wall time. A measurement of each stage would
+    // include the threads that draw at the same time.
     double wall = 0;
     for (const auto& [name, t] : all) wall += t.wall;
     for (auto& [name, t] : all) t.cpu = wall > 0 ? simulation_cpu_ * t.wall / wall : 0;
@@ -94,7 +94,7 @@ StageTimes RunTimes::stages(const StageTimes& simulation, const StageTimes& film
 }
 
 bool RunProblems::add(Incident incident) {
-    // Each room is reported; the time is not part of its name.
+    // Each full room is a separate problem; the text before " at " names the room.
     const auto room = [](const Incident& i) { return i.kind == "full" ? i.what.substr(0, i.what.find(" at ")) : ""; };
     if (std::any_of(first_.begin(), first_.end(), [&](const Incident& i) { return i.kind == incident.kind && room(i) == room(incident); }))
         return false;

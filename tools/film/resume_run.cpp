@@ -18,22 +18,24 @@ namespace {
 void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::filesystem::path& scene_file) {
     const Scene before = read_resolved(checkpoint.scene, scene_file.string()).scene;
     std::vector<Problem> problems;
-    // Columns that particles have from the start.
+    // A run has these columns from its start or not at all.
     if (before.identities != now.identities || before.ages != now.ages)
-        problems.push_back({now.place(now.any_flux() == before.any_flux() ? "output.export" : "probe"),
-                            "points, mesh, vtk and flux probes need particles that know their number and age", "", ""});
+        problems.push_back(
+            {now.place(now.any_flux() == before.any_flux() ? "output.export" : "probe"),
+             "the exports points, mesh and vtk and flux probes need other columns of the particles (number, age) than the run began with",
+             "", ""});
     if (before.grains != now.grains)
         problems.push_back({now.place("look"), "the new look needs other columns of the particles than the run began with", "", ""});
     for (const std::string& difference : differences(before, now)) problems.push_back({{scene_file.string(), 0, 0}, difference, "", ""});
     if (problems.empty()) return;
     problems.insert(problems.begin(), {{scene_file.string(), 0, 0},
-                                       "the checkpoint is of other settings",
+                                       "the checkpoint was written with other settings",
                                        "restore them to continue, or render this file as a new run",
                                        ""});
     throw InputError(problems);
 }
 
-/// @throws InputError with every mesh, picture and table that was edited since the run read it
+/// @throws InputError with every mesh, image and table that was edited after the run read it
 void check_inputs(const Checkpoint& checkpoint, const SceneFile& now) {
     std::vector<Problem> problems;
     for (const auto& [file, sum] : input_checksums(now))
@@ -53,7 +55,8 @@ std::vector<UsedKey> decisions(const Plan& plan) {
     return all;
 }
 
-/// A film that is made longer must be the film that the longer scene would have been. @throws InputError if the plan would be another
+/// A run that is continued to a later time.end must be bit-identical to a run of the longer scene. @throws InputError if the later end
+/// changes the plan
 void check_plan(const Scene& before, const Scene& now, const std::filesystem::path& scene_file) {
     if (before.time.end == now.time.end) return;
     std::vector<Problem> problems;
@@ -61,7 +64,7 @@ void check_plan(const Scene& before, const Scene& now, const std::filesystem::pa
         problems.push_back({{scene_file.string(), 0, 0}, d.text(), "", ""});
     if (problems.empty()) return;
     problems.insert(problems.begin(), {{scene_file.string(), 0, 0},
-                                       fmt::format("until {:g} s this scene takes other models or constants than until {:g} s",
+                                       fmt::format("with time.end = {:g} s the plan chooses other models or constants than with {:g} s",
                                                    now.time.end, before.time.end),
                                        "set these keys in the scene and render it again",
                                        ""});
@@ -75,40 +78,41 @@ InputError no_sound_checkpoint(const std::filesystem::path& folder) {
             "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C"};
 }
 
-/// A run that was stopped before its first checkpoint is made from the start. @throws InputError if it had come to its end, or had a
-/// checkpoint
+/// Restarts a run that was stopped before its first checkpoint. @throws InputError if the run has ended or must have had a checkpoint, or
+/// if the folder contains only images of another run
 void begin_again(RunRequest& request) {
     const nlohmann::json report = report_of(request.folder);
     const std::string status = report.value("status", "");
     if (const std::string source = report.value("drawn_from", ""); !source.empty())
-        throw InputError({request.folder.string(), 0, 0}, "holds pictures that were drawn of another run",
-                         is_run_folder(source) ? "continue that one: whorl resume " + source : "that one is no longer in " + source);
+        throw InputError({request.folder.string(), 0, 0}, "contains images that were drawn from another run",
+                         is_run_folder(source) ? "continue that run: whorl resume " + source : "that run is no longer in " + source);
     if (status == "done" || status == "diverged")
         throw InputError({request.folder.string(), 0, 0},
-                         fmt::format("the run {}, and has no checkpoint to continue from", status == "done" ? "is done" : "diverged"),
+                         fmt::format("the run {} and has no checkpoint to continue from", status == "done" ? "is done" : "diverged"),
                          "render the scene again");
     if (report.value("frames", 0) > 0 && status != "running") throw no_sound_checkpoint(request.folder);
-    // Like a checkpoint: the end that --frames gave is valid while the scene's end does not change.
+    // As with a checkpoint, an end set by --frames stays unless the scene's end has changed.
     const int all = frame_count(request.file.scene), planned = report.value("frames_planned", all);
     const bool cut = planned > 0 && planned < all && report.value("frames_of_scene", all) == all;
     request.frames = request.frames.value_or(cut ? planned : all);
     request.overwrite = true;
-    tell_note("no checkpoint yet: the run begins again from the start", request.json);
+    tell_note("no checkpoint yet: the run restarts", request.json);
 }
 
 }  // namespace
 
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted) {
     if (wanted < made)
-        throw InputError({folder.string(), 0, 0}, fmt::format("the run is at frame {}, {:g} s, already", made, frame_time(scene, made)), "",
-                         "an end after that; render the scene again for a shorter film");
+        throw InputError({folder.string(), 0, 0},
+                         fmt::format("the run has already reached frame {} ({:g} s)", made, frame_time(scene, made)), "",
+                         "allowed: a later end; render the scene again for a shorter film");
 }
 
 void check_pictures(const std::filesystem::path& folder, const Scene& scene, int made) {
     for (int frame = 1; frame <= made; ++frame) {
         if (has_picture(folder, frame)) continue;
         const bool exported = std::filesystem::exists(frame_file(folder, frame));
-        throw InputError({folder.string(), 0, 0}, fmt::format("the run has no picture of its frame {}", frame),
+        throw InputError({folder.string(), 0, 0}, fmt::format("the run has no image of frame {}", frame),
                          exported ? fmt::format("draw it first: whorl draw {}; or continue with --no-draw", folder.string())
                                   : "continue without images: --no-draw");
     }
@@ -133,7 +137,7 @@ void resume_from_newest(RunRequest& request) {
     if (!request.force) check_inputs(*checkpoint, request.file);
     const Scene before = read_resolved(checkpoint->scene, scene_file.string()).scene;
     check_plan(before, request.file.scene, scene_file);
-    // A run that --frames had cut short keeps its end, unless time.end has moved.
+    // A run that --frames shortened keeps its end unless time.end has changed.
     const bool cut = checkpoint->frames < frame_count(before) && before.time.end == request.file.scene.time.end;
     request.frames = request.frames.value_or(cut ? checkpoint->frames : frame_count(request.file.scene));
     check_end(request.folder, before, checkpoint->frame, *request.frames);

@@ -78,9 +78,9 @@ private:
     RunTimes times_;
     std::map<std::string, std::uint64_t> inputs_ = input_checksums(request_.file);
     int first_ = 1, last_ = 1;  ///< frames that this part of the run makes
-    int frame_ = 0;             ///< on its way
-    Simulation simulation_;     ///< places fluid and solids: may throw InputError, so the folder comes after it
-    SceneFile file_;            ///< the request's, with the choices of the start
+    int frame_ = 0;             ///< number of the frame in progress
+    Simulation simulation_;     ///< may throw InputError when it places fluid and solids, so it precedes folder_
+    SceneFile file_;            ///< the requested scene with the choices made at the start
     Replay replay_;             ///< changes during the run
     RunFolder folder_;
     std::shared_ptr<spdlog::logger> log_;
@@ -88,7 +88,7 @@ private:
     std::optional<FrameLoop> loop_;
     std::optional<RunTables> tables_;
     std::optional<Snapshots> snapshots_;
-    std::shared_ptr<const PictureOptions> pictures_;  ///< how they are made now
+    std::shared_ptr<const PictureOptions> pictures_;  ///< options of the next images
     double frame_done_at_ = wall_seconds(), saved_at_ = wall_seconds();
     RunReport report_;
     InterruptGuard interrupt_;
@@ -130,12 +130,12 @@ void Run::greet(const Plan& plan) {
     progress_->foresee(std::move(foreseen));
 }
 
-/// Seconds that each frame will take; empty if the machine's costs were not measured.
+/// Predicted wall time of each frame [s]; empty if this scene has no coarse run.
 std::vector<double> Run::foreseen_frames(const Plan& plan) const {
     SceneFile file = request_.file;
     const auto costs = find_coarse_run(file);
     if (!costs) return {};
-    // When the film is resumed its scene is this one.
+    // A resumed run has this scene and must find the coarse run by it.
     if (!request_.from) keep_coarse_run(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
     if (request_.no_draw) file.scene.output.images = false;
     std::vector<double> frames = estimate(file, plan, simulation_, *costs).frames_seconds;
@@ -150,7 +150,8 @@ FilmOptions Run::film_options() const {
     return options;
 }
 
-/// Choices for the whole film are stored in scene.resolved.toml and thus in every checkpoint: a resumed film keeps them.
+/// The scene with its choices for the whole run. They are stored in scene.resolved.toml and in every checkpoint, so a resumed run keeps
+/// them.
 SceneFile Run::chosen() const {
     check_probes(simulation_);
     return with_choices(request_.file, simulation_, watch_coarse_run(request_.quiet || request_.json));
@@ -192,7 +193,7 @@ std::shared_ptr<Checkpoint> Run::state() const {
     std::ostringstream particles;
     simulation_.save(particles);
     state->simulation = std::move(particles).str();
-    state->simulation.shrink_to_fit();  // it is kept until its picture is on disk
+    state->simulation.shrink_to_fit();  // the state is kept until the image of its frame is on disk
     return state;
 }
 
@@ -210,7 +211,7 @@ void Run::after_step(const StepReport& report, double began) {
         loop_->scene_changed(replay_.now());
 }
 
-/// The next frame. @return false if it was not reached
+/// Simulates the next frame. @return false if its time was not reached
 bool Run::simulate() {
     ++frame_;
     if (!times_.simulate([&] { return loop_->step_to(frame_time(scene_, frame_)); })) return false;
@@ -218,12 +219,12 @@ bool Run::simulate() {
     return true;
 }
 
-/// The frame's row, its lines in the probes' tables, and its picture on the way.
+/// Adds the frame's rows to the tables and passes the frame to the threads that draw and write.
 void Run::add_frame() {
-    // Each second: found in each frame, it would take 15 % of a thread's time.
-    const int frames_a_volume = std::max(1, static_cast<int>(std::lround(1 / scene_.time.frame_interval())));
+    // The volume is measured once per simulated second: in every frame it would take 15 % of a thread's time.
+    const int frames_per_volume = std::max(1, static_cast<int>(std::lround(1 / scene_.time.frame_interval())));
     FrameSummary summary = loop_->measure_frame();
-    if ((frame_ - 1) % frames_a_volume == 0) summary.measures.volume = coupled_volume(simulation_.world());
+    if ((frame_ - 1) % frames_per_volume == 0) summary.measures.volume = coupled_volume(simulation_.world());
     tables_->add_frame(frame_, summary, times_.wall(), times_.cpu());
     const double now = wall_seconds(), seconds = now - std::exchange(frame_done_at_, now);
     if (scene_.budget.any() && summary.steps > 0)
@@ -303,7 +304,7 @@ int Run::complete() {
                                     x.x(), x.y(), x.z(), diverged->what, counted(made, "frame"), made == 1 ? "is" : "are", folder));
     }
     const bool complete = simulation_.time() >= frame_time(scene_, last_);
-    if (!complete) progress_->say("interrupted: completing the frames on their way");
+    if (!complete) progress_->say("interrupted: completing the frames in progress");
     film_->finish(complete);
     if (complete) return conclude("done", "");
     save_newest();
@@ -312,7 +313,7 @@ int Run::complete() {
                                                last_, folder, request_.no_draw ? " --no-draw" : ""));
 }
 
-/// Makes the frames. What was made stays where it throws.
+/// Makes the frames. If it throws, existing files are kept.
 int Run::make() try {
     while (frame_ < last_ && simulate()) {}
     return complete();
@@ -334,14 +335,14 @@ int Run::make() try {
 
 std::string check_video(const Scene& scene, bool here) {
     if (scene.time.fps < least_video_fps)
-        throw InputError(scene.place("time.fps"), fmt::format("time.fps = {:g}: too few frames a second for a video", scene.time.fps),
+        throw InputError(scene.place("time.fps"), fmt::format("time.fps = {:g}: too few frames per second for a video", scene.time.fps),
                          "set output.video = false", fmt::format("allowed: at least {:g}", least_video_fps));
     return here ? check_encoder("or run with --no-video") : "";
 }
 
 int run_scene(const RunRequest& request) {
     const Plan plan = make_plan(request.file);
-    if (!request.from) RunFolder::check_fresh(request.folder, request.overwrite);  // not only after a coarse run
+    if (!request.from) RunFolder::check_fresh(request.folder, request.overwrite);  // also checked here, before the coarse run
     const OutputKeys& output = request.file.scene.output;
     return Run(request, plan, output.images && output.video && !request.no_draw ? check_video(request.file.scene) : "").make();
 }

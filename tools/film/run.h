@@ -14,70 +14,71 @@ namespace whorl {
 struct RunRequest {
     SceneFile file;
     std::filesystem::path folder;
-    std::optional<int> frames;  ///< end with this frame, whatever time.end says
-    bool no_draw = false;       ///< frames are exported (raw) and drawn later, by whorl draw
+    std::optional<int> frames;  ///< number of the last frame, instead of time.end
+    bool no_draw = false;       ///< exports raw frames instead of images; whorl draw draws them later
     bool quiet = false, json = false;
-    bool force = false;                   ///< resume although a file that the scene names was edited
-    bool overwrite = false;               ///< a run that is already in the folder is replaced
-    std::optional<Checkpoint> from = {};  ///< where to resume; nothing: a new run
+    bool force = false;                   ///< resumes even if a file that the scene names was edited
+    bool overwrite = false;               ///< replaces an existing run in the folder
+    std::optional<Checkpoint> from = {};  ///< checkpoint to continue from; empty: a new run
 };
 
-/// Before a film is begun that is to have a video. @param here whether this machine encodes it @return the encoder's version
-/// @throws InputError if a video cannot have so few frames a second; EnvironmentError if there is no ffmpeg
+/// Checks before a run that its video can be encoded. @param here false: another machine encodes it, so only time.fps is checked
+/// @return version of the encoder; "" without `here` @throws InputError if time.fps is too low; EnvironmentError if ffmpeg is missing
 std::string check_video(const Scene& scene, bool here = true);
 
-/// Simulates, measures, draws, writes; the scene's panels are left out (run_panels() runs them). Interrupted by SIGINT or SIGTERM it
-/// completes the frames in progress, saves the state of the last one and prints how to resume.
+/// Simulates, measures, draws and writes a scene without its panels (run_panels() runs them). On SIGINT or SIGTERM it completes the frames
+/// in progress, saves the state of the last one and prints how to resume.
 /// @return exit_done, exit_failed (diverged) or exit_interrupted
-/// @throws InputError before anything is written; EnvironmentError where a video is wanted and there is no ffmpeg, before anything is
-/// written, too; or (no EGL device, disk full) with all that was made kept
+/// @throws InputError before anything is written; EnvironmentError if ffmpeg is missing for a video, also before anything is written, or
+/// (no EGL device, disk full) later, with all existing files kept
 int run_scene(const RunRequest& request);
 
-/// Several runs of one scene, with keys of their own, side by side in one film ([[panel]]).
+/// Runs a scene once for each of its panels ([[panel]]), each with its own keys, and shows the runs side by side in one video.
 ///
-/// Each panel is a normal run, in panels/1, panels/2, ... of the run folder, one after the other. Then their images of one time, with their
-/// labels, make one image, over a chart if the scene has one.
-/// @param resumed completes the film in its folder: panels that are not done are resumed, or begun
-/// @return as run_scene(); where a panel diverged the film ends with its last picture
+/// The panels are normal runs in panels/1, panels/2, ... of the run folder, made in sequence. Then the panels' images of each frame, with
+/// labels, are combined into one image, above a chart if the scene has one.
+/// @param resumed continues the runs in the folder: panels that are not done are resumed or started
+/// @return as run_scene(); if a panel diverged, the video ends with the last frame that all panels have
 int run_panels(const RunRequest& request, bool resumed);
 
-/// Completes a request for the run in its folder, whose current scene is request.file: the last valid checkpoint, and the
-/// end (request.frames; by default that of the run). Without a checkpoint, the run restarts. Reports damaged checkpoints on standard error.
-/// @throws InputError if no checkpoint is valid, if a finished run has none, or if it is of another build or of other settings (all
-/// listed)
+/// Completes a request to continue the run in request.folder with the scene request.file: sets request.from to the newest valid checkpoint,
+/// and request.frames, if empty, to the end of the run. Without a checkpoint, the run restarts. Reports damaged checkpoints on standard
+/// error. @throws InputError if no checkpoint is valid, if a finished run has none, or if the checkpoint was written by another build or
+/// with other settings (all are listed)
 void resume_from_newest(RunRequest& request);
 
-/// @param made frames that the run has @throws InputError if it is wanted to end before them
+/// Checks the requested end of a run. @param made number of existing frames @param wanted number of requested frames
+/// @throws InputError if wanted < made
 void check_end(const std::filesystem::path& folder, const Scene& scene, int made, int wanted);
 
-/// Checks the existing images, with which the video and the contact sheet begin.
-/// @throws InputError if one of the `made` is missing, or the first has not the scene's size
+/// Checks the images of frames 1 to `made`, with which the video and the contact sheet begin.
+/// @throws InputError if one is missing, or if the size of the first is not the scene's
 void check_pictures(const std::filesystem::path& folder, const Scene& scene, int made);
 
 struct RedrawRequest {
-    SceneFile file;                 ///< the run's own, with other looks, cameras or sizes put in
+    SceneFile file;                 ///< scene of the run, with changes of the look, camera, surface or output
     std::filesystem::path run;      ///< the run folder
-    std::filesystem::path out;      ///< where frames/ and the video go; may be the run folder, which is held then
+    std::filesystem::path out;      ///< folder of frames/ and the video; may be the run folder, if the caller has locked it
     std::vector<std::string> made;  ///< exports that already exist for all frames
-    int first = 1, last = 0;        ///< frames; last 0: all that there are
-    bool goes_on = false;           ///< another process still makes frames: each is drawn once it is there
-    bool overwrite = false;         ///< replaces another run in `out`, or images of another
+    int first = 1, last = 0;        ///< frames to draw; last = 0: to the end
+    bool goes_on = false;           ///< the run is in progress in another process: draws each frame when it is written
+    bool overwrite = false;         ///< replaces another run, or images of another run, in `out`
     bool quiet = false;
 };
 
-/// Values that the look leaves open, from all frames that a run exported, whichever are drawn, so that pieces agree. Also the time
-/// that streaks show. @param frames their numbers, rising @throws InputError where one is damaged
+/// Chooses the colour range, camera box and time of streaks that the scene leaves open, from all raw frames of a run, so that ranges of
+/// frames that are drawn separately agree. @param frames numbers of the raw frames, ascending @throws InputError if one is damaged
 SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames);
 
-/// @throws InputError if an unfinished run draws its own images where others are to be drawn
+/// @throws InputError if `out` is the folder of the unfinished run `run`, and this draws its own images
 void check_images_free(const std::filesystem::path& run, const std::filesystem::path& out);
 
-/// Draws the images of render, bit-identical for the same look. Values that the look leaves open depend on all frames, or on a coarse run
-/// during the run. The video is encoded if all frames are drawn.
-/// @return an ExitCode @throws InputError where a frame is missing or damaged
+/// Draws raw frames. The images are bit-identical to those of `whorl render` with the same look. Values that the scene leaves open follow
+/// from all raw frames, or from a coarse run if the run is in progress. Encodes the video if all frames are drawn.
+/// @return an ExitCode @throws InputError if a frame is missing or damaged
 int redraw(const RedrawRequest& request);
 
-/// Numbers of the frames that the run exported, rising.
+/// Numbers of the raw frames of the run, ascending.
 std::vector<int> exported_frames(const std::filesystem::path& run_folder);
 
 }  // namespace whorl

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// @param scene the name of the run's scene, which its videos have, too; "" where it is not known
+/// Whether a run wrote the file. @param scene name of the run's scene, which its videos have too; "" if it is unknown
 bool is_of_a_run(const fs::path& file, const std::string& scene) {
     static const std::vector<std::string> names{
         "scene.resolved.toml", "run.json", "diagnostics.csv", "bodies.csv", "budget.csv", "contact.png", "log.txt", "probes", "frames",
@@ -56,7 +56,7 @@ bool has_files(const fs::path& folder) {
     return false;
 }
 
-/// Identifies the run among others in the same folder: the time when it began, the first line of its log.
+/// Start time of the run, from the first line of its log. Distinguishes successive runs in the same folder.
 std::string beginning_of(const fs::path& path) {
     std::string line;
     std::ifstream log(path / "log.txt");
@@ -96,12 +96,12 @@ nlohmann::json report_of(const fs::path& path) {
 bool is_run_folder(const fs::path& path) { return report_of(path).contains("whorl") || fs::exists(path / "scene.resolved.toml"); }
 
 RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
-    // The lock goes with the process, however it ends.
+    // The system releases this lock when the process ends for any reason.
     lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (lock_ < 0)
         throw EnvironmentError("cannot open the folder " + path_.string() + ": " + std::strerror(errno), "",
                                "choose another folder with --out");
-    // A process that was killed holds its lock until the system has taken its memory back.
+    // A killed process keeps its lock until the system has freed its memory: try for two seconds.
     int taken = -1;
     for (int attempt = 0; attempt < 20 && taken != 0; ++attempt) {
         if (attempt > 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -115,7 +115,8 @@ RunFolder::RunFolder(fs::path path, Hold hold) : path_(std::move(path)) {
         throw InputError({path_.string(), 0, 0}, "another run is at work in this folder",
                          "wait for it, or choose another folder with --out");
     }
-    fmt::print(stderr, "the disk of {} has no locks ({}): make sure that no other run works there\n", path_.string(), std::strerror(errno));
+    fmt::print(stderr, "the disk of {} has no locks ({}): make sure that no other run uses this folder\n", path_.string(),
+               std::strerror(errno));
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
@@ -124,7 +125,7 @@ RunFolder::~RunFolder() {
     if (lock_ >= 0) ::close(lock_);
 }
 
-/// A folder that this process has locked. A farm holds its own folder in the run's, because its tasks make the run.
+/// Checks a folder that this process has locked. A farm locks only the subfolder farm, because its tasks lock the folder of the run.
 void RunFolder::refuse(const fs::path& path, bool overwrite) {
     if (fs::exists(path / "farm") && !std::getenv("WHORL_FARM_TASK")) {
         const RunFolder held(path / "farm");
@@ -134,11 +135,10 @@ void RunFolder::refuse(const fs::path& path, bool overwrite) {
     }
     if (!is_run_folder(path)) {
         if (fs::is_empty(path)) return;
-        throw InputError({path.string(), 0, 0}, "the folder holds files that are not of a run (no run.json)",
-                         "choose another folder with --out");
+        throw InputError({path.string(), 0, 0}, "the folder contains files but no run (no run.json)", "choose another folder with --out");
     }
     if (!overwrite)
-        throw InputError({path.string(), 0, 0}, "the folder holds a run already",
+        throw InputError({path.string(), 0, 0}, "the folder already contains a run",
                          "choose another folder with --out, or replace the run with --overwrite");
 }
 
@@ -153,7 +153,7 @@ RunFolder RunFolder::fresh(const fs::path& path, bool overwrite) {
     make_folder(path);
     RunFolder folder(path);
     refuse(path, overwrite);
-    for (const fs::path& file : files_of_run(path))  // the scene marks the folder as a run's until it is written again
+    for (const fs::path& file : files_of_run(path))  // scene.resolved.toml marks the folder as a run until it is written again
         if (file.filename() != "scene.resolved.toml") fs::remove_all(file);
     return folder;
 }
@@ -166,15 +166,14 @@ RunFolder RunFolder::existing(const fs::path& path, Hold hold) {
                          allowed);
     }
     if (!fs::is_directory(path)) throw InputError({path.string(), 0, 0}, "folder not found", "", allowed);
-    if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "no run folder (it has no run.json)");
+    if (!is_run_folder(path)) throw InputError({path.string(), 0, 0}, "is not a run folder (no run.json)");
     return RunFolder(path, hold);
 }
 
 RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std::string& scene, Hold hold, bool overwrite) {
     make_folder(path);
-    const auto as_written = [](const std::string& text) {
-        return nlohmann::json::parse(json_text(text)).get<std::string>();
-    };  // also odd bytes
+    // As in run.json, also if the text is not valid UTF-8.
+    const auto as_written = [](const std::string& text) { return nlohmann::json::parse(json_text(text)).get<std::string>(); };
     const std::string source = as_written(fs::canonical(of).string()), began = as_written(beginning_of(of));
     const auto is_marked = [&] {
         const nlohmann::json report = report_of(path);
@@ -182,7 +181,7 @@ RunFolder RunFolder::drawing(const fs::path& path, const fs::path& of, const std
     };
     if (has_files(path) && !is_marked()) fresh(path, overwrite);
     RunFolder folder(path, hold);
-    // Under a separate name: another range may be drawn at the same time.
+    // Writes to a temporary name first, because another process may draw another range into the folder at the same time.
     const auto write = [&](const char* name, const std::string& text) {
         const fs::path temporary = path / fmt::format(".{}.{}", name, getpid());
         std::ofstream(temporary) << text;

@@ -1,29 +1,30 @@
 #pragma once
-/// The folder of a run: out/<scene>/ or --out.
+/// Folder of a run: out/<scene>/ or --out.
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace whorl {
 
-/// Locks the folder for one process at a time. On a disk without locks it warns instead.
+/// Locks the folder of a run while the object exists. On a disk without locks it prints a warning instead.
 class RunFolder {
 public:
-    /// Makes the folder of a new run. With `overwrite` the files of a run in it are deleted; other files stay, such as videos of other
-    /// names. @throws InputError as check_fresh(); EnvironmentError if it cannot be made
+    /// Creates and locks the folder of a new run. With `overwrite` it deletes the files of an existing run; other files stay, such as
+    /// videos with other names. @throws InputError as check_fresh(); EnvironmentError if the folder cannot be created
     static RunFolder fresh(const std::filesystem::path& path, bool overwrite);
-    /// Writes nothing. @throws InputError if the folder has a run and `overwrite` is false, if it has files of something else, or if
-    /// another process or a farm's jobs work in it
+    /// Checks whether a new run can use the folder; writes nothing. @throws InputError if the folder contains a run and `overwrite` is
+    /// false, if it contains files but no run, or if another process or the jobs of a farm use it
     static void check_fresh(const std::filesystem::path& path, bool overwrite);
+    /// Kind of lock: `alone` excludes all others, `shared` excludes only `alone`, `looking` is as `shared` but does not fail.
     enum class Hold { alone, shared, looking };
-    /// Opens a run to continue it; `looking`: also one in which another process works (then is_held() is false). @throws InputError if
-    /// there is no run, or another process works in it (unless both use `shared`)
+    /// Opens and locks the folder of an existing run. If `hold` is `looking` and another process has the lock, is_held() is false.
+    /// @throws InputError if the folder contains no run, or if another process has the lock (see Hold)
     static RunFolder existing(const std::filesystem::path& path, Hold hold = Hold::alone);
-    /// Opens a folder for images of another run: makes it, marks it as drawn from that run, and writes the scene of the last drawing.
-    /// Images of the same run are added to existing ones. @throws as fresh()
+    /// Creates and locks a folder for images of the run in `of`, marks it as drawn from that run, and writes `scene`, the resolved scene
+    /// with the latest look. Images of the same run that are already there stay. @throws as fresh()
     static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, const std::string& scene, Hold hold,
                              bool overwrite);
-    /// Any folder, which is made. @throws as fresh()
+    /// Creates and locks any folder, whatever it contains. @throws as existing(); EnvironmentError if it cannot be created
     static RunFolder any(const std::filesystem::path& path);
     ~RunFolder();
     RunFolder(RunFolder&& other) noexcept;
@@ -38,10 +39,10 @@ private:
     int lock_ = -1;
 };
 
-/// The folder's run.json; empty if it does not exist. Names, states and counts of frames that are no such values are left out.
+/// Content of the folder's run.json; empty if there is none. Leaves out names, states and numbers of frames of a wrong type.
 nlohmann::json report_of(const std::filesystem::path& path);
 
-/// Whether the folder holds a run of Whorl's, or the remains of one that was killed at its start.
+/// Whether the folder contains a run, even one that was killed at its start: Whorl's run.json or scene.resolved.toml.
 bool is_run_folder(const std::filesystem::path& path);
 
 }  // namespace whorl

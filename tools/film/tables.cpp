@@ -17,7 +17,7 @@ namespace {
 
 using Rows = std::vector<std::vector<double>>;
 
-/// Rows by frames: at most five frames, evenly spaced.
+/// Groups the rows by frame and returns at most five frames, evenly spaced.
 std::vector<Rows> some_frames(Rows rows) {
     constexpr std::size_t most = 5;
     std::map<double, Rows> frames;  // by time
@@ -36,13 +36,13 @@ Curve curve_of(const std::string& label, const Rows& rows, std::size_t x, std::s
     return curve;
 }
 
-/// A component that is always 0, or a value that is never known, is left out if there are others.
+/// Whether to draw a curve: it needs a finite value and, if the plot has other curves, one that is not 0.
 bool shows(const Curve& curve, bool others) {
     return std::any_of(curve.y.begin(), curve.y.end(), [&](double v) { return std::isfinite(v) && (v != 0 || !others); });
 }
 
-/// Curves over time; of a probe that measures several places per frame, curves over the place at some of the frames. Theory is dashed, a
-/// comparison dotted. @param table as a run has written it
+/// Plots the table of a probe over time. If the probe measures at several positions per frame, plots it over the position for some of the
+/// frames. Theory is dashed; a comparison is dotted, or dashed if it has more than 200 points. @param table file of a run
 Canvas plot_of_table(const std::string& title, const Probe& probe, const std::filesystem::path& table,
                      const std::optional<Comparison>& comparison) {
     const ProbeColumns columns = probe.columns();
@@ -71,7 +71,7 @@ Canvas plot_of_table(const std::string& title, const Probe& probe, const std::fi
         }
         plots.push_back(std::move(plot));
     }
-    // Diagrams of missing quantities, such as a spin, are left out.
+    // Plots without curves, such as the spin of a fluid that has none, are left out.
     const auto empty = [](const CurvePlot& plot) { return plot.curves.empty(); };
     if (!std::all_of(plots.begin(), plots.end(), empty)) std::erase_if(plots, empty);
     return draw_plots(title, plots);

@@ -1,6 +1,6 @@
 #pragma once
-/// The tables of a run, some rows a frame: diagnostics.csv, bodies.csv where solids are free, budget.csv where the scene has one,
-/// probes/NAME.csv with the probes that fill them, and their plots.
+/// Tables of a run with rows for each frame: diagnostics.csv, bodies.csv if solids are free, budget.csv if the scene has a budget, and
+/// probes/NAME.csv for each probe. Also the plots of the probes.
 #include <filesystem>
 #include <map>
 
@@ -13,16 +13,16 @@ namespace whorl {
 
 class RunTables {
 public:
-    /// @param budgeted there is budget.csv too @param probes fill their tables; they outlive this
+    /// @param budgeted also writes budget.csv @param probes must outlive this object
     /// @param from checkpoint to continue from: tables are truncated to it, probes restored; null for a new run
-    /// @throws EnvironmentError if a table is shorter than it was, or cannot be made; InputError as comparison_of()
+    /// @throws EnvironmentError if a table is shorter than at the checkpoint, or cannot be made; InputError as comparison_of()
     RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted, const Checkpoint* from);
-    /// Adds the rows of a frame. @param wall,cpu s since the start of the run
+    /// Adds the rows of a frame. @param wall,cpu times since the start of the run [s]
     void add_frame(int frame, const FrameSummary& summary, double wall, double cpu);
     void add_budget(const std::string& row) { tables_.at(budget).append(row); }
-    /// Writes probes/NAME.svg for each probe, of its current table.
+    /// Writes probes/NAME.svg for each probe, from its current table.
     void draw_plots() const;
-    /// Lengths of the tables and memories of the probes.
+    /// Stores the lengths of the tables and the states of the probes.
     void save(Checkpoint& state) const;
 
 private:
@@ -34,7 +34,7 @@ private:
     const Simulation& simulation_;
     std::map<std::string, Table> tables_;  ///< by their path in the run folder
     const NamedProbes& probes_;
-    std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe, as the run found them
+    std::vector<std::optional<Comparison>> comparisons_;  ///< data to compare each probe with, read at the start
 };
 
 }  // namespace whorl
