@@ -12,6 +12,7 @@
 #include "render/flow/cloud.h"
 #include "render/look/field_values.h"
 #include "render/surface/vdb.h"
+#include "tools/film/contact_sheet.h"
 
 namespace whorl {
 namespace {
