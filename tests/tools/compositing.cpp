@@ -133,9 +133,9 @@ TEST_CASE("unsupported settings of EXR and transparent images are reported at th
         CHECK_FALSE(fs::exists(scratch / "refused"));
     };
     refused({"output.format=tiff"}, "png or exr");
-    refused({"look.style=slice"}, "a slice that fills the picture is a diagram");
-    refused({"look.style=slice", "output.format=png", "look.background=transparent"}, "has nothing behind it");
-    refused({"look.background=transparent", "look.table=wood"}, "leaves the ground out");
+    refused({"look.style=slice"}, "a slice that fills the image has only the colours of a screen");
+    refused({"look.style=slice", "output.format=png", "look.background=transparent"}, "has no background");
+    refused({"look.background=transparent", "look.table=wood"}, "only the shadow on the ground is drawn");
     const Scratch panels(drop + "[[panel]]\nlabel = \"a\"\n[[panel]]\nlabel = \"b\"\n");
     const Outcome outcome = test::whorl({"render", panels.scene(), "--out", panels.run(), "--quiet"});
     CHECK(outcome.code == 2);

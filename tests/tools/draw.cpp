@@ -234,7 +234,7 @@ TEST_CASE("draw warns of a camera that shows nothing") {
     const Outcome away = test::whorl({"draw", run.string(), "--set", "camera.kind=fixed", "--set", "camera.position=[0, 0.02, 0.1]",
                                       "--set", "camera.target=[0, 0.02, 3]"});
     CHECK(away.code == 0);
-    CHECK_THAT(away.err, Catch::Contains("warning: camera: at"));
+    CHECK_THAT(away.err, Catch::Contains("warning: camera: from"));
 }
 
 TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {

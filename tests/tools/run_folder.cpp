@@ -49,7 +49,8 @@ TEST_CASE("a run in the folder is replaced with --overwrite only, and other file
                Catch::EndsWith("is a file, not a folder; its run is " + scratch.run() + "; the folder of a run, as in out/honey_coil\n"));
     CHECK_THAT(test::whorl({"resume", scratch.scene()}).err,
                Catch::EndsWith("is a file, not a folder; the folder of a run, as in out/honey_coil\n"));
-    CHECK_THAT(test::whorl({"render", scratch.scene(), "--out", ""}).err, Catch::Contains("--out: is empty; give a name, or leave it out"));
+    CHECK_THAT(test::whorl({"render", scratch.scene(), "--out", ""}).err,
+               Catch::Contains("--out: is empty; give a name, or remove the option"));
     CHECK(test::whorl({"video", scratch.run()}).code == 2);
 }
 

@@ -11,11 +11,11 @@
 namespace whorl {
 namespace {
 
-constexpr double least_part = 0.02;  ///< of the picture's height that the domain should take
+constexpr double least_part = 0.02;  ///< least diameter of the domain without a warning, as a part of the image's height
 
 std::string point(const Vec3f& x) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", x.x(), x.y(), x.z()); }
 
-/// Diameter of the ball around a box over the picture's height; 0: the ball lies outside of the picture.
+/// Diameter of the sphere around a box, divided by the height of the image; 0 if the sphere is outside the image.
 double part_of_picture(const View& view, double aspect, const Vec3d& low, const Vec3d& high) {
     const Vec3d ahead = (view.target - view.position).cast<double>().normalized(), to = 0.5 * (low + high) - view.position.cast<double>();
     const double radius = 0.5 * (high - low).norm(), away = to.norm();
@@ -43,17 +43,17 @@ std::vector<std::string> camera_warnings(const SceneFile& file) {
         const std::string when = still ? "" : fmt::format(" at {:g} s", time);
         const Vec3f ahead = view.target - view.position;
         if (ahead.norm() <= 1e-6f * (high - low).norm())
-            return {fmt::format("camera: it sits in its target, {}{}, and looks nowhere", point(view.target), when)};
+            return {fmt::format("camera: its position is its target, {}{}", point(view.target), when)};
         if (ahead.normalized().cross(view.up.normalized()).norm() < 1e-4f)
-            return {fmt::format("camera.up: the camera looks along what is up in the picture, {}{}: take another direction", point(view.up),
-                                when)};
+            return {fmt::format("camera.up = {}: the camera looks along it{}; set another direction", point(view.up), when)};
         const double part = part_of_picture(view, aspect, scene.domain.min, scene.domain.max);
         if (part == 0)
-            return {
-                fmt::format("camera: at {} it looks past the whole domain{}; {} is its middle", point(view.position), when, point(middle))};
+            return {fmt::format("camera: from {} it does not see the domain{}; the centre of the domain is {}", point(view.position), when,
+                                point(middle))};
         if (part < least_part)
-            return {fmt::format("camera: the domain is {:.2g} % of the picture's height, from {:.3g} m away{}; lengths are in metres",
-                                100 * part, (middle - view.position).norm(), when)};
+            return {
+                fmt::format("camera: the domain covers {:.2g} % of the image's height, seen from {:.3g} m away{}; lengths are in metres",
+                            100 * part, (middle - view.position).norm(), when)};
     }
     return {};
 }

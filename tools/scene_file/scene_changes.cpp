@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// The key of that name, also one that does not count now ("camera.position" before camera.kind = "fixed").
+/// A key by its path, even if it has no effect now ("camera.position" before camera.kind = "fixed").
 struct Found {
     const Key* key = nullptr;
     void* object = nullptr;
@@ -81,7 +81,7 @@ SceneFile changed(const SceneFile& file, const std::vector<KeyValue>& changes) {
         // Reading it again checks its consistency, and creates separate expressions.
         SceneFile fresh = read_resolved(resolved_toml(copy), std::filesystem::path(file.scene.directory) / "scene.toml");
         fresh.scene.directory = file.scene.directory;
-        for (auto& [key, place] : fresh.scene.places) place = file.scene.place(key);  // the text above is no file
+        for (auto& [key, place] : fresh.scene.places) place = file.scene.place(key);  // not in the resolved text
         for (const KeyValue& change : changes) fresh.scene.places[full_path(change.path)] = change.value.place;
         if (fresh.look.environment != file.look.environment) find_environment(fresh);
         return fresh;
@@ -142,7 +142,7 @@ Replay::Replay(const SceneFile& file) : now_(file), changes_(file.scene.changes)
         if (const auto models = changes_of_models(plan, next); !models.empty())
             throw InputError(trial.changes_[trial.made_ - 1].change.value.place,
                              "this change needs other models during the run: " + models[0].text(),
-                             "set " + models[0].path + " in the scene, to what suits the whole run");
+                             "set " + models[0].path + " in the scene, to a value for the whole run");
     });
 }
 

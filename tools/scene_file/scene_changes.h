@@ -1,5 +1,5 @@
 #pragma once
-/// Single keys of a scene that was read: listing them, changing them, and what changes while the scene runs.
+/// Keys of a scene that was read: lists them, changes them, and applies the changes during a run ([[change]]).
 #include <functional>
 #include <limits>
 #include <string>
@@ -13,37 +13,39 @@
 
 namespace whorl {
 
-/// Every key that counts in this scene, in the order of the resolved file. Valid while `file` lives; its changes are not among them.
+/// All keys that have an effect in this scene, in the order of the resolved file, without its [[change]] entries. They refer to `file`,
+/// which must outlive them.
 std::vector<UsedKey> used_keys(const SceneFile& file);
 
-/// The scene with all of the changes; shares nothing with `file` (expressions are not thread-safe).
-/// @throws InputError with all that is wrong
+/// The scene with all `changes` applied. It shares no expressions with `file`, because they are not thread-safe.
+/// @throws InputError with all problems
 SceneFile changed(const SceneFile& file, const std::vector<KeyValue>& changes);
 
-/// Differences of all sections except the scene's changes.
+/// Differences in all sections, except in the [[change]] entries.
 std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile& now);
 
-/// Keys that may not change during a run, with the reason, one line each; empty if all may.
+/// One line for each difference whose key may not change during a run; empty if all may.
 std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differences);
 /// Whether the simulation (not only the image) differs.
 bool decides(const SceneFile& before, const SceneFile& now);
 
-/// A scene with the [[change]] entries of time 0 made and taken out; the later ones stay. @param beat changes that beat those (--set)
-/// @throws InputError if any entry cannot be made, with its place
+/// The scene with the [[change]] entries of time 0 applied and removed; later entries stay. @param beat changes that override them (--set)
+/// @throws InputError with the location of an entry that cannot be applied
 SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyValue>& beat = {});
 
-/// A scene that changes while it runs: its [[change]] entries in the order of their times.
+/// Applies the [[change]] entries of a scene in the order of their times.
 class Replay {
 public:
-    /// Tries every change. @throws InputError if one is wrong, or cannot be made during the run
+    /// Checks all changes in advance. @throws InputError if one is invalid or cannot be made during the run
     explicit Replay(const SceneFile& file);
 
+    /// The scene with the changes so far.
     const SceneFile& now() const { return now_; }
-    /// s, of the next change that was not made; infinite if there is none
+    /// Time of the next change [s]; infinite if there is none
     double next() const;
-    /// Callback for each moment: simulation(scene, plan, time), called if the simulation differs from then on.
+    /// Callback simulation(scene, plan, time), called for each time at which the simulation changes.
     using Follow = std::function<void(const Scene&, const Plan&, double)>;
-    /// Makes all changes up to `time` [s], a moment after the other. @return whether there was any
+    /// Applies all changes up to `time` [s], those of the same time together. @return whether there were any
     bool apply_until(double time, const Follow& simulation);
 
 private:

@@ -27,20 +27,20 @@ std::vector<Section> sections_of(SceneFile& file) {
     return {{"surface", &surface_keys(), &file.surface}, {"camera", &camera_keys(), &file.camera}, {"look", &look_keys(), &file.look}};
 }
 
-/// Folders of shipped scenes: share/whorl/scenes next to the folder of an installed program, or in it. A build folder has a link there to
-/// those of the sources.
+/// Possible folders of shipped scenes: share/whorl/scenes next to the program's folder (if it is installed) or in it (in a build folder,
+/// which links to the scenes of the sources).
 std::vector<fs::path> scene_folders() try {
     const fs::path folder = program_path().parent_path(), scenes = fs::path("share") / "whorl" / "scenes";
     return {folder.parent_path() / scenes, folder / scenes};
 } catch (const EnvironmentError&) { return {}; }
 
-/// Sweeps over scenes lie in folders of their own: they are no scenes.
+/// Whether the file is a sweep, not a scene. Sweeps have separate folders.
 bool is_study(const fs::path& file) {
     const std::string folder = file.parent_path().filename().string();
     return folder == "tradeoff" || folder == "stability";
 }
 
-/// Scenes that ship, or with `studies` the sweeps that ship.
+/// Shipped scenes or, with `studies`, shipped sweeps.
 std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     std::vector<std::pair<std::string, fs::path>> found;
     for (const fs::path& folder : scene_folders()) {
@@ -54,7 +54,7 @@ std::vector<std::pair<std::string, fs::path>> shipped(bool studies) {
     return found;
 }
 
-/// The options that are keys of the scene, as changes to it. @throws InputError with all that cannot be read
+/// Changes of the scene's keys from the options. @throws InputError with all invalid options
 std::vector<KeyValue> changes_of(const Options& options) {
     std::vector<KeyValue> changes;
     std::vector<Problem> problems;
@@ -84,7 +84,7 @@ std::vector<KeyValue> changes_of(const Options& options) {
     return changes;
 }
 
-/// Settings of a quality in every scene; the scene's [quality] table adds to them.
+/// Keys that a quality sets in every scene, in addition to the scene's [quality] table.
 std::vector<KeyValue> presets_of(const std::string& quality) {
     const auto set = [&](const char* key, std::int64_t value) -> KeyValue {
         return {key, placed(Value(value), {"--quality " + quality, 0, 0})};
@@ -94,14 +94,14 @@ std::vector<KeyValue> presets_of(const std::string& quality) {
     return {};
 }
 
-/// A flow of two dimensions has no surface to draw, and no volume: it is shown as particles or as a slice.
+/// A 2D flow has no surface and no volume to draw: it is drawn as particles or as a slice.
 void check_plane_look(const SceneFile& file, const KeyProblems& report) {
     if (file.scene.domain.dimensions == 3) return;
     if (file.look.style != "particles" && file.look.style != "slice")
         report("look.style", "look.style = \"" + file.look.style + "\" needs three dimensions (domain.dimensions is 2)", "",
                "allowed: particles or slice");
     if (file.look.style == "slice" && file.look.slice_axis != "z")
-        report("look.slice_axis", "look.slice_axis: a flow of two dimensions (domain.dimensions) is the slice z = 0", "", "allowed: z");
+        report("look.slice_axis", "look.slice_axis: the slice of a 2D flow (domain.dimensions) is z = 0", "", "allowed: z");
 }
 
 /// @throws InputError if the image needs a field that the run will not have, or cannot be made
@@ -112,42 +112,42 @@ void check_look(const SceneFile& file) {
     if (file.camera.min.has_value() != file.camera.max.has_value()) {
         const auto [given, missing] = file.camera.min ? std::pair("camera.min", "camera.max") : std::pair("camera.max", "camera.min");
         report(given, fmt::format("{} is missing, the corner opposite to {}", missing, given),
-               "give both corners of the box, or neither: then a coarse run of the film finds it");
+               "set both corners of the box, or neither; a coarse run finds the box then");
     }
     for (int a = 0; a < file.scene.domain.dimensions && file.camera.kind == "auto" && file.camera.min && file.camera.max; ++a)
         if (const double low = (*file.camera.min)[a], high = (*file.camera.max)[a]; !(low < high))
             report("camera.max", fmt::format("camera.max: {:g} along {} is not above camera.min, {:g}", high, "xyz"[a], low), "",
-                   "corners of a box: each number of max above that of min");
-    if (file.camera.up.norm() == 0) report("camera.up", "camera.up has no length");
+                   "each number of camera.max above that of camera.min");
+    if (file.camera.up.norm() == 0) report("camera.up", "camera.up is zero");
     if (file.camera.kind == "keys" && file.camera.keys.empty())
-        report("camera.kind", "camera.kind = \"keys\" needs a [[camera.key]]", "give time and position of one or more");
+        report("camera.kind", "camera.kind = \"keys\" needs a [[camera.key]]", "add at least one, with time and position");
     if (!(file.surface.radius > file.surface.voxel))
         report(file.scene.places.count("surface.radius") > 0 ? "surface.radius" : "surface.voxel",
-               fmt::format("surface.radius = {:g} is not larger than surface.voxel = {:g}: between the voxels, particles would be lost",
+               fmt::format("surface.radius = {:g} is not larger than surface.voxel = {:g}, so particles between voxels would be lost",
                            file.surface.radius, file.surface.voxel),
                "use a smaller surface.voxel, or a larger surface.radius");
     const bool of_spin = file.look.field == "spin" || file.look.field == "spin_difference";
     if (shows_field(file.look) && of_spin && !traits_of(file.scene.models.micropolar).spins)
-        report("look.field", "look.field = \"" + file.look.field + "\" needs particles that spin",
+        report("look.field", "look.field = \"" + file.look.field + "\" needs a fluid with spin",
                "set models.micropolar, or show \"vorticity\"");
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
-        report("look.field", "look.field = \"ink\" needs fluid with ink", "give a [[block]], [[emitter]] or [[stream]] ink");
+        report("look.field", "look.field = \"ink\" needs fluid with ink", "set ink in a [[block]], [[emitter]] or [[stream]]");
     const bool exr = file.scene.output.format == "exr";
     if (file.look.style == "slice" && file.camera.kind == "auto" && (exr || is_transparent(file.look)))
         report(exr ? "output.format" : "look.background",
-               exr ? "output.format = \"exr\": a slice that fills the picture is a diagram, which has colours of screens only"
-                   : "look.background = \"transparent\": a slice that fills the picture has nothing behind it",
-               "give a [camera] that looks at the slice from somewhere");
+               exr ? "output.format = \"exr\": a slice that fills the image has only the colours of a screen"
+                   : "look.background = \"transparent\": a slice that fills the image has no background",
+               "set camera.kind to another value than \"auto\"");
     if (file.look.table != "none" && is_transparent(file.look))
         report("look.table",
-               "look.table = \"" + file.look.table + "\": a transparent look.background leaves the ground out, but for its shadow",
-               "leave one of them out");
+               "look.table = \"" + file.look.table + "\": with a transparent look.background, only the shadow on the ground is drawn",
+               "remove one of them");
     if (file.look.table != "none" && !file.look.ground)
-        report("look.table", "look.table = \"" + file.look.table + "\" needs a ground (look.ground is false)", "leave one of them out");
+        report("look.table", "look.table = \"" + file.look.table + "\" needs a ground (look.ground is false)", "remove one of them");
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file.scene.place("").file));
 }
 
-/// Streaks of a slice and the plates of a crust move with the particles, which need identities for it.
+/// Whether drawing needs the identities of particles: streaks of a slice and plates of a crust move with particles.
 bool tells_particles_apart(const SceneFile& file) {
     const auto shown = shown_fields(file.look);
     const auto& changes = file.scene.changes;
@@ -238,14 +238,14 @@ void find_environment(SceneFile& file) {
     if (picture.is_relative()) picture = fs::absolute(fs::path(file.scene.directory) / picture);
     if (!is_utf8(picture.native()))
         throw InputError(file.scene.place("look.environment"),
-                         "look.environment = \"" + picture.string() + "\" is not UTF-8, and the run's settings must be",
-                         "give the file or its folder another name");
+                         "look.environment = \"" + picture.string() + "\" is not UTF-8, but the settings of a run must be",
+                         "rename the file or its folder");
     try {
         read_environment(picture);
     } catch (const InputError& e) {
         throw InputError(file.scene.place("look.environment"),
                          "look.environment = \"" + picture.string() + "\": " + e.problems().front().what, "",
-                         "allowed: an OpenEXR picture (.exr)");
+                         "allowed: an OpenEXR image (.exr)");
     }
 }
 

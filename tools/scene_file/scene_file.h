@@ -1,5 +1,5 @@
 #pragma once
-/// A scene file as the options of the command line change it.
+/// Reads a scene file and applies the options of the command line.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace whorl {
 
-/// All that a scene file says: for the engine, and for the picture.
+/// Settings of a scene file: for the engine and for the images.
 struct SceneFile {
     Scene scene;
     SurfaceOptions surface;
@@ -23,33 +23,32 @@ struct SceneFile {
     LookOptions look;
 };
 
-/// Reads options.scene with the changes that --set, --quality, --until, --size, --fps, --seed, --export, --no-video and --no-images ask
-/// for.
-/// @throws InputError with all that is wrong, places and hints
+/// Reads options.scene and applies --with, --set, --quality, --until, --size, --fps, --seed, --export, --no-video and --no-images.
+/// @throws InputError with all problems, their locations and hints
 SceneFile read_scene_file(const Options& options);
-/// Reads a resolved scene back (resume, video).
+/// Reads a resolved scene (resume, video).
 SceneFile read_scene_file(const std::filesystem::path& file, const std::vector<std::string>& set = {});
-/// Reads a scene from its text, as stored in a checkpoint. @param file its name in messages; mesh files are found from its folder
+/// Reads a scene from its text, as stored in a checkpoint. @param file its name in messages; paths of meshes are relative to its folder
 SceneFile read_resolved(const std::string& text, const std::string& file);
-/// Finds the picture of the surroundings from the scene file's folder. @throws InputError at its key if it cannot be read
+/// Makes the path of look.environment absolute, relative to the scene file's folder, and reads the image as a check.
+/// @throws InputError with the location of the key if the image cannot be read
 void find_environment(SceneFile& file);
-/// The checksum of each mesh, picture and table that the scene names, by absolute path. @throws InputError if one cannot be read
+/// Checksums of the meshes, images and tables that the scene names, by absolute path. @throws InputError if one cannot be read
 std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file);
-/// scene.resolved.toml: every value used. Reading it back gives the same scene.
+/// Text of scene.resolved.toml, with every value in use. Reading it gives the same scene.
 std::string resolved_toml(const SceneFile& file);
 
-/// The scenes that ship, by name.
+/// Shipped scenes: name and path, sorted by name.
 std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
-/// The shipped scenes that are films, not scenes of studies.
+/// Names of the shipped scenes, except those of scenes/studies.
 std::vector<std::string> film_names();
-/// The file that `name` means: itself where it exists, else <name>.toml among the scenes that ship (installed share folder, or the source
-/// tree).
-/// @throws InputError with the nearest name
+/// Path of a scene: `name` itself if the file exists, otherwise <name>.toml among the shipped scenes (in the installed share folder or the
+/// source tree). @throws InputError with the nearest name
 std::filesystem::path find_scene(const std::string& name);
-/// find_scene() for a sweep (whorl tradeoff, whorl stability).
+/// As find_scene(), for the file of a sweep (whorl tradeoff, whorl stability).
 std::filesystem::path find_study(const std::string& name);
 
-/// The scene file's sections that are not the engine's: surface, camera, look. For the schema.
+/// Sections of a scene file outside the engine, for the schema: surface, camera, look.
 std::vector<Section> known_sections();
 
 }  // namespace whorl
