@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A task may take three times the predicted time and one and a half times the predicted memory, and some of both to begin.
+/// Limits of a task: 3 times the predicted time and 1.5 times the predicted memory, plus 600 s and 400 MB to start.
 constexpr double slack = 3, to_begin = 600, memory_slack = 1.5, memory_to_begin = 400e6;
 
 std::string program() { return program_path().string(); }
@@ -27,7 +27,7 @@ void add(FarmTask task, double seconds, double bytes, FarmStage& stage) {
     stage.bytes = std::max(stage.bytes, memory_slack * bytes + memory_to_begin);
 }
 
-/// @param scene a file that holds the whole of it
+/// Task that makes a run. @param scene file of the resolved scene
 FarmTask run_task(const std::string& name, const fs::path& scene, const fs::path& folder, const std::string& threads,
                   const std::vector<std::string>& more) {
     FarmTask task{name,
@@ -54,7 +54,7 @@ void add_panels(const std::string& threads, FarmFilm& film) {
                      threads, {}),
             e.film, e.memory, panels);
     }
-    // If a panel diverged, the frames that it has are filmed.
+    // If a panel diverged, the video shows the frames that exist.
     FarmStage gather{"gather", {}};
     gather.after_failures = true;
     add({film.file.scene.name, {program(), "resume", film.folder.string(), "--quiet", "--threads", threads}, {}, {}},

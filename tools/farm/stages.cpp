@@ -39,10 +39,10 @@ fs::path file_of(const FarmFilm& film, const FarmStage& stage, std::size_t task,
     return film.folder / "farm" / fmt::format("{}.{}.{}", stage.name, task, what);
 }
 
-/// A task without a checkpoint starts from the beginning.
+/// Writes the script that runs a task of the stage. A task whose run has no checkpoint starts from the beginning.
 void write_script(const FarmFilm& film, const FarmStage& stage, int threads) {
     std::string text = "#!/bin/bash\n# Runs one task of this stage: bash " + stage.name + ".sh NUMBER\n";
-    // The folder is kept from others while tasks wait (RunFolder).
+    // WHORL_FARM_TASK lets tasks use the run folder while the farm has locked the subfolder farm (RunFolder).
     text += fmt::format("task=${{1:-$SLURM_ARRAY_TASK_ID}}\nexport WHORL_FARM_TASK=1 OMP_NUM_THREADS={}\ncase $task in\n", threads);
     for (std::size_t k = 0; k < stage.tasks.size(); ++k) {
         const FarmTask& task = stage.tasks[k];
@@ -58,7 +58,7 @@ void write_script(const FarmFilm& film, const FarmStage& stage, int threads) {
     write_text(script_of(film, stage), text + "echo $code >\"$files.part\" && mv \"$files.part\" \"$files.code\"\nexit $code\n");
 }
 
-/// The exit status of a task that has ended.
+/// Exit status of a task; nothing if it has not ended.
 std::optional<int> code_of(const FarmFilm& film, const FarmStage& stage, std::size_t task) {
     std::ifstream in(file_of(film, stage, task, "code"));
     int code = 0;
@@ -66,7 +66,7 @@ std::optional<int> code_of(const FarmFilm& film, const FarmStage& stage, std::si
 }
 
 struct Tasks {
-    std::size_t ended = 0, done = 0;  ///< all that have ended; those that ended well
+    std::size_t ended = 0, done = 0;  ///< tasks that have ended; tasks that succeeded
 };
 Tasks tasks_of(const FarmFilm& film, const FarmStage& stage) {
     Tasks tasks;
@@ -75,7 +75,7 @@ Tasks tasks_of(const FarmFilm& film, const FarmStage& stage) {
     return tasks;
 }
 
-/// Whether the stage can start, by the results of the one before it.
+/// Whether the results of the previous stage allow the stage to begin.
 bool may_begin(const FarmFilm& film, std::size_t stage) {
     return stage == 0 || film.stages[stage].after_failures ||
            tasks_of(film, film.stages[stage - 1]).done == film.stages[stage - 1].tasks.size();
@@ -105,14 +105,13 @@ FarmEnd end_of(const FarmFilm& film, bool interrupted) {
                 return end;
             }
             const fs::path log = file_of(film, stage, k, "log");
-            const std::string how =
-                code ? fmt::format("ended with {}: {}", *code, last_lines(log)) : "was ended from outside (out of time or memory?)";
+            const std::string how = code ? fmt::format("ended with {}: {}", *code, last_lines(log)) : "was killed (out of time or memory?)";
             end.failures.push_back(fmt::format("{}, {}: {}; the full log: {}", stage.name, stage.tasks[k].name, how, log.string()));
         }
     return end;
 }
 
-/// One line: how many tasks of each stage have ended, of all films.
+/// Status line: how many tasks of each stage have ended, over all films.
 class FarmProgress {
 public:
     FarmProgress(const std::vector<FarmFilm>& films, bool quiet) : films_(films), line_(quiet) {}
@@ -136,34 +135,34 @@ private:
     std::string shown_;
 };
 
-/// Runs the film's tasks on this machine, one after the other. @return false: interrupted
+/// Runs the film's tasks on this machine, in sequence. @return false if interrupted
 bool run_here(const FarmFilm& film, const InterruptGuard& interrupt, FarmProgress& progress) {
     for (std::size_t s = 0; s < film.stages.size() && may_begin(film, s); ++s)
         for (std::size_t k = 0; k < film.stages[s].tasks.size(); ++k) {
             if (interrupt.interrupted()) return false;
             const pid_t task = start_program({"bash", script_of(film, film.stages[s]).string(), std::to_string(k)});
             for (bool sent = false; waitpid(task, nullptr, WNOHANG) != task; std::this_thread::sleep_for(std::chrono::milliseconds(20)))
-                if (interrupt.interrupted() && !std::exchange(sent, true)) kill(-task, SIGINT);  // a film saves its state
+                if (interrupt.interrupted() && !std::exchange(sent, true)) kill(-task, SIGINT);  // a run saves its state then
             progress.show();
         }
     return !interrupt.interrupted();
 }
 
-/// Output of one of Slurm's programs. @throws EnvironmentError with its output
+/// Runs a program of Slurm. @return its output @throws EnvironmentError, with the output, if it fails
 std::string said_by(const std::vector<std::string>& words) {
     try {
         ChildProcess child(words);
         const int code = child.wait();
         std::string text = child.output();
         while (!text.empty() && text.back() == '\n') text.pop_back();
-        if (code != 0) throw EnvironmentError(words[0] + " failed: " + text, "", "is Slurm running? call sinfo");
+        if (code != 0) throw EnvironmentError(words[0] + " failed: " + text, "", "check with sinfo that Slurm runs");
         return text;
     } catch (const std::system_error& error) {
-        throw EnvironmentError("cannot start " + words[0], error.what(), "go where Slurm's programs are, or farm with --on local");
+        throw EnvironmentError("cannot start " + words[0], error.what(), "use a machine with Slurm, or --on local");
     }
 }
 
-/// Submits all stages of the film as job arrays; Slurm begins each after the one before it, and drops those that cannot begin.
+/// Submits all stages of the film as job arrays. Slurm starts each after the previous one, and cancels those that cannot begin.
 /// @return the jobs: "7,8,9"
 std::string submit(const FarmFilm& film, const FarmOptions& options) {
     std::string jobs, before;
@@ -187,14 +186,14 @@ std::string submit(const FarmFilm& film, const FarmOptions& options) {
         words.push_back(script_of(film, stage).string());
         const std::string said = said_by(words);
         before = slurm_job(said);
-        if (before.empty()) throw EnvironmentError("sbatch names no job: " + said, "", "is Slurm running? call sinfo");
+        if (before.empty()) throw EnvironmentError("sbatch printed no job number: " + said, "", "check with sinfo that Slurm runs");
         jobs += (jobs.empty() ? "" : ",") + before;
         write_text(film.folder / "farm" / "jobs.txt", jobs + "\n");
     }
     return jobs;
 }
 
-/// @return false: interrupted
+/// Submits all films and waits until they have ended or Slurm has no more jobs of them. @return false if interrupted
 bool run_on_slurm(const std::vector<FarmFilm>& films, const FarmOptions& options, const InterruptGuard& interrupt, FarmProgress& progress) {
     std::string jobs;
     for (const FarmFilm& film : films) jobs += (jobs.empty() ? "" : ",") + submit(film, options);
@@ -204,8 +203,9 @@ bool run_on_slurm(const std::vector<FarmFilm>& films, const FarmOptions& options
             fmt::print(stderr, "\nwhorl: the jobs {0} continue; scancel {0} ends them\n", jobs);
             return false;
         }
-        // Files may come later than the end of their job; Slurm is asked seldom.
-        if (polls % 10 == 9) gone = slurm_jobs_live(jobs) ? 0 : gone + 1;  // it may be that it cannot be asked just now
+        // Every 3 s, so as not to burden Slurm. It gives up only after 3 queries, because files may appear after their job has ended, and
+        // a query may fail.
+        if (polls % 10 == 9) gone = slurm_jobs_live(jobs) ? 0 : gone + 1;
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
     progress.show();
@@ -217,13 +217,12 @@ bool run_on_slurm(const std::vector<FarmFilm>& films, const FarmOptions& options
 void check_farm(const FarmOptions& options) {
     if (options.on != "local" && options.on != "slurm") {
         const std::string near = nearest_name(options.on, {"local", "slurm"});
-        throw InputError({"--on " + options.on, 0, 0}, "unknown place", near.empty() ? "" : "did you mean \"" + near + "\"?",
+        throw InputError({"--on " + options.on, 0, 0}, "unknown location", near.empty() ? "" : "did you mean \"" + near + "\"?",
                          "allowed: local or slurm");
     }
     if (options.on == "slurm") said_by({"sbatch", "--version"});
     else if (!options.sbatch.empty() || options.jobs > 0)
-        throw InputError({options.jobs > 0 ? "--jobs" : "--sbatch", 0, 0}, "has no effect on this machine",
-                         "add --on slurm, or leave it out");
+        throw InputError({options.jobs > 0 ? "--jobs" : "--sbatch", 0, 0}, "has no effect with --on local", "add --on slurm, or remove it");
 }
 
 std::vector<FarmEnd> make_films(const std::vector<FarmFilm>& films, const FarmOptions& options, const InterruptGuard& interrupt) {
