@@ -15,10 +15,11 @@ def theory_rows():
 
 
 def coil(m, row, spacing, turns=7):
-    """The last row of the probe of a coil on a plate, and the run."""
+    """Last row of the coil probe, and the run, for a coil on a plate. @param row of coil_theory.csv"""
     c = theory_rows()[row]
     f, R, down = c["frequency"], c["radius"], c["fall"] / c["speed"]  # `down` is an upper bound for the time of the fall
-    # The plate circles until the thread has been down for 1.5 turns; laid thread is removed after 0.6 of a turn.
+    # The plate moves on a circle of the coil's radius, which shrinks to 0 between 0.5 and 1.5 turns after `down`. The drain removes laid
+    # thread after 0.6 of a turn.
     circle, phase = f"{R:.6g}*max(0, min(1, ({down + 1.5 / f:.6g}-t)*{f:.6g}))", f"({2 * math.pi * f:.6g}*t)"
     run = m.render("scenes/studies/coil_on_plate.toml", f"coils/row{row}-{spacing:g}-{turns}", f"fluid.spacing={spacing:g}",
                    f"fluid.viscosity={1000 * c['viscosity']:g}", f"emitter[0].speed={c['speed']:g}",
@@ -28,7 +29,7 @@ def coil(m, row, spacing, turns=7):
 
 
 def against(p, expected, digits=(3, 2)):
-    """Cells of frequency and radius: measured, +-, in theory, off by."""
+    """Cells of frequency [Hz] and radius [mm]: measured, uncertainty, theory, relative difference."""
     cells = []
     for name, unit, n in (("frequency", 1, digits[0]), ("radius", 1e3, digits[1])):
         value, spread, exact = (unit * x for x in (p[name], p[f"{name}_uncertainty"], expected[name]))
@@ -37,7 +38,7 @@ def against(p, expected, digits=(3, 2)):
 
 
 def coil_table(m, cases):
-    """@param cases row, spacing, turns"""
+    """Table of coils compared with theory. @param cases tuples (row of coil_theory.csv, spacing [m], turns)"""
     rows = []
     for row, spacing, turns in cases:
         c = theory_rows()[row]
@@ -61,16 +62,16 @@ def coils(m):
 fine_turns = {2: 7, 5: 6, 7: 7, 8: 7, 9: 7, 13: 7, 14: 7}
 
 
-@table("coils_fine", "seven of them at 1.25 mm", "half an hour")
+@table("coils_fine", "seven of the coils on a plate, 1.25 mm, compared with slender-thread theory", "half an hour")
 def coils_fine(m):
     return coil_table(m, [(row, 1.25e-3, turns) for row, turns in fine_turns.items()])
 
 
-@table("coils_laid_speed", "speed and thickness of the laid thread", "nothing after coils and coils_fine")
+@table("coils_laid_speed", "speed and thickness of the laid thread", "no time after coils and coils_fine")
 def coils_laid_speed(m):
     rows = []
     for row, c in theory_rows().items():
-        laid = 2 * math.pi * c["radius"] * c["frequency"]  # in theory the speed of the thread at the contact
+        laid = 2 * math.pi * c["radius"] * c["frequency"]  # theoretical speed of the thread at the contact
         slenderness = 5e-3 * math.sqrt(c["speed"] / laid) / c["radius"]
 
         def excess(spacing, turns):
@@ -84,7 +85,7 @@ def coils_laid_speed(m):
     return markdown("row | a/R | 2 pi R f over U1, less 1, at 2 mm | at 1.25 mm | over (a/R)^2, at 2 mm", rows)
 
 
-@table("coils_on_heap", "a coil on its own heap, the plate sinking, by spacing", "4 minutes")
+@table("coils_on_heap", "a coil on its own heap on a sinking plate, by spacing", "4 minutes")
 def coils_on_heap(m):
     rows = []
     for spacing in (2.5e-3, 2e-3):
@@ -112,7 +113,8 @@ def honey_coil_qualities(m):
     return markdown("quality | seed | fall [mm] | frequency [Hz] | +- | theory | off | radius [mm] | +- | theory | off | CPU s", rows)
 
 
-@table("coil_convergence", "row 2 by spacing: frequency and radius over theory", "15 minutes", files="docs/pictures/coil_convergence.svg")
+@table("coil_convergence", "frequency and radius over theory by spacing, for row 2 of coils", "15 minutes",
+       files="docs/pictures/coil_convergence.svg")
 def coil_convergence(m):
     points, c = [], theory_rows()[2]
     for spacing in (2.5e-3, 2e-3, 1.5e-3, 1.25e-3):
@@ -156,9 +158,11 @@ def falling_thread(m):
 
 
 def sewing_patterns(m, ratios, spacing):
-    """The pattern follows from the thread's swing above the belt in the last 2 s: coils if it swings along the belt (x) as
-    often as across it (z), else loops if it runs back relative to the belt, and meanders if it does not."""
-    landing, rows = 0.240, []  # m/s, in theory: the thread lands 1.02 times as thick as it leaves the nozzle
+    """Table of the pattern at each ratio of belt speed V to landing speed Uc, from the thread's centroid above the belt in the last 2 s:
+
+    straight if its standard deviation across the belt (z) is at most 1 mm; coils if its frequencies along (x) and across the belt agree
+    within 15 %; loops if at some time it moves in the belt's direction faster than V; otherwise meanders."""
+    landing, rows = 0.240, []  # m/s, in theory; there the thread is 1.02 times as thick as at the nozzle
     for ratio in filter(m.wanted, ratios):
         V = ratio * landing
 
@@ -185,6 +189,6 @@ def sewing_machine(m):
     return sewing_patterns(m, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2], 2.5e-3)
 
 
-@table("sewing_machine_coarse", "the same with 1.5 particles across the nozzle's radius, five speeds", "5 minutes")
+@table("sewing_machine_coarse", "the pattern of a thread on a belt with 1.5 particles across the nozzle's radius, five speeds", "5 minutes")
 def sewing_machine_coarse(m):
     return sewing_patterns(m, [0.2, 0.4, 0.6, 0.8, 1.1], 3.3e-3)

@@ -14,7 +14,7 @@ note_2, note_3 = "scenes/studies/published_pressure.toml", "scenes/studies/notes
 
 
 def viscosity(m):
-    """A free rotating cylinder of syrup; the exact energy left is 0.985 because of its strain."""
+    """A free rotating cylinder of syrup, which strains: exactly 0.985 of its energy is left."""
     rows = []
     for words, settings in (("as printed", [printed, "models.viscosity=full_assembled"]),
                             ("V_i in the Jacobian, load T", ["models.viscosity=full_assembled", "viscosity.penalty=0"]),
@@ -49,7 +49,7 @@ def pressure(m):
 
 
 def free_ball(m, end):
-    """A free rotating ball of the third note's fluid, without weight."""
+    """Scene file of a free, weightless, rotating ball of the third note's fluid."""
     scene = read_scene(note_3)
     return m.toml_file(f"departures/ball-{end}", {
         **scene, "name": "ball", "time": {"end": end, "fps": 10}, "fluid": {**scene["fluid"], "spacing": 0.2},
@@ -87,7 +87,7 @@ def energy_budget(m):
     rows = []
 
     def parts(d):
-        """Energies of flow and spin, dissipation by viscosity, exchange and XSPH, and other work, over the initial energy."""
+        """Flow energy, spin energy, dissipation (viscosity, exchange and XSPH) and other work, each over the initial energy."""
         taken = d["viscous_dissipation"] + d["exchange_dissipation"] + d["smoothing_dissipation"]
         work = d["pressure_work"] + d["moves_work"]
         return [part / d["kinetic_energy"][0] for part in (d["kinetic_energy"], d["spin_energy"], taken, work)]

@@ -20,7 +20,7 @@ class Found:
     """Results of an experiment: rows of the table, and a plot."""
 
     rows: list = field(default_factory=list)  # (quantity with unit, published, measured)
-    draw: Callable | None = None  # of axes
+    draw: Callable | None = None  # draw(axes)
 
     def add(self, quantity, published, measured):
         self.rows.append((quantity, published, measured))
@@ -44,7 +44,7 @@ class Experiment:
     scene: str
 
     def render(self, m):
-        """The runs by variant."""
+        """Renders every variant: {variant: run}."""
         runs = {}
         for variant, settings in self.variants.items():
             scene = self.scene.format(variant)
@@ -54,8 +54,8 @@ class Experiment:
 
 
 def experiment(name, variants={None: ()}, scene=None):
-    """Decorator of a function that fills a Found: from the run of the scene, or from the runs of all variants by variant.
-    @param variants settings by variant @param scene if its name is not the experiment's; {} in it is the variant"""
+    """Decorator: registers measure(found, run), or measure(found, {variant: run}) if there are variants. It fills `found`.
+    @param variants {variant: settings} @param scene name of the scene file if it differs from `name`; {} is replaced by the variant"""
 
     def register(measure):
         experiments[name] = Experiment(measure, variants, scene or name)
@@ -79,23 +79,23 @@ def spacing(one):
 
 
 def force(one, name, axis):
-    """Time and force of the fluid on a solid along an axis, mean since the last row [N]."""
+    """Times [s] of a probe's rows, and force of the fluid on the solid along an axis [N], mean since the previous row."""
     probe = one.table(f"probes/{name}.csv")
     return probe["time"], sum(probe[f"{kind}_{axis}"] for kind in ("pressure", "viscous", "contact"))
 
 
 def between(time, values, start, end):
-    """Mean over a span of time."""
+    """Mean of values between two times."""
     return values[(time >= start) & (time <= end)].mean()
 
 
 def depth(particles, x, width, d):
-    """Depth of water in a column of that width: the area of its particles over the width."""
+    """Depth of water at x [m]: area of the particles in a column of this width, divided by the width. @param d spacing"""
     return (np.abs(particles["x"] - x) < width / 2).sum() * d**2 / width
 
 
 def swing(time, values, omega):
-    """Amplitude of the fundamental of a signal: least squares together with a drifting level and the second harmonic."""
+    """Amplitude of the fundamental of a signal, fitted by least squares together with the second harmonic and a linear drift."""
     waves = [f(k * omega * time) for k in (1, 2) for f in (np.cos, np.sin)]
     found, *_ = np.linalg.lstsq(np.stack([*waves, np.ones_like(time), time], axis=1), values, rcond=None)
     return math.hypot(found[0], found[1])
@@ -110,7 +110,7 @@ def digits(value):
 def laboratory(m):
     unknown = [name for name in m.only if name not in experiments and "*" not in name]
     if unknown:
-        raise MeasureError(f"no experiment {unknown[0]}; there are {', '.join(experiments)}")
+        raise MeasureError(f"no experiment {unknown[0]}; use one of {', '.join(experiments)}")
     measured = {}
     for name, one in experiments.items():
         if not m.wanted(name):

@@ -15,11 +15,11 @@ both_models = {"coupled": coupled, "ppe and full": split}
 def die_swell(found, runs):
     lines = []
     for (shape, one), ratio, style in zip(runs.items(), (1.186, 1.127), ("C0-", "C1-")):
-        places = np.arange(0.5, 2.6, 0.1)  # from the end of the die, in its widths
+        places = np.arange(0.5, 2.6, 0.1)  # distances from the end of the die, in die widths
         *_, (_, p) = snapshots(one)
         width = 0.01
         ratios = []
-        for x in places:  # the piston's speed over that of the jet
+        for x in places:  # area of the jet over that of the die = piston speed over jet speed
             here = np.abs(p["x"] - x * width) < 0.15 * width
             area = 0.02 / np.hypot(p["velocity_x"], p["velocity_y"])[here].mean() if here.sum() > 10 else math.nan
             ratios.append(area if shape == "plane" else math.sqrt(area))
@@ -30,7 +30,7 @@ def die_swell(found, runs):
 
 @experiment("folding_sheet", {viscosity: [f"fluid.viscosity={viscosity}"] for viscosity in (50, 100, 200)})
 def folding_sheet(found, runs):
-    """Folds from the position of the sheet 45 mm below the slot, and its thickness and speed there."""
+    """Frequency of folding, thickness and speed of the sheet, all from the particles 45 mm below the slot."""
     sheet, lines = published("folding_sheet"), []
     for (viscosity, one), *exact, style in zip(runs.items(), sheet["frequency"], sheet["thickness"], sheet["speed"], ("C0-", "C1-", "C2-")):
         d, rows = spacing(one), []

@@ -10,7 +10,7 @@ g, rho = theory.gravity, 1000
 
 
 def arrival(T, p, enough=0.05):
-    """The first time at which a signal passes `enough`."""
+    """First time at which a signal exceeds `enough`."""
     return T[int(np.argmax(p > enough))]
 
 
@@ -64,7 +64,7 @@ def column_square(found, runs):
 def square_post(found, one):
     curve = published("square_post")
     t, F = force(one, "force", "x")
-    F = 2 * F  # of the whole post
+    F = 2 * F  # on the whole post: the scene contains one half
     found.add("impact (force of 5 N), s", np.interp(5, curve["force"][:8], curve["time"][:8]), arrival(t, F, 5))
     found.add("mean force .5 to .7 s, N", between(curve["time"], curve["force"], 0.5, 0.7), between(t, F, 0.5, 0.7))
     later = t[1] - t[0]
@@ -94,7 +94,7 @@ def wavemaker(found, runs):
         places, d = (1.0, 3.0), spacing(one)
         time, depths = zip(*((t, [depth(p, x, 6 * d, d) for x in places]) for t, p in snapshots(one)))
         time, heights = np.array(time), []
-        for x, values in zip(places, np.array(depths).T):  # when the front has passed with two periods, until its reflection comes back
+        for x, values in zip(places, np.array(depths).T):  # from two periods after the front has passed to the return of its reflection
             steady = (time > x / group + 2 * period) & (time < (10 - x) / group)
             heights.append(2 * swing(time[steady], values[steady], omega))
         points.append((k * h, heights[0] / 0.03, heights[1] / 0.03))
@@ -158,7 +158,7 @@ def jet_on_plate(found, runs):
 def wedge_entry(found, one):
     V = 5
     t, F = force(one, "force", "y")
-    F = 2 * F  # of both sides
+    F = 2 * F  # on both sides: the scene contains one
     rise = 14.139 * rho * V**3
     for start, end in ((0, 0.02), (0.02, 0.04)):
         found.add(f"mean force {1e3 * start:.0f} to {1e3 * end:.0f} ms, N/m", rise * (start + end) / 2, between(t, F, start + 1e-4, end + 1e-4))

@@ -17,11 +17,11 @@ import numpy as np
 from .registry import MeasureError, markdown, table
 from .runs import words_of
 
-counts = (2500, 5000)  # particles; each row is measured from .8 to 1.2 of its count
+counts = (2500, 5000)  # particles; a row is measured while the run has 0.8 to 1.2 times its count
 columns = ("particles | real time | images per second | interval, ms | 95th percentile, ms | CPU of simulation, ms per second | of images | "
            "of the browser")
 changes = {"look.exposure": (1.3, 1.0), "fluid.viscosity": (1200, 1000)}  # alternately
-tries = 24  # of each
+tries = 24  # per key of `changes`
 change_columns = "change | delay to the image, ms | 95th percentile, ms"
 
 
@@ -33,7 +33,7 @@ class Picture:
 
 
 class Viewer(threading.Thread):
-    """Receives the images as a page does."""
+    """Receives the images of a live run as its page does."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -66,7 +66,7 @@ def process_cpu(process):
         try:
             with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as stat:
                 values = stat.read().rpartition(")")[2].split()
-        except OSError:  # it ended
+        except OSError:  # the process ended
             continue
         children[int(values[1])].append(int(name))
         own[int(name)] = sum(map(int, values[11:13])) / os.sysconf("SC_CLK_TCK")
@@ -133,7 +133,7 @@ class Session:
             if rows[-1][2]["particles"] > particles:
                 return rows
             time.sleep(0.2)
-        raise MeasureError(f"the live run did not come to {particles:.0f} particles within 240 s")
+        raise MeasureError(f"the live run did not reach {particles:.0f} particles within 240 s")
 
     def seconds_until_seen(self, key, value):
         kind = "look" if key.startswith(("look.", "camera.")) else "fluid"
@@ -144,7 +144,7 @@ class Session:
                 if picture.revision[kind] >= revision:
                     return picture.came - began
             time.sleep(0.002)
-        raise MeasureError(f"no picture showed {key} = {value} within 10 s")
+        raise MeasureError(f"no image showed {key} = {value} within 10 s")
 
 
 def row_of(count, rows, pictures):
@@ -180,7 +180,7 @@ def live(m):
     shutil.rmtree(folder, ignore_errors=True)
     with Session(m, growing) as session:
         rows = session.states(1.2 * counts[-1])
-        m.say(f"at the end it said: {rows[-1][2].get('pace') or 'nothing'}")
+        m.say(f"pace reported at the end: {rows[-1][2].get('pace') or 'none'}")
     pace = markdown(columns, [row_of(count, rows, session.viewer.pictures) for count in counts])
     shutil.rmtree(folder, ignore_errors=True)
     with Session(m, changing) as session:

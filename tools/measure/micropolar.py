@@ -18,7 +18,8 @@ def curls(m):
 
 
 def three_runs(m, scene, frames, spin, finer):
-    """Energy and energy across [J/kg] and enstrophy [1/s^2] of every frame: coarse, coarse with spin, fine. nan where a run has diverged."""
+    """Rows per frame of three runs (coarse, coarse with spin, fine): energy and its part across the stream [J/kg], enstrophy [1/s^2].
+    Values after a run has diverged are nan."""
     spinning = ["models.micropolar=notes", "micropolar.xsph_spin=0", "micropolar.xsph_velocity=0", *spin]
     everywhere = {"name": "flow", "kind": "flow", "min": [-9, -9, -9], "max": [9, 9, 9]}
     overlay = m.toml_file("refinement/probe", {"probe": [everywhere], "output": {"export": ["points"]}})
@@ -37,7 +38,7 @@ def three_runs(m, scene, frames, spin, finer):
     return found
 
 
-@table("refinement", "a Taylor-Green vortex in three dimensions: coarse, with spin, fine", "3 minutes")
+@table("refinement", "a Taylor-Green vortex in 3D: coarse, with spin, fine", "3 minutes")
 def refinement(m):
     three = three_runs(m, "vortex_box", 8, ["micropolar.transfer_viscosity=0.8", "micropolar.micro_inertia=2.5e-4"],
                        ["fluid.spacing=0.03125"])
@@ -51,7 +52,7 @@ def refinement_street(m):
     three = three_runs(m, "cylinder_street", 16, ["micropolar.transfer_viscosity=0.024", "micropolar.micro_inertia=4e-6"],
                        ["fluid.spacing=1.66666e-3", "domain.max=[0.22,0.045,0.0066667]", "block[0].max=[0.22,0.04,0.0066667]"])
     rows = []
-    for k in range(0, 16, 4):  # means of half a second, about one and a half vortices
+    for k in range(0, 16, 4):  # means over half a second, in which about 1.5 vortices are shed
         mean = [{name: sum(row[name] for row in run[k:k + 4]) / 4 for name in run[k]} for run in three]
         rows.append([f"{k / 8:.1f} to {k / 8 + 0.5:.1f}", *(f"{1e3 * run['across']:.3f}" for run in mean),
                      *(f"{run['enstrophy']:.0f}" for run in mean)])
@@ -70,7 +71,7 @@ def towed_post(m):
     return markdown("t [s] | energy [mJ/m]: coarse | with spin | fine | enstrophy [1/s^2]: coarse | with spin | fine", rows)
 
 
-@table("spin_cost", "CPU ns per particle-step with spin, without, and without viscosity, a hundred thousand particles", "1 minute")
+@table("spin_cost", "CPU ns per particle-step of 100,000 particles: with spin, without spin, without spin and viscosity", "1 minute")
 def spin_cost(m):
     rows = []
     for words, panel in zip(("with spin (`notes`)", "without spin", "without viscosity, too"),
@@ -86,18 +87,18 @@ def bessel(n, x):
     """Modified Bessel function I_n of the first kind."""
     angle = np.linspace(0, math.pi, 2001)
     part = np.exp(np.multiply.outer(x, np.cos(angle))) * np.cos(n * angle)
-    return (part.sum(-1) - (part[..., 0] + part[..., -1]) / 2) / (len(angle) - 1)  # a trapezium rule of a smooth periodic function
+    return (part.sum(-1) - (part[..., 0] + part[..., -1]) / 2) / (len(angle) - 1)  # trapezium rule; the integrand is smooth and periodic
 
 
 def spin_up_flow(a, kappa, g, torque, radius, r):
-    """Steady (u, w) at r in a round vessel whose wall holds the spin (docs/physics.md 8)."""
+    """Steady speed u and spin w at r in a round vessel with zero spin at the wall (docs/physics.md 8)."""
     m = math.sqrt(kappa * (2 * a - kappa) / (a * g))
     at_wall, slope = bessel(0, m * radius), bessel(1, m * radius)
     W = a * torque / (kappa * (2 * a - kappa * 2 * slope / (m * radius * at_wall)))
     return kappa * W / (a * m * at_wall) * (slope * r / radius - bessel(1, m * r)), W * (1 - bessel(0, m * r) / at_wall)
 
 
-@table("spin_up", "fluid that a torque on its particles turns in a round vessel, against Bessel functions", "2 minutes")
+@table("spin_up", "fluid in a round vessel, turned by a torque on its particles, compared with Bessel functions", "2 minutes")
 def spin_up(m):
     rows, a, kappa, radius, torque, length = [], 1.2e-4, 6e-5, 0.032, 4e-3, 5.5e-3
     for wall in ("solid", "free"):
@@ -105,7 +106,7 @@ def spin_up(m):
             run = m.render("spin_up", f"spin_up/{wall}-{across}", "panel=[]", f"micropolar.wall_spin={wall}", f"fluid.spacing={2 * radius / across:.9g}",
                            "time.fps=1")
             d = run.table("probes/radius.csv")
-            end = ~(d["time"] < d["time"][-1])  # in a dry run all
+            end = ~(d["time"] < d["time"][-1])  # in a dry run: all rows
             u, w = spin_up_flow(a, kappa, a * length**2, torque, radius, d["s"][end])
             exact_w = w if wall == "solid" else np.full_like(w, torque / (2 * kappa))
             off = d["velocity_y"][end] - (u if wall == "solid" else 0)

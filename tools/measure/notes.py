@@ -1,4 +1,4 @@
-"""The systems of the source papers as they print them: density as source, full viscosity, micropolar system, gate."""
+"""The systems as printed in the source papers: density as source, full viscosity, micropolar system, gate."""
 import math
 
 import numpy as np
@@ -11,7 +11,7 @@ from .vortices import spinning
 pi = math.pi
 
 
-@table("published_viscosity", "decay of a wave under the full viscosity without and with corrected gradients", "1 minute")
+@table("published_viscosity", "decay of a shear wave with full viscosity, by support, uncorrected and with corrected gradients", "1 minute")
 def published_viscosity(m):
     rows, nu = [], 0.1
     for support in (2, 2.5, 3, 4):
@@ -27,7 +27,7 @@ def published_viscosity(m):
     return markdown("support | uncorrected, 16 a wave | 32 | corrected gradients, 16 a wave | 32", rows)
 
 
-@table("published_pressure", "water at rest with the density as source, by share of correction and cycle", "3 minutes")
+@table("published_pressure", "water at rest with the density as source, by share of the correction and multigrid cycle", "3 minutes")
 def published_pressure(m):
     rows, depth = [], 0.2
     for correction in (0.1, 1):
@@ -64,7 +64,7 @@ def notes_vortices(m):
     return markdown("curl u | curl w | brookshaw, no XSPH | with XSPH | monaghan, no XSPH | with XSPH", rows)
 
 
-@table("gate", "a sheet of water that falls onto a floor, with the gate at solids and without", "1 minute")
+@table("gate", "a sheet of water that falls onto a floor, with and without the gate at solids", "1 minute")
 def gate(m):
     rows, spacing, frames = [], 0.01, 500
     both = m.render("scenes/studies/gate.toml", "notes/gate", f"time.fps={frames}", options=["--export", "points"])
@@ -76,7 +76,7 @@ def gate(m):
             continue
         heights = [np.sort(run.points(k + 1)[:, 1]) / spacing for k in range(frames + 1)]
         lowest = np.array([h[0] for h in heights])
-        fall = d["momentum_y"] / d["momentum_y"][1] * d["time"][1]  # the time of a free fall with as much momentum
+        fall = d["momentum_y"] / d["momentum_y"][1] * d["time"][1]  # time in which a free fall gains this momentum
         felt = lowest[np.argmax(fall < 0.98 * d["time"])]
         rest = np.mean([h[h < h[0] + 0.5].mean() for h in heights[-frames // 10:]])
         rows.append([words, f"{felt:.2f} d", f"{lowest.min():.2f} d", f"{rest:.2f} d", f"{d['max_speed'][-1]:.3f}"])

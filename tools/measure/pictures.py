@@ -21,7 +21,7 @@ def picture_over_plate(m):
         "time": {"end": 0.01},
         "domain": {"min": [-0.3, -0.1, -0.3], "max": [0.3, 0.2, 0.7]},
         "fluid": {"spacing": 5e-3, "viscosity": 10},
-        "emitter": [{"position": [0, 0.05, 0.6], "radius": 0.02, "speed": 0.2, "start": 5}],  # behind the camera, and not yet open
+        "emitter": [{"position": [0, 0.05, 0.6], "radius": 0.02, "speed": 0.2, "start": 5}],  # behind the camera, closed until 5 s
         "solid": [{"shape": "plane", "position": ["0", "-0.068", "0"], "normal": [0, 1, 0]},
                   {"shape": "sphere", "position": ["0.13", "-0.033", "-0.12"], "radius": 0.035, "material": "wood"},
                   {"shape": "box", "min": [-0.19, -0.068, -0.16], "max": [-0.12, 0.002, -0.09], "material": "rock"}],
@@ -70,7 +70,7 @@ gallery_scenes = {
 }
 
 
-# Runs keep both cores busy, so their duration is half of their processor time, however busy the measuring machine is.
+# Runs keep both cores busy. So half of a run's CPU time is its duration on an idle machine, even if other programs delay the measured run.
 cores = 2
 
 
@@ -95,12 +95,12 @@ def whole_film(m, scene, quality=None):
     return m.render(scene, name, threads=cores, images=True, options=["--quality", quality or gallery_scenes[scene][2]])
 
 
-# Whole runs at fine whose time is compared with the plan.
+# Scenes whose whole run at fine is measured, for comparison with the plan.
 fine_films_run = ("dripping_syrup", "spin_up", "honey_ball")
 
 
 @table("fine_films", "time of each scene's run at fine, predicted by the plan, and measured for three of them",
-       "10 minutes and 15 for the three films", files="docs/studies/fine_films.csv", keeps_rows=True)
+       "10 minutes, and 15 for the three whole runs", files="docs/studies/fine_films.csv", keeps_rows=True)
 def fine_films(m):
     file, columns = "docs/studies/fine_films.csv", ["scene", "how", "simulation", "surface", "drawing"]
     rows = {(r["scene"], r["how"]): r for r in read_rows(m.into / file)} if (m.into / file).exists() else {}
@@ -125,7 +125,7 @@ def fine_films(m):
     return markdown(columns, cells)
 
 
-@table("gallery", "one frame of every scene", "1 to 5 minutes a scene, unless films is measured already", files="docs/pictures/gallery",
+@table("gallery", "one frame of every scene", "1 to 5 minutes per scene that `films` has not run", files="docs/pictures/gallery",
        section=False)
 def gallery(m):
     for scene, (_, moment, _) in gallery_scenes.items():
@@ -137,7 +137,7 @@ def gallery(m):
 
 
 def film(m, scene, row):
-    """A cell of the README's gallery, with the predicted time if the run has not been measured."""
+    """A cell of the README's gallery, with the measured time, or the predicted one if `row` is empty."""
     words, _, quality = gallery_scenes[scene]
     if row:
         minutes = number(row["minutes"])
@@ -148,8 +148,7 @@ def film(m, scene, row):
     return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
 
 
-@table("guide_pictures", "the last frame of every complete scene that a page of docs/guide prints and shows, and the plots of its probes",
-       "1 minute a scene",
+@table("guide_pictures", "the last frame and the probe plots of the scenes printed in docs/guide", "1 minute per scene",
        files="docs/pictures/guide", section=False)
 def guide_pictures(m):
     for page in sorted((m.into / "docs/guide").glob("*.md")):
@@ -161,7 +160,7 @@ def guide_pictures(m):
                 write_file(folder / name, body.encode())
         scene = None
         for name in (file[:-5] for file in files if file.endswith(".toml")):
-            whole = "[time]" in files[f"{name}.toml"]  # otherwise it is laid over the complete scene before it
+            whole = "[time]" in files[f"{name}.toml"]  # otherwise it changes the complete scene before it
             scene = folder / f"{name}.toml" if whole else scene
             if f"pictures/guide/{name}.jpg" in text and m.wanted(name):
                 over = [] if whole else ["--with", folder / f"{name}.toml"]

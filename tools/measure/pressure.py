@@ -12,7 +12,7 @@ def milliseconds(seconds):
 
 
 def preconditioners(m, cases):
-    """@param cases layers across the depth and steps before the one that is measured"""
+    """Table of preconditioners. @param cases tuples (layers across the depth, steps before the measured one)"""
     names, rows = ("none", "diagonal", "multigrid"), []
     for form, (layers, steps) in ((form, case) for form in forms for case in cases):
         systems = {}
@@ -28,17 +28,17 @@ def preconditioners(m, cases):
                     " | of it set-up | levels | bytes per particle | times faster", rows)
 
 
-@table("pressure_preconditioners", "none, the diagonal and multigrid: iterations, time, error; 1e3 to 1e5 particles", "3 minutes")
+@table("pressure_preconditioners", "pressure solves by preconditioner: iterations, time, error; 1e3 to 1e5 particles", "3 minutes")
 def pressure_preconditioners(m):
     return preconditioners(m, [(7, 10), (14, 16), (29, 20)])
 
 
-@table("pressure_preconditioners_large", "the same, a million particles", "15 minutes, 3 GB")
+@table("pressure_preconditioners_large", "pressure solves by preconditioner, a million particles", "15 minutes, 3 GB")
 def pressure_preconditioners_large(m):
     return preconditioners(m, [(63, 4)])
 
 
-@table("pressure_hierarchies", "multigrid with other first levels, interpolations and cycles", "2 minutes")
+@table("pressure_hierarchies", "pressure solves by multigrid with other first levels, interpolations and cycles", "2 minutes")
 def pressure_hierarchies(m):
     rows = {}
     for form in forms:
@@ -73,7 +73,7 @@ def dam_break_whole(m):
                     "largest mean of a frame | largest of any particle | lost", rows)
 
 
-@table("dam_break_threads", "three pairs of its first 0.1 s on one and on two threads", "10 minutes, an idle machine")
+@table("dam_break_threads", "the first 0.1 s of dam_break on one and on two threads, three pairs of runs", "10 minutes, an idle machine")
 def dam_break_threads(m):
     rows = []
     for spacing in (5.47e-3, 8e-3):
@@ -94,7 +94,7 @@ def dam_break_density(m):
     return markdown("spacing | particles | mean | largest | iterations per step | CPU us per particle-step", rows)
 
 
-@table("dam_break_stages", "where the time of a step goes: the first 0.15 s of dam_break", "1 minute")
+@table("dam_break_stages", "share of each stage in the time of a step, first 0.15 s of dam_break", "1 minute")
 def dam_break_stages(m):
     run = dam_break(m, 8e-3, 0.15, 1)
     stages = {name: stage["cpu_seconds"] for name, stage in run.report["stages"].items() if name != "write"}
@@ -109,7 +109,7 @@ def standing_water(m):
     for cfl in (0.8, 0.4, 0.2, 0.1):
         run = m.render("scenes/studies/standing_water.toml", f"standing_water/{cfl}", f"time.cfl={cfl}")
         low = run.table("probes/low.csv")
-        expected = 1000 * theory.gravity * 0.16  # a fifth above the floor of 0.2 m of water
+        expected = 1000 * theory.gravity * 0.16  # the probe is 0.16 m below the surface of 0.2 m of water
         deviation = abs(low["pressure"][~(low["time"] < 0.5)] / expected - 1).mean()
         rows.append([f"{cfl}", percent(deviation, 1), f"{run.iterations_per_step:.1f}", f"{run.report['cpu_seconds']:.2f}"])
     return markdown("CFL | mean deviation | iterations per step | CPU s", rows)

@@ -1,4 +1,4 @@
-"""Reference solutions of plane flows, by methods without particles: the tables in scenes/studies/benchmarks."""
+"""Reference solutions of 2D flows by spectral and grid methods: the tables in scenes/studies/benchmarks."""
 import numpy as np
 
 from .registry import table
@@ -9,10 +9,11 @@ folder = "scenes/studies/benchmarks"
 # Double shear layer
 
 def double_shear_layer(n, nu=1e-4, thickness=1 / 30, across=0.05, times=np.linspace(0, 1.2, 13)):
-    """Rows (time, energy over its start, largest vorticity, mean square vorticity).
+    """Rows (time, energy over the initial energy, largest vorticity, mean square vorticity).
 
-    The vorticity equation on n x n Fourier modes, products without the aliased third, Runge-Kutta of fourth order; viscosity acts exactly.
-    The box is 1 x 1, u = tanh((y - 1/4)/thickness) below the middle and tanh((3/4 - y)/thickness) above, v = across sin 2 pi (x + 1/4)."""
+    Solves the vorticity equation on n x n Fourier modes. The highest third of the modes is 0, against aliasing of the products. Time steps
+    are Runge-Kutta of fourth order, with the exact viscous decay as integrating factor. The box is 1 x 1; initially
+    u = tanh((y - 1/4)/thickness) below the middle and tanh((3/4 - y)/thickness) above, v = across sin 2 pi (x + 1/4)."""
     k = 2 * np.pi * np.fft.fftfreq(n, 1 / n)
     kx, ky = k[:, None], k[None, : n // 2 + 1].copy()
     ky[0, -1] = abs(ky[0, -1])
@@ -40,7 +41,7 @@ def double_shear_layer(n, nu=1e-4, thickness=1 / 30, across=0.05, times=np.linsp
     half = np.exp(-nu * square * dt / 2)
     rows, time, start = [], 0.0, measured(vorticity)[0]
     for until in times:
-        while time < until - dt / 2:  # with the viscous decay as integrating factor
+        while time < until - dt / 2:
             a = advection(vorticity)
             b = advection(half * (vorticity + dt / 2 * a))
             c = advection(half * vorticity + dt / 2 * b)
@@ -59,7 +60,7 @@ def double_shear_layer_reference(m):
     if m.dry:
         return
     coarse, fine = (double_shear_layer(n) for n in (160, 240))
-    m.say(f"energy is known within {abs(coarse[:, 1] - fine[:, 1]).max():.0e}, the largest vorticity within "
+    m.say(f"differences of the two: energy {abs(coarse[:, 1] - fine[:, 1]).max():.0e}, largest vorticity "
           f"{abs(coarse[:, 2] / fine[:, 2] - 1).max():.0e}")
     names = ["time", "energy", "largest_vorticity", "mean_square_vorticity"]
     m.write_csv(f"{folder}/double_shear_layer.csv", names,
@@ -69,11 +70,11 @@ def double_shear_layer_reference(m):
 # Lid-driven cavity
 
 def differences(n, gather):
-    """Points s_0 ... s_n on [0, 1], closer at its ends, and first and second derivatives at s_1 ... s_(n-1) as matrices (n-1) x (n+1), of
-    second order. s = q - gather sin(2 pi q)/(2 pi) of even steps in q."""
+    """Points s_0 ... s_n on [0, 1], and matrices (n-1) x (n+1) of the first and second derivative at s_1 ... s_(n-1), of second order.
+    s = q - gather sin(2 pi q)/(2 pi) for q in uniform steps, so the points are denser at both ends."""
     q = np.arange(2 * n + 1) / (2 * n)
     s = q - gather * np.sin(2 * np.pi * q) / (2 * np.pi)
-    slope = (1 - gather * np.cos(2 * np.pi * q)) / n  # ds for a step in q, at the points and between them
+    slope = (1 - gather * np.cos(2 * np.pi * q)) / n  # ds per step in q, at the points and between them
     first, second = np.zeros((n - 1, n + 1)), np.zeros((n - 1, n + 1))
     for k in range(n - 1):
         here, below, above = slope[2 * k + 2], slope[2 * k + 1], slope[2 * k + 3]
@@ -87,7 +88,7 @@ class Cavity:
 
         lap p + w = 0,  p_y w_x - p_x w_y = nu lap w,  p = 0 at the walls, and there w = -2 (p_1 + h u_wall)/h^2 (Thom 1933)
 
-    by Newton's method; its linear systems are block-tridiagonal, a block a line of constant y, and are solved directly."""
+    Solved by Newton's method. The linear systems are block-tridiagonal, with one block per line of constant y, and solved directly."""
 
     def __init__(self, n, gather=0.7):
         self.n = n
@@ -109,7 +110,7 @@ class Cavity:
         px, py, wx, wy = d @ p[:, inner], p[inner] @ d.T, d @ w[:, inner], w[inner] @ d.T
         lap_p, lap_w = dd @ p[:, inner] + p[inner] @ dd.T, dd @ w[:, inner] + w[inner] @ dd.T
         residual = np.concatenate([-(lap_p + w[inner, inner]), -(py * wx - px * wy - nu * lap_w)])  # [2 m, lines]
-        wall = -2 / self.h**2  # of w at a wall by the adjacent p
+        wall = -2 / self.h**2  # derivative of w at a wall by the adjacent p
         ends = np.zeros((n + 1, m))
         ends[0, 0] = ends[-1, -1] = wall
         inverses, carried = [], []
@@ -144,7 +145,7 @@ class Cavity:
         return np.abs(change[:m]).max()
 
     def neighbour_line(self, j, other, nu, wx, v):
-        """What line j takes from another: diagonals of (p in the first equation, p in the second, w in the second)."""
+        """Coupling of line j to line `other`, as diagonals: (p in the first equation, p in the second, w in the second)."""
         first, second = self.first[j, other], self.second[j, other]
         return np.full(self.n - 1, second), first * wx, first * v - nu * second
 
@@ -155,7 +156,7 @@ class Cavity:
         raise ArithmeticError(f"the cavity at Re {reynolds} does not converge")
 
     def profiles(self, at):
-        """u along x = 1/2 and v along y = 1/2, as functions of y and x, at these places."""
+        """u(y) on x = 1/2 and v(x) on y = 1/2, at the coordinates `at`."""
         slope = np.full(self.n + 1, np.nan)
         middle = self.n // 2
         slope[1:-1] = self.first @ self.p[middle, :]
@@ -178,7 +179,7 @@ def times_right(matrix, line):
 
 
 def interpolated(x, f, at):
-    """By the polynomial of degree five through the nearest six points."""
+    """Values of f at the coordinates `at`, by the polynomial of degree five through the six nearest points."""
     found = []
     for place in at:
         k = min(max(np.searchsorted(x, place) - 3, 0), len(x) - 6)
@@ -189,7 +190,7 @@ def interpolated(x, f, at):
 
 
 def cavity_profiles(reynolds, at, cells=(64, 96)):
-    """u(y) and v(x) for each Reynolds number, from two grids extrapolated by their second order; and what the two differ by."""
+    """By Reynolds number: u(y) and v(x), extrapolated from two grids of second order, and the largest difference of the two grids."""
     found = {}
     grids = [Cavity(n) for n in cells]
     for re in reynolds:

@@ -15,18 +15,18 @@ class MeasureError(Exception):
 class Table:
     name: str
     about: str
-    takes: str  # how long, in words
-    make: Callable  # of a Measurement: the section's text, or None
-    files: str = ""  # what else it writes, in words
+    takes: str  # duration, as text
+    make: Callable  # make(Measurement) returns the section's text, or None
+    files: str = ""  # other files that it writes, as text
     section: bool = True
-    keeps_rows: bool = False  # rows that are not measured this time stay: a part of it may be measured
+    keeps_rows: bool = False  # whether rows that are not measured keep their values, so that --only may write to the page
 
 
 tables: dict[str, Table] = {}
 
 
 def table(name, about, takes, **keys):
-    """Decorator of a function that measures `name` and returns its section."""
+    """Decorator: registers a function that measures `name` and returns its section."""
 
     def register(make):
         tables[name] = Table(name, about, takes, make, **keys)
@@ -45,7 +45,8 @@ def find(pattern):
 
 
 def markdown(columns, rows):
-    """A table. @param columns "a | b | c" @param rows of cells; a short row is filled up, a cell's line breaks and bars become blanks"""
+    """A Markdown table. In cells, a line break becomes a blank and | becomes /. @param columns "a | b | c"
+    @param rows lists of cells; short rows are padded with empty cells"""
     names = columns.split(" | ")
     lines = [names, ["---"] * len(names)]
     lines += [[str(cell).replace("|", "/").replace("\n", " ") for cell in row] + [""] * (len(names) - len(row)) for row in rows]
@@ -57,7 +58,7 @@ def percent(part, digits=0):
 
 
 def off(value, expected, digits=0):
-    """By how much a value is off what was expected."""
+    """Relative difference of a value from the expected one, in %."""
     return f"{100 * (value / expected - 1):+.{digits}f} %"
 
 
@@ -68,22 +69,22 @@ def markers(name):
 
 
 def page_with(top: Path, name):
-    """The page that holds the section: README.md or one in docs."""
+    """The page that contains the section: README.md or one in docs."""
     pages = [page for page in (top / "README.md", *sorted(top.glob("docs/**/*.md"))) if page.is_file()]
     found = [page for page in pages if any(line.strip() == markers(name)[0] for line in page.read_text(encoding="utf-8").splitlines())]
     if len(found) != 1:
-        raise MeasureError(f"{len(found) or 'no'} pages hold a line {markers(name)[0]}; one should")
+        raise MeasureError(f"{len(found) or 'no'} pages contain the line {markers(name)[0]}; exactly one must")
     return found[0]
 
 
 def replace_section(page, name, section):
-    """The text of the page with `section` between its markers, indented as the first one is."""
+    """The text of the page with `section` between its markers, indented like the first marker."""
     lines = page.splitlines(keepends=True)
     places = []
     for marker in markers(name):
         found = [k for k, line in enumerate(lines) if line.strip() == marker]
         if len(found) != 1:
-            raise MeasureError(f"the page has {len(found)} lines {marker}; it needs one")
+            raise MeasureError(f"the page has {len(found)} lines {marker}; it needs exactly one")
         places += found
     begin, end = places
     if end < begin:
@@ -99,7 +100,7 @@ def read_page(path: Path):
 
 
 def write_file(path: Path, content: bytes):
-    """Whole or not at all."""
+    """Writes atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     fresh = path.with_name(path.name + ".new")
     fresh.write_bytes(content)

@@ -1,4 +1,4 @@
-"""Runs of whorl and of whorl_solver_tables, kept in out/measure, and what they wrote."""
+"""Runs of whorl and whorl_solver_tables, kept in out/measure, and readers of their files."""
 import csv
 import io
 import json
@@ -18,7 +18,7 @@ import numpy as np
 from .registry import MeasureError, write_file
 
 root = Path(__file__).resolve().parents[2]
-drawing_stages = ("surface", "draw", "export", "write", "encode")  # and "export mesh", ...
+drawing_stages = ("surface", "draw", "export", "write", "encode")  # first words of their names ("export mesh")
 
 
 class RunFailed(MeasureError):
@@ -26,7 +26,7 @@ class RunFailed(MeasureError):
 
 
 class Unknown(float):
-    """Placeholder in a dry run for everything that would be measured: not a number, without entries."""
+    """Placeholder for measured values in a dry run: nan, any entry of it is Unknown, and iteration over it is empty."""
 
     def __new__(cls, *_):
         return super().__new__(cls, "nan")
@@ -78,7 +78,7 @@ def toml(value, top=True):
 
 
 class Run:
-    """A run folder that whorl wrote."""
+    """Reader of a run folder."""
 
     def __init__(self, folder, dry=False):
         self.folder, self.dry = Path(folder), dry
@@ -87,15 +87,15 @@ class Run:
         self.report = self.panels[0]
 
     def table(self, name="diagnostics.csv"):
-        """Columns as arrays."""
+        """Columns of a CSV file as arrays, by name."""
         return defaultdict(lambda: np.full(3, np.nan)) if self.dry else read_columns(self.folder / name)
 
     def last(self, name="diagnostics.csv"):
-        """The newest row."""
+        """Last row, by column."""
         return Unknown() if self.dry else {column: values[-1] for column, values in self.table(name).items()}
 
     def particles(self, frame):
-        """Time and particles of an exported frame: a dict of columns by property. All properties have four bytes."""
+        """Time of an exported frame, and its particles as columns by property. All properties have four bytes."""
         header, _, body = next((self.folder / "points").glob(f"*.{frame:04d}.ply")).read_bytes().partition(b"end_header\n")
         names = [line.split()[-1].decode() for line in header.split(b"\n") if line.startswith(b"property ")]
         columns = np.frombuffer(body, "<f4").reshape(-1, len(names)).astype(float)
@@ -108,7 +108,7 @@ class Run:
 
     @property
     def scene(self):
-        """As it was run, every key."""
+        """Resolved scene: every key with its value."""
         return Unknown() if self.dry else tomllib.loads(min(self.folder.glob("**/scene.resolved.toml")).read_text())
 
     @property
@@ -117,38 +117,38 @@ class Run:
 
     @property
     def microseconds(self):
-        """CPU, a particle-step."""
+        """CPU time per particle-step [us]."""
         return 1e6 * self.report["cpu_seconds"] / self.report["particle_steps"]
 
     @property
     def cpu_seconds(self):
-        """Of all panels."""
+        """CPU time of all panels."""
         return sum(panel["cpu_seconds"] for panel in self.panels)
 
     @property
     def drawing_seconds(self):
-        """CPU, of all panels."""
+        """CPU time of the drawing stages, all panels."""
         return self.stage_seconds(*drawing_stages)
 
     @property
     def simulation_seconds(self):
-        """CPU, of all panels."""
+        """CPU time of all other stages, all panels."""
         names = {name.split()[0] for panel in self.panels for name in panel["stages"]}
         return self.stage_seconds(*names.difference(drawing_stages))
 
     def stage_seconds(self, *stages):
-        """CPU, of all panels."""
+        """CPU time of the stages whose names begin with these words, all panels."""
         return Unknown() if self.dry else sum(
             stage["cpu_seconds"] for panel in self.panels for name, stage in panel["stages"].items() if name.split()[0] in stages)
 
 
 class Measurement:
-    """What a table's function measures with. Results stay in out/measure and are used again, unless `again`."""
+    """Runs the commands that a table's function needs. Results stay in out/measure and are reused, unless `again`."""
 
     def __init__(self, program=None, again=False, dry=False, only=(), settings=(), into=root, writes=True, say=None):
         self.program = Path(program or os.environ.get("WHORL") or root / "build/release/whorl").absolute()
         self.again, self.dry, self.only, self.settings, self.into = again, dry, only, list(settings), Path(into)
-        self.writes = writes and not dry and not settings  # to pages, their pictures and their tables of figures
+        self.writes = writes and not dry and not settings  # whether pages, their images and their CSV files are written
         self.out = root / ("out/measure/try" if settings else "out/measure")
         self.say = say or (lambda text: print(text, file=sys.stderr, flush=True))
         self.ready = set()
@@ -159,14 +159,14 @@ class Measurement:
     # Programs
 
     def build(self, target, preset="release"):
-        """Builds what is not there yet; a program that the user has named is left alone."""
+        """Builds a target, once per Measurement; returns the build folder."""
         if (preset, target) not in self.ready:
             self.ready.add((preset, target))
             self.call(["bash", root / "tools/build.sh", preset, target])
         return root / "build" / preset
 
     def call(self, command, log=None, environment=None):
-        """Runs a command. @param log takes the command and its output"""
+        """Runs a command; returns its standard output. @param log file for the command and its output"""
         command, line = [str(part) for part in command], words_of(command)
         self.say(line)
         if self.dry:
@@ -188,7 +188,7 @@ class Measurement:
         return self.call([self.program, *arguments], **keys)
 
     def kept(self, result, log, command):
-        """Whether `result` was made by this command before, with the scene files as they are."""
+        """Whether this command has already made `result` from the current scene files."""
         if self.again or self.dry or not result.exists() or not log.exists():
             return False
         files = [root / part for part in map(str, command) if part.endswith(".toml")]
@@ -202,7 +202,7 @@ class Measurement:
     # Results
 
     def render(self, scene, name, *settings, options=(), threads=1, images=False):
-        """A run of a scene into out/measure/NAME. @param settings "key=value" @param options of whorl render"""
+        """Runs a scene into out/measure/NAME. @param settings "key=value" @param options of whorl render"""
         folder = self.out / name
         log = folder.with_name(folder.name + ".log")
         command = ["render", scene, *["--no-images"] * (not images), "--quiet", "--threads", threads, "--out", folder, "--overwrite", *options,
@@ -215,19 +215,19 @@ class Measurement:
         return [word for setting in (*settings, *self.settings) for word in ("--set", setting)]
 
     def plan(self, scene, *settings, options=(), threads=1, images=False):
-        """What whorl plan predicts."""
+        """Prediction of whorl plan."""
         text = self.whorl("plan", scene, *["--no-images"] * (not images), "--threads", threads, "--json", *options, *self.sets(settings))
         return Unknown() if self.dry else json.loads(text)
 
     def toml_file(self, name, keys):
-        """Writes some keys of a scene, a scene or a study as a file."""
+        """Writes a scene, part of a scene or a study as out/measure/NAME.toml."""
         file, content = self.out / f"{name}.toml", toml(keys).encode()
         if not self.dry and not (file.exists() and file.read_bytes() == content):
             write_file(file, content)
         return file
 
     def study(self, name, keys):
-        """The rows of whorl tradeoff for the study with these keys, whose points it keeps in out/measure/NAME."""
+        """Rows of whorl tradeoff for the study with these keys. Its points stay in out/measure/NAME."""
         folder = self.out / name
         if self.again and not self.dry:
             shutil.rmtree(folder / "points", ignore_errors=True)
@@ -238,12 +238,12 @@ class Measurement:
         return [] if self.dry else read_rows(folder / "tradeoff.csv")
 
     def point(self, name, *words):
-        """The run of a study's point: its folder's name holds all these words."""
+        """Run of the study point whose folder name contains all these words."""
         found = [f for f in sorted((self.out / name / "points").glob("*/")) if all(word in f.name for word in words)]
         return Run(found[0] if found else "", self.dry)
 
     def solver(self, *arguments, name=None):
-        """The rows that whorl_solver_tables prints, kept in out/measure/solver."""
+        """Rows that whorl_solver_tables prints, kept in out/measure/solver."""
         name = "solver/" + (name or "-".join(str(argument).lstrip("-") for argument in arguments))
         file, log = self.out / f"{name}.csv", self.out / f"{name}.log"
         command = [root / "build/release/tools/measure/solver/whorl_solver_tables", *arguments]
@@ -255,7 +255,7 @@ class Measurement:
         return [] if self.dry else read_rows(file)
 
     def write(self, path, content):
-        """A file of the documentation. @param path from the top of the repository"""
+        """Writes a file of the documentation, if `writes`. @param path relative to the top of the repository"""
         if self.writes:
             write_file(self.into / path, content)
 
@@ -270,7 +270,7 @@ def read_scene(scene):
 
 
 def attempt(measure):
-    """The cells that measure() returns, or why it could not."""
+    """Cells that measure() returns, or the message if a run failed."""
     try:
         return measure()
     except RunFailed as error:

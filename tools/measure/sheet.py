@@ -1,4 +1,4 @@
-"""A viscous sheet that falls on a floor and folds, as a line in the plane that stretches and bends (Ribe 2003, Phys. Rev. E 68, 036305)."""
+"""A viscous sheet that falls on a floor and folds, as a line in 2D that stretches and bends (Ribe 2003, Phys. Rev. E 68, 036305)."""
 import numpy as np
 
 from .registry import table
@@ -6,12 +6,13 @@ from .theory import frequency, gravity
 
 
 class Sheet:
-    """Nodes on the sheet's middle line, from the slot downward. A segment of length l and thickness h resists with the tension 4 mu h l'/l, and
-    two neighbours with the moment (mu h^3/3) (w_2 - w_1)/l, w their rates of rotation: the velocities make
+    """Nodes on the sheet's midline, from the slot downward. A segment of length l and thickness h resists stretching with the tension
+    4 mu h l'/l. Two neighbouring segments resist bending with the moment (mu h^3/3) (w_2 - w_1)/l, where w are their rates of rotation.
+    The velocities v minimise
 
         sum (4 mu h/l) (t . dv)^2/2 + sum (mu h^3/(3 l)) (w_2 - w_1)^2/2 + sum m (v - v_before)^2/(2 dt) - sum m g . v
 
-    least. h l of a segment is constant. A node that reaches the floor stays there. The slot holds the first segment upright."""
+    h l of a segment is constant. A node that reaches the floor stays there. The slot keeps the first segment vertical."""
 
     def __init__(self, viscosity, density, thickness, speed, fall, node=1e-3, kept=12):
         self.mu, self.rho, self.h0, self.speed, self.node, self.kept = viscosity, density, thickness, speed, node, kept
@@ -58,12 +59,12 @@ class Sheet:
             self.v = np.vstack([[0, -self.speed], self.v])
             self.area, self.stuck = np.r_[self.h0 * self.node, self.area], np.r_[False, self.stuck]
         first = int(np.argmax(self.stuck)) if self.stuck.any() else len(self.x)
-        last = first + self.kept  # what lies further back holds nothing any more
+        last = first + self.kept  # segments that were laid earlier have no effect
         self.x, self.v, self.stuck, self.area = self.x[:last], self.v[:last], self.stuck[:last], self.area[:last - 1]
         self.h = self.area / np.linalg.norm(np.diff(self.x, axis=0), axis=1)
 
     def at(self, height):
-        """Place, thickness and speed of the sheet where it passes a height first."""
+        """x, thickness and speed of the sheet at its first node below a height."""
         k = int(np.argmax(self.x[:, 1] < height))
         return self.x[k, 0], self.h[min(k, len(self.h) - 1)], float(np.hypot(*self.v[k]))
 
@@ -71,7 +72,8 @@ class Sheet:
 @table("folding_sheet_reference", "a sheet that folds, as a line that stretches and bends", "2 minutes", section=False,
        files="scenes/studies/laboratory/folding_sheet.csv")
 def folding_sheet_reference(m):
-    """The scene's sheet, above a heap that is 2 cm high in the mean: 45 mm below the slot, from 1.3 to 4 s."""
+    """Reference for folding_sheet.toml, 45 mm below the slot, from 1.3 to 4 s. The floor is 2 cm higher than the scene's: the mean height
+    of its heap."""
     names, rows, dt = ["viscosity", "frequency", "thickness", "speed"], [], 2e-3
     for viscosity in (50, 100, 200):
         m.say(f"{viscosity} Pa s, in Python")

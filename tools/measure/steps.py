@@ -3,7 +3,7 @@ from .registry import markdown, percent, table
 
 
 def by_model_and_step(m, scene, cases, options=()):
-    """Energy and angular momentum of a free body that turns. @param cases (model, longest steps [s], settings)"""
+    """Table of energy and angular momentum of a rotating free body. @param cases tuples (model, longest steps [s], settings)"""
     rows = []
     for model, steps, settings in cases:
         for step in steps:
@@ -20,7 +20,7 @@ projection = ["models.pressure=ppe", "models.viscosity=full", "pressure.form=pro
 coupled, ppe_and_full = ["models.pressure=coupled"], ["models.pressure=ppe", "models.viscosity=full"]
 
 
-@table("turning_cylinder", "a free cylinder that turns: energy and angular momentum by model and step", "2 minutes")
+@table("turning_cylinder", "a rotating free cylinder: energy and angular momentum by model and step", "2 minutes")
 def turning_cylinder(m):
     steps = ("5e-3", "2.5e-3", "1.25e-3")
     return by_model_and_step(m, "studies/turning_cylinder", [("coupled", steps, coupled), ("ppe and full", steps, ppe_and_full),

@@ -13,7 +13,7 @@ pi = math.pi
 @table("standing_wave", "a standing wave against linear theory", "1 minute")
 def standing_wave(m):
     rows, k = [], 2 * pi / 0.4
-    # With a surface tension of sigma omega^2 = (g k + sigma k^3/rho) tanh kh: 40 N/m have half of it.
+    # omega^2 = (g k + sigma k^3/rho) tanh kh with surface tension sigma. At 40 N/m both terms are equal.
     for spacing, tension in ((0.01, 0), (0.005, 0), (0.01, 40), (0.005, 40)):
         if not m.wanted(f"{spacing}-{tension}"):
             continue
@@ -23,7 +23,7 @@ def standing_wave(m):
         probe = run.table("probes/crest.csv")
         zeros = theory.zeros(probe["time"], probe["velocity_y"], period / 4)
         if len(zeros) < 11:
-            rows.append([words, "5 %" if tension else "2, 5 %", "no five periods", "", *cost(run)])
+            rows.append([words, "5 %" if tension else "2, 5 %", "fewer than five periods", "", *cost(run)])
             continue
         peaks = [np.abs(probe["velocity_y"][(probe["time"] > a) & (probe["time"] < b)]).max() for a, b in zip([-1, *zeros], zeros)]
         decay = math.exp(-2e-4 * k**2 * 5 * period)
@@ -49,7 +49,7 @@ def ellipse(times, a=0.15, b=0.15, A=1.0, dt=1e-4):
     return found
 
 
-@table("elliptic_drop", "half-axes of a drop that is squeezed", "1 minute")
+@table("elliptic_drop", "half-axes of a drop that stretches into an ellipse", "1 minute")
 def elliptic_drop(m):
     rows, times = [], (0.5, 1, 1.5)
     forms = (("constraint", []), ("projection", ["pressure.form=projection", "fluid.support=3", "models.shifting=none"]))

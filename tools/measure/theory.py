@@ -1,14 +1,15 @@
-"""Numbers that measurements are held against, and what is read from signals."""
+"""Exact solutions for comparison; analysis of signals and point clouds."""
 import numpy as np
 
 gravity = 9.81
 
 
 def falling_thread_speed(nu, speed, fall):
-    """u(z) of a steady thread that falls freely and is taken away without tension at `fall`: (heights [m], speeds [m/s]).
+    """Speed u(z) of a steady thread that falls freely and is removed without tension at z = fall: (distances z below the nozzle [m], speeds
+    [m/s]).
 
-    u a^2 is constant and 3 nu (u'/u)' + g/u - u' = 0 (Trouton 1906 with inertia). It is integrated upward, where it is stable, from the
-    speed at the end that gives `speed` at the nozzle."""
+    u a^2 is constant and 3 nu (u'/u)' + g/u - u' = 0 (Trouton 1906 with inertia). It is integrated upward, which is stable.
+    Bisection finds the speed at the end that gives `speed` at the nozzle."""
     steps = 2500
     h = fall / steps
 
@@ -31,8 +32,8 @@ def falling_thread_speed(nu, speed, fall):
 
 
 def frequency(time, signal):
-    """Of a signal that swings about its mean, from the times at which it comes up through it; 0.2 standard deviations are noise.
-    0: it makes no full swing."""
+    """Frequency of a signal that oscillates about its mean, from its upward crossings of the mean. Oscillations below 0.2 standard
+    deviations are noise. 0 if there are fewer than two crossings."""
     mean, noise = signal.mean(), 0.2 * signal.std()
     ups, below = [], False
     for t, s in zip(time, signal - mean):
@@ -45,7 +46,7 @@ def frequency(time, signal):
 
 
 def zeros(time, signal, apart):
-    """Times at which a signal changes its sign, by a line between two samples; a zero nearer to the last one than `apart` is noise."""
+    """Times at which a signal changes sign, interpolated linearly. A zero less than `apart` after the previous one is left out."""
     found = []
     for t0, t1, a, b in zip(time, time[1:], signal, signal[1:]):
         if a * b < 0 and (zero := t0 + (t1 - t0) * a / (a - b)) > (found[-1] + apart if found else 0):
@@ -54,7 +55,7 @@ def zeros(time, signal, apart):
 
 
 def longest_link(points):
-    """Of the shortest tree that joins all points (Prim): a gap shows as a long one."""
+    """Longest edge of the minimum spanning tree of the points (Prim). A gap in a thread makes it long."""
     left = np.ones(len(points), bool)
     nearest, at, longest = np.full(len(points), np.inf), 0, 0.0
     for _ in range(len(points) - 1):

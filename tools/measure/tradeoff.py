@@ -1,4 +1,4 @@
-"""Fronts, maps, qualities, what auto chooses, what the plan foresees."""
+"""Pareto fronts, stability maps, qualities, the choices of auto, the predictions of the plan."""
 import json
 import math
 import re
@@ -20,22 +20,24 @@ def shipped_study(kind, name):
         m.whorl(kind, root / f"scenes/studies/{kind}/{name}.toml", "--out", folder, log=folder.with_suffix(".log"))
         if not m.dry:
             m.write(f"docs/studies/{name}.svg", (folder / f"{kind}.svg").read_bytes())
-            text = (folder / f"{kind}.csv").read_text().replace(f"{root}/", "")  # messages name files
+            text = (folder / f"{kind}.csv").read_text().replace(f"{root}/", "")  # messages contain absolute paths
             m.write(f"docs/studies/{name}.csv", text.encode())
 
     return make
 
 
-fronts = {"hydrostatic_column": "still water, pressure against rho g h", "taylor_green": "vortices, decay against theory",
-          "micropolar_decay": "micropolar vortices, decay against theory",
-          "coil_frequency": "a coil, frequency against slender-thread theory",
-          "dam_front": "a dam breaks, its centre against a finer run"}
-maps = {"viscous_steps": "time step against viscosity, every model", "sound_steps": "time step against sound speed",
-        "coupled_steps": "the coupled solve", "scale": "spacing 1e-6 m to 1e3 m", "gravity": "no gravity to 1000 g",
-        "impact": "impact at 0.1 to 100 m/s", "thread_across": "particles across a thread",
-        "micropolar_exchange": "micropolar coupling against inertia",
-        "density_ratio": "a body's density over the water's against its impact speed",
-        "precision": "single and double precision, against the distance from the origin"}
+fronts = {"hydrostatic_column": "Pareto front of still water, pressure compared with rho g h",
+          "taylor_green": "Pareto front of vortices, decay compared with theory",
+          "micropolar_decay": "Pareto front of micropolar vortices, decay compared with theory",
+          "coil_frequency": "Pareto front of a coil, frequency compared with slender-thread theory",
+          "dam_front": "Pareto front of a dam break, centre of mass compared with a finer run"}
+maps = {"viscous_steps": "stability over time step and viscosity, every model", "sound_steps": "stability over time step and sound speed",
+        "coupled_steps": "stability of the coupled solve", "scale": "stability over spacings from 1e-6 m to 1e3 m",
+        "gravity": "stability over gravity from 0 to 1000 g", "impact": "stability over impact speeds from 0.1 to 100 m/s",
+        "thread_across": "stability over the number of particles across a thread",
+        "micropolar_exchange": "stability over micropolar coupling and micro-inertia",
+        "density_ratio": "stability over a body's relative density and its impact speed",
+        "precision": "single and double precision over the distance from the origin"}
 for prefix, kind, shipped in (("front", "tradeoff", fronts), ("map", "stability", maps)):
     for name, words in shipped.items():
         files = f"docs/studies/{name}.svg and .csv"
@@ -68,13 +70,13 @@ qualities = {  # scene: seconds, quantity whose error is measured
 
 
 def measure_quality(m, scene):
-    """Rows of docs/studies/quality.csv of a scene, and its three pictures. Eight frames are enough to see, and cost little."""
+    """Rows of docs/studies/quality.csv for a scene; writes its image of the three qualities. Eight frames suffice and cost little."""
     until, error_of, accuracy = qualities[scene]
     name, rows, images = f"quality/{scene}", [], []
     keys = {"scenes": [scene], "set": [*study_settings(until, 8), "output.size=[480, 270]"], "pictures": True, "limit": 3600,
             "knob": [{"key": "quality", "values": ["draft", "standard", "fine"]}]}
     figures, pictures = ({r["quality"]: r for r in m.study(name, {**keys, "accuracy": a})} or Unknown()
-                         for a in (accuracy, {"of": "picture", "reference": ["quality=fine"]}))  # the second finds the points of the first
+                         for a in (accuracy, {"of": "picture", "reference": ["quality=fine"]}))  # the second reuses the runs of the first
     for quality in ("draft", "standard", "fine"):
         run = m.point(name, f"quality={quality}-")
         cpu = (run.cpu_seconds - run.drawing_seconds) / run.report["time"]
@@ -86,7 +88,7 @@ def measure_quality(m, scene):
     return rows
 
 
-@table("quality", "draft, standard and fine of every scene: CPU time, error and picture of the first part of its film", "3 hours",
+@table("quality", "draft, standard and fine of every scene: CPU time, error and image of the first part of its run", "3 hours",
        files="docs/studies/quality.csv, docs/pictures/quality", keeps_rows=True)
 def quality(m):
     file, order = "docs/studies/quality.csv", list(qualities)
@@ -116,7 +118,7 @@ def quality_section(rows):
     return markdown(columns, figures) + "\n\n" + markdown("scene | error of | draft, standard and fine", words.values())
 
 
-# What auto chooses
+# Choices of auto
 
 honey = ["coupled+none", "ppe+full", "ppe+full_assembled", "ppe+explicit", "wcsph+full"]
 water = ["ppe+none", "ppe+xsph", "wcsph+none", "wcsph+xsph"]
@@ -129,7 +131,7 @@ cases = {
 
 
 def scene_with_models(m, scene, combination):
-    """A copy of a scene with these models: without keys of models that are not chosen, and without panels."""
+    """A copy of a scene with these models, without the keys of other models and without panels."""
     keys, (pressure, viscosity) = read_scene(f"scenes/{scene}.toml"), combination.split("+")
     micropolar = "micropolar" in keys.get("models", {})
     keys["models"] = {**keys.get("models", {}), "pressure": pressure, "viscosity": viscosity}
@@ -139,28 +141,29 @@ def scene_with_models(m, scene, combination):
         keys.pop("pressure", None)
     if keys.pop("panel", None):
         keys.pop("output", None)
-    if pressure == "wcsph":  # it solves nothing
+    if pressure == "wcsph":  # it solves no system
         for changes in keys.get("quality", {}).values():
             changes.pop("pressure.tolerance", None)
     return m.toml_file(f"auto/{scene}/{combination}", keys)
 
 
 def compare_models(m, scene, until, combinations):
-    """auto compared with other models, at draft quality, one thread, least of two timings: by combination cells of CPU seconds and error, and
-    what auto chooses. Error: of the kinetic energy over all frames against auto at standard spacing. What takes more than four times the wall
-    time of auto is broken off: it cannot be the cheaper one."""
+    """Compares auto with other models, at draft quality on one thread: the models that auto chooses, and cells of CPU seconds (the
+    smaller of two timings) and error by combination. The error is that of the kinetic energy over all frames, relative to
+    auto at standard spacing. A run is stopped after more than four times the wall time of auto, because it cannot be cheaper."""
     name, limit, by_name = f"auto/{scene}", 120.0, {}
     files = [scene_with_models(m, scene, combination) for combination in ("auto+auto", *combinations)]
     for some in (files[:2], files):
         rows = m.study(name, {
             "scenes": [files[0]], "quality": "draft", "limit": limit, "set": study_settings(until, 12),
             "knob": [{"key": "scene", "values": some}], "cost": {"repeat": 2}, "accuracy": against("standard", "kinetic_energy")})
-        by_name = {combination: next((r for r in rows if f"/{combination}.toml" in r["scene"]), Unknown())  # the knob's, the second "scene"
+        # The rows have two columns "scene". DictReader returns the second, which is the knob.
+        by_name = {combination: next((r for r in rows if f"/{combination}.toml" in r["scene"]), Unknown())
                    for combination in ("auto+auto", *combinations)}
         limit = 2 + 4 * number(by_name["auto+auto"]["wall_seconds"])
     models = {c["key"]: c["value"] for c in m.point(name, "auto+auto_scene=").report["models"]}
     auto, took = by_name.pop("auto+auto"), "+".join(models.get(f"models.{key}", "?") for key in ("pressure", "viscosity"))
-    if took in by_name and by_name[took]["error"] == auto["error"]:  # the same run: four timings of it
+    if took in by_name and by_name[took]["error"] == auto["error"]:  # both are the same run: use the smallest of its four timings
         auto["cost_low"] = by_name[took]["cost_low"] = min(auto["cost_low"], by_name[took]["cost_low"], key=number)
 
     def cells(r):
@@ -175,7 +178,7 @@ def words_of(combination):
     return combination.replace("+none", "").replace("+", " + ")
 
 
-@table("auto", "is auto a good choice: every combination of pressure and viscosity, the beginning of each scene", "25 minutes")
+@table("auto", "auto compared with every combination of pressure and viscosity, for the beginning of each scene", "25 minutes")
 def auto(m):
     sections = []
     for kind, (combinations, scenes) in cases.items():
@@ -195,13 +198,13 @@ lava_time = 0.8  # s
 
 
 def planned_viscous_number(m, *settings):
-    """nu dt/d^2 of lava, which the plan names as its reason for a pressure."""
+    """nu dt/d^2 of lava, from the plan's reason for its pressure model."""
     reasons = json.dumps(m.plan("lava", "models.pressure=auto", *settings, options=["--until", lava_time]), default=str)
     found = re.search(r"viscous number nu dt/d\^2 = ([0-9.e-]+)", reasons)
     return found[1] if found else ""
 
 
-@table("lava_viscosity", "lava with less and less viscosity: coupled compared with ppe + full", "3 minutes")
+@table("lava_viscosity", "lava with decreasing viscosity: coupled compared with ppe + full", "3 minutes")
 def lava_viscosity(m):
     rows, coarse, fine = [], 6.25e-3, 4e-3
     for viscosity in (100, 30, 10):
@@ -220,10 +223,10 @@ def lava_viscosity(m):
     return markdown("viscosity | spacing | viscous number | coupled [s] | error | ppe + full [s] | error", rows)
 
 
-# What the plan foresees
+# Predictions of the plan
 
 def plan_and_run(m, scene, until, name, *settings):
-    """What whorl plan predicts of the beginning of a scene, and the run."""
+    """Prediction of whorl plan for the beginning of a scene, and the run itself."""
     options, file = ["--quality", "draft", "--until", until], f"scenes/{scene}.toml"
     return m.plan(file, *settings, options=options)["cost"], m.render(file, name, *settings, options=options)
 
@@ -267,7 +270,7 @@ model_cases = (("thick_coil", 1.2, tension), ("honey_ball", 0.9, tension), ("cak
                ("taylor_green", 0.1, full), ("stirred_tank", 0.2, full), ("stirred_tank", 0.2, shifting))
 
 
-@table("model_cost", "measured and predicted cost of a model that a scene does not need", "20 minutes")
+@table("model_cost", "measured and predicted cost of adding a model to a scene", "20 minutes")
 def model_cost(m):
     rows = []
     for scene, until, model in model_cases:
@@ -287,7 +290,7 @@ def model_cost(m):
                     "factor, measured | off by", rows)
 
 
-@table("live_speed", "fraction of real time that a draft reaches with its images, by setting", "2 minutes, an idle machine")
+@table("live_speed", "simulated time per real time of a draft run with images, by setting", "2 minutes, an idle machine")
 def live_speed(m):
     settings, rows = [], []
     for k, (words, more) in enumerate((
@@ -296,7 +299,7 @@ def live_speed(m):
             ("steps of up to 1.6 spacings (`time.cfl = 1.6`)", ["time.cfl=1.6"]),
             ("a looser solve (`pressure.tolerance = 3e-3`)", ["pressure.tolerance=3e-3"]),
             ("`pressure.tolerance = 1e-2` (not the draft's)", ["pressure.tolerance=1e-2"]))):
-        settings += more  # the later the stronger
+        settings += more  # later settings override earlier ones
         run = m.render("thick_coil", f"live_speed/{k}", *settings, threads=2, images=True,
                        options=["--quality", "draft", "--size", "640x360", "--until", 2, "--no-video"])
         d, stages = run.table(), run.report["stages"]

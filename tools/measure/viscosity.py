@@ -7,7 +7,7 @@ from .runs import number, read_scene
 
 
 def properties(m):
-    """What each model measured, by (model, support): texts by quantity, "" where it has none."""
+    """Measured values: {(model, support): {quantity: value}}."""
     models = {}
     for r in m.solver("viscous_models"):
         models.setdefault((r["model"], f"{number(r['support']):g}"), {})[r["quantity"]] = number(r["value"])
@@ -18,20 +18,20 @@ def cells(quantities, form, names):
     return [f"{quantities[name]:{form}}" if name in quantities else "" for name in names]
 
 
-@table("viscous_conservation", "what each viscous model keeps of momentum, angular momentum and a rotation", "1 minute")
+@table("viscous_conservation", "errors in momentum, angular momentum and a rigid rotation by viscous model", "1 minute")
 def viscous_conservation(m):
     rows = [[*model, *cells(q, ".1e", ("momentum", "angular_momentum")), percent(q["braking"], 1)] for model, q in properties(m).items()]
     return markdown("model | R/d | momentum | angular momentum | braking", rows)
 
 
-@table("viscous_ropes", "dissipation of a rope, 3 to 8 particles across, over the exact one", "nothing after viscous_conservation")
+@table("viscous_ropes", "dissipation of a rope, 3 to 8 particles across, over the exact one", "no time after viscous_conservation")
 def viscous_ropes(m):
     names = [f"{strain}_{across}" for strain in ("stretching", "bending", "torsion") for across in (3, 4, 5, 6, 8)]
     rows = [[*model, *cells(q, ".2f", names)] for model, q in properties(m).items()]
     return markdown("model | R/d | " + " | ".join(name.replace("_", " ") for name in names), rows)
 
 
-@table("viscous_waves", "decay of waves over theory, largest step, iterations and time", "nothing after viscous_conservation")
+@table("viscous_waves", "decay of waves over theory, largest step, iterations and time", "no time after viscous_conservation")
 def viscous_waves(m):
     rows, lengths = [], [f"decay_{n}" for n in (8, 16, 32, 64)]
     for model, q in properties(m).items():
@@ -45,7 +45,7 @@ def viscous_waves(m):
 
 
 def preconditioners(m, solve, cases):
-    """@param cases scale and unevenness of a thread on its pile"""
+    """Table of preconditioners for a thread on its pile. @param cases tuples (scale, unevenness) of whorl_solver_tables"""
     names, rows = ("none", "block_jacobi", "two_level"), {}
     for scale, uneven in cases:
         for r in m.solver("viscous_preconditioners", "--solve", solve, "--scale", scale, "--uneven", uneven):
@@ -58,7 +58,7 @@ def preconditioners(m, solve, cases):
 for solve, minutes, hours in (("full", "5 minutes", "half an hour, 4 GB"), ("coupled", "15 minutes", "hours, 4 GB")):
     table(f"{solve}_preconditioners", f"iterations, error and time of {solve} by preconditioner", minutes)(
         lambda m, solve=solve: preconditioners(m, solve, [(1, 0.05), (1, 0.3), (2.35, 0.05)]))
-    table(f"{solve}_preconditioners_large", "the same, half a million particles", hours)(
+    table(f"{solve}_preconditioners_large", f"iterations, error and time of {solve} by preconditioner, half a million particles", hours)(
         lambda m, solve=solve: preconditioners(m, solve, [(5.05, 0.05)]))
 
 
@@ -69,7 +69,7 @@ def coil_found(run):
 
 
 def thread_found(run):
-    """Between 0.13 and 0.15 m below the nozzle, in the second half of the run."""
+    """Radius and least mass of the thread between 0.13 and 0.15 m below the nozzle, in the second half of the run."""
     probe = run.table("probes/thread.csv")
     mass = probe["mass"][~(probe["time"] <= 0.8)]
     z, u = theory.falling_thread_speed(0.05, 0.1, 0.25)
@@ -86,13 +86,13 @@ def dam_found(run):
 @table("coupled_or_ppe", "coupled compared with ppe + full: a coil, a falling thread, a dam break", "5 minutes")
 def coupled_or_ppe(m):
     keys, rows = read_scene("scenes/studies/dam_slab.toml"), []
-    del keys["viscosity"]  # of xsph, which is not chosen here
+    del keys["viscosity"]  # keys of xsph, which is not used here
     dam_slab = m.toml_file("coupled_or_ppe/dam_slab", keys)
     for name, scene, found, settings in (
             ("steady_coil", "scenes/studies/steady_coil.toml", coil_found, ["fluid.spacing=2.5e-3"]),
             ("falling_thread", "scenes/studies/falling_thread.toml", thread_found, ["fluid.spacing=2.5e-3"]),
             ("dam_slab", dam_slab, dam_found, ["fluid.viscosity=1e-3", "solid[0].slip=free", "time.end=0.7"])):
-        thin = scene == dam_slab  # coupled refuses it
+        thin = scene == dam_slab  # coupled rejects it
         for pressure, viscosity in (("ppe", "full"),) if thin else (("coupled", "auto"), ("ppe", "full")):
             if m.wanted(name):
                 run = m.render(scene, f"coupled_or_ppe/{name}-{pressure}", f"models.pressure={pressure}", f"models.viscosity={viscosity}",

@@ -1,4 +1,4 @@
-"""Plane flows of the projection against exact solutions, references.py's tables and published figures."""
+"""2D flows of the projection, compared with exact solutions, the tables of references.py and published values."""
 import math
 from collections import defaultdict
 
@@ -17,7 +17,7 @@ def flow(m, scene, name, *settings, **keys):
 
 
 def at(columns, time):
-    """Of a probe with a row a frame: its row at this time, by column."""
+    """Row at this time of a probe with one row per frame, by column."""
     if isinstance(columns, defaultdict):  # a dry run
         return defaultdict(lambda: math.nan)
     k = int(np.argmin(np.abs(columns["time"] - time)))
@@ -44,14 +44,14 @@ def taylor_green_run(m, reynolds, a_side, sampling):
 
 
 def slab_of(thickness):
-    """Settings that make a slab of the plane flow, at Re 100."""
+    """Settings that extend the 2D flow to a slab in 3D, at Re 100."""
     box = ["domain", "block.0", "probe.0"]
     return ["domain.dimensions=3", "domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]", *(f"{one}.min=[0,0,0]" for one in box),
             *(f"{one}.max=[1,1,{thickness}]" for one in box), 'block.0.velocity=["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"]',
             "probe.1.min=[0,0,0]", f"probe.1.max=[0.5,0.5,{thickness}]", f"""probe.0.expected={vortices(0.01, ['"0"'])}"""]
 
 
-@table("taylor_green_vortices", "Taylor-Green vortices in the plane and in a slab, lattice and scattered, and with spin", "3 minutes")
+@table("taylor_green_vortices", "Taylor-Green vortices in 2D and in a slab, from a lattice and from jittered particles", "3 minutes")
 def taylor_green_vortices(m):
     rows = []
 
@@ -75,7 +75,7 @@ def taylor_green_vortices(m):
 
 
 def order(coarse, fine, factor=2):
-    """The power of spacing or step with which an error falls."""
+    """Order of convergence of an error. @param factor ratio of the two spacings or steps"""
     return math.log(coarse / fine) / math.log(factor)
 
 
@@ -95,7 +95,7 @@ def orders_in_space(m):
 
 @table("orders_in_time", "the order with which the energy of Taylor-Green vortices converges with the step", "1 minute")
 def orders_in_time(m):
-    rows, end, steps = [], 0.25, (10, 20, 40, 80)  # the viscous limit asks for 10
+    rows, end, steps = [], 0.25, (10, 20, 40, 80)  # the viscous limit of the step itself requires 10
     for reynolds in (100, 1000):
         energies = []
         for count in steps:
@@ -110,7 +110,7 @@ def orders_in_time(m):
     return markdown("case | energy over theory with 10 steps | 20 | 40 | 80 | order of 10, 20, 40 | of 20, 40, 80 | in the mean", rows)
 
 
-@table("equal_error", "what Taylor-Green vortices cost with the projection and weakly compressible, by error", "1 minute")
+@table("equal_error", "cost of Taylor-Green vortices by error, with the projection and weakly compressible", "1 minute")
 def equal_error(m):
     rows, sound = [], ["models.pressure=wcsph", "pressure.sound_speed=15", "pressure.background_pressure=1000", "pressure.gradient=difference",
                        "pressure.artificial_viscosity=0", "fluid.support=3"]
@@ -137,7 +137,7 @@ def projection_sizes(m):
     return markdown("particles | iterations per step | ns per particle-step: neighbours | geometry | viscosity | pressure | move | all", rows)
 
 
-@table("plane_speed", "cost of a particle-step in 2D and in a slab, by part: the smallest of three runs", "1 minute")
+@table("plane_speed", "cost of a particle-step in 2D and in a slab, by stage, smallest of three runs", "1 minute")
 def plane_speed(m):
     rows, parts = [], ("neighbours", "density", "viscosity", "pressure", "move")
     for words, settings in (("projection", []), ("weakly compressible", ["models.pressure=wcsph", "pressure.sound_speed=15"])):
@@ -153,7 +153,7 @@ def plane_speed(m):
     return markdown("pressure | shape | ns per particle-step: neighbours | density or geometry | viscosity | pressure | move | all | times faster", rows)
 
 
-@table("kept_momentum", "how well the projection keeps momentum and angular momentum", "1 minute")
+@table("kept_momentum", "changes of momentum and angular momentum under the projection", "1 minute")
 def kept_momentum(m):
     rows = []
     for a_side in (32, 64):
@@ -172,7 +172,7 @@ def kept_momentum(m):
 
 
 def spinning(a, kappa, g, theta_s, k, times):
-    """Amplitudes (U, W) of u = U (sin kx cos ky, -cos kx sin ky) and w = W sin kx sin ky from (1, 0), by their two equations:
+    """Amplitudes (U, W) of u = U (sin kx cos ky, -cos kx sin ky) and w = W sin kx sin ky with (U, W) = (1, 0) at t = 0:
     U' = -2 a k^2 U + kappa k W, theta W' = -2 g k^2 W + kappa (2 k U - 2 W)."""
     rates = np.array([[-2 * a * k**2, kappa * k], [2 * kappa * k / theta_s, -(2 * g * k**2 + 2 * kappa) / theta_s]])
     values, vectors = np.linalg.eig(rates)
@@ -180,7 +180,7 @@ def spinning(a, kappa, g, theta_s, k, times):
     return [(vectors @ (weights * np.exp(values * t))).real for t in times]
 
 
-@table("taylor_green_spin", "Taylor-Green vortices with spin compared with their two equations", "1 minute")
+@table("taylor_green_spin", "Taylor-Green vortices with spin, compared with the exact amplitudes of flow and spin", "1 minute")
 def taylor_green_spin(m):
     rows, times = [], (0.5, 1, 2)
     exact = spinning(0.0125, 0.005, 1e-4, 1e-3, 2 * pi, times)
@@ -196,7 +196,7 @@ def taylor_green_spin(m):
 
 
 def core_radius(x, v):
-    """Core c of u = (1 - exp(-r^2/c^2))/(2 pi r), by least squares."""
+    """Core radius c of u = (1 - exp(-r^2/c^2))/(2 pi r), by least squares."""
     keep = np.abs(x) > 1e-6
     radii = np.arange(0.05, 0.4, 1e-4)
     off = [((v[keep] - (1 - np.exp(-x[keep]**2 / c**2)) / (2 * pi * x[keep]))**2).sum() for c in radii]
@@ -210,7 +210,7 @@ def modes_energy(square_core):
     return (np.exp(-k2 * square_core / 2) / k2).sum()
 
 
-@table("lamb_oseen", "the growing core of Lamb's and Oseen's vortex", "1 minute")
+@table("lamb_oseen", "the growing core of a Lamb-Oseen vortex", "1 minute")
 def lamb_oseen(m):
     rows, times = [], (0.5, 1, 2, 4)
     for spacing, asked in ((1 / 16, ""), (1 / 32, "1.5 %"), (1 / 64, "")):
@@ -230,7 +230,7 @@ def lamb_oseen(m):
                     rows)
 
 
-@table("double_shear_layer", "the double shear layer against the spectral method", "2 minutes")
+@table("double_shear_layer", "the double shear layer compared with a spectral method", "2 minutes")
 def double_shear_layer(m):
     rows, spectral = [], read_columns(root / folder / "double_shear_layer.csv")
     for a_side in (64, 128):
@@ -248,7 +248,7 @@ def double_shear_layer(m):
                     "mean square vorticity | steps | CPU s", rows)
 
 
-@table("lid_driven_cavity", "the cavity against the grid and against Ghia, Ghia and Shin", "40 minutes")
+@table("lid_driven_cavity", "the lid-driven cavity compared with a grid solution and with Ghia, Ghia and Shin", "40 minutes")
 def lid_driven_cavity(m):
     rows, grid = [], read_columns(root / folder / "lid_driven_cavity.csv")
     published = {profile: read_columns(root / folder / f"ghia_ghia_shin_1982_{profile}.csv") for profile in "uv"}
@@ -291,7 +291,7 @@ def rest(m):
                 if m.dry:
                     continue
                 off = line["pressure"][now] / (1000 * g) - (1 - line["y"][now])
-                off = off - (off.mean() if words == "closed box" else -0.5 / 32)  # 0 at the outermost particles
+                off = off - (off.mean() if words == "closed box" else -0.5 / 32)  # exact: 0 at the outermost particles
                 cells += [percent(at(d, t)["max_speed"] / math.sqrt(g), 3), percent(np.abs(off).max(), 2)]
             rows.append([f"{words}, {sampling}", "0.5, 1 %", *cells, *cost(run)])
     return markdown("case | bound for speed, pressure | largest speed at 2 s | pressure | at 10 s | pressure | steps | CPU s", rows)
@@ -303,7 +303,7 @@ def median_of_three(values):
 
 
 def wave(time, signal, frequencies):
-    """Frequency and amplitude of the strongest sine in a signal, with a window that reduces the weight of the ends."""
+    """Frequency and amplitude of the strongest sine in a signal, under a sin^2 window."""
     window = np.sin(pi * (time - time[0]) / (time[-1] - time[0]))**2
     parts = [abs((window * (signal - signal.mean()) * np.exp(-2j * pi * f * time)).sum()) for f in frequencies]
     k = int(np.argmax(parts))
@@ -333,7 +333,7 @@ def cylinder_stream(m):
                     "lift amplitude | steps | CPU s", rows)
 
 
-@table("martin_moyce", "the front of a collapsing column against the experiment", "1 minute")
+@table("martin_moyce", "the front of a collapsing column compared with the experiment", "1 minute")
 def martin_moyce(m):
     rows, a, experiment = [], 0.05715, read_columns(root / folder / "martin_moyce.csv")
     second = math.sqrt(2 * theory.gravity / a)
@@ -342,10 +342,10 @@ def martin_moyce(m):
         run = flow(m, "martin_moyce", f"{layers}", f"fluid.spacing={spacing:.8g}", options=["--export", "points"])
         if m.dry:
             continue
-        # Three particles may be drops ahead of the front.
+        # The front is the fourth particle: up to three may be drops ahead of it.
         fronts = [(np.sort(run.points(k + 1)[:, 0])[-4] + spacing / 2) / a for k in range(81)]
         times = np.arange(81) / 400 * second
-        early = experiment["T"][0] - np.interp(experiment["Z"][0], fronts, times)  # there a membrane has to burst first
+        early = experiment["T"][0] - np.interp(experiment["Z"][0], fronts, times)  # in the experiment a membrane has to burst first
         found = np.interp(experiment["T"] - early, times, fronts)
         rows.append([f"{layers} layers", "5 %", percent(np.abs(found / experiment["Z"] - 1).max(), 1), f"{early:.2f}", *cost(run)])
     return markdown("case | bound | largest distance from the front | earlier by, in T | steps | CPU s", rows)

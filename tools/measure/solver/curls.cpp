@@ -9,7 +9,8 @@
 namespace whorl {
 namespace {
 
-/// The first Laplacian at R = 2 d, the second at 4 d, which it needs on a lattice (docs/physics.md 4).
+/// Prints the row of a pair of curls and a Laplacian. The support is R = 2 d for Brookshaw's Laplacian, and 4 d for Monaghan's, which needs
+/// it on a lattice (docs/physics.md 4).
 void print_row(CurlForm velocity, CurlForm spin, bool central) {
     const test::Micropolar2 flow{1, 1.5, 0.02, 0.05}, blob{0.05, 0.05, 1e-4, 2e-3};
     MicropolarOptions forms;

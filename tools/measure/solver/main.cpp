@@ -1,5 +1,5 @@
-/// whorl_solver_tables SUBCOMMAND: measurements that need the inside of a solver, as CSV on standard output. tools/measure.py builds this
-/// program, calls it, and makes the tables of the pages from what it prints.
+/// whorl_solver_tables SUBCOMMAND: measurements that call a solver directly, as CSV on standard output. tools/measure.py builds this
+/// program, runs it and turns its output into tables of the pages.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -9,7 +9,7 @@
 int main(int count, char** arguments) try {
     whorl::wait_passively(arguments);
     whorl::set_threads(1);
-    CLI::App program{"Measurements that need the inside of a solver, as CSV on standard output (tools/measure.py makes tables of them)."};
+    CLI::App program{"Measurements that call a solver directly, as CSV on standard output (tools/measure.py turns it into tables)."};
     program.require_subcommand(1);
     whorl::add_viscous_models(program);
     whorl::add_viscous_preconditioners(program);

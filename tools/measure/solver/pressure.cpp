@@ -1,4 +1,4 @@
-/// The preconditioners of the pressure solves on the systems of a half-filled box under tilted gravity.
+/// Preconditioners of the pressure solves, measured on the linear systems of a half-filled box under tilted gravity.
 #include <CLI/CLI.hpp>
 #include <cmath>
 
@@ -15,7 +15,7 @@
 namespace whorl {
 namespace {
 
-/// A cube of 1 m, half full, gravity 20 degrees off its axis: two layers of water to the metre and a spacing of 1/(2 layers).
+/// Scene of a cube of 1 m, half full of water, under gravity tilted by 20 degrees. @param layers of particles across the depth of 0.5 m
 std::string half_filled_box(int layers, const std::string& form) {
     return fmt::format(R"toml([time]
 end = 10
@@ -42,7 +42,7 @@ max = [1, 1, 1]
                        0.5 / layers, form == "constraint" ? "\"constraint\"" : "\"projection\"\nsource = \"density\"");
 }
 
-/// The state of a run after some steps, and the velocities that the next step would hand to its pressure solve.
+/// State of a run after some steps, and the velocities u that the pressure solve of the next step starts from.
 struct State {
     Simulation simulation;
     World& w;
@@ -63,8 +63,8 @@ struct State {
     Index size() const { return w.fluid.size(); }
 };
 
-/// First system of the constraint's step: all particles that press or are about full, the source b, the residual of a density error of
-/// rho_0 per step.
+/// First linear system of a step with the constraint. Its unknowns are the pressures of particles with b > -0.02 rho_0/dt, where b is the
+/// source. step_residual is the residual of a density error of 1e-4 rho_0 in the step.
 struct ConstraintSystem {
     static constexpr const char* form = "constraint";
     DensityRate D;
@@ -96,7 +96,7 @@ struct ConstraintSystem {
     static ParticleMultigrid levels() { return constraint_levels; }
 };
 
-/// The published rows of the same step.
+/// Linear system of the published pressure equation for the same step.
 struct PoissonSystem {
     static constexpr const char* form = "published";
     PressureMatrix A;
@@ -136,7 +136,7 @@ struct Measured {
     double set_up = 0, solve = 0;  ///< CPU s
     double bytes = 0;
     bool converged = false;
-    double error = 0;  ///< of the solution in the energy norm, relative: in the constraint that of the velocities
+    double error = 0;  ///< of the solution, relative, in the energy norm; for the constraint, the error of the velocities
     double total() const { return set_up + solve; }
 };
 
@@ -148,7 +148,7 @@ double energy_norm(const System& s, const Column<Real>& x) {
     return std::sqrt(std::max(0.0, dot<Real>(x, Ax)));
 }
 
-/// @param residual absolute @param exact the solution, or nothing
+/// Solves the system from zero. @param residual absolute tolerance @param exact the solution, for the error; empty if unknown
 template <class System, class MakePreconditioner>
 Measured measure(const System& s, double residual, const MakePreconditioner& make, const Column<Real>& exact = {}) {
     Measured m;
@@ -177,7 +177,7 @@ void print_measured(const auto& system, double factor, Index particles, double r
               m.levels, m.bytes / static_cast<double>(particles));
 }
 
-/// @param factor of the time step of CFL 0.4
+/// @param factor time step over dt @param dt time step at CFL 0.4 [s]
 template <class System>
 void print_preconditioners(State& s, double factor, Real dt) {
     s.predict(factor, dt);
@@ -215,14 +215,15 @@ struct Keys {
     int layers = 29, steps = 20;
 };
 
-/// A subcommand that measures `of_constraint` or `of_poisson` on the box after some steps.
+/// Adds a subcommand that runs `of_constraint` or `of_poisson` on the half-filled box after some steps.
 void add(CLI::App& program, const char* name, const char* what, const auto& print_header, void (*of_constraint)(State&, Real),
          void (*of_poisson)(State&, Real)) {
     const auto keys = std::make_shared<Keys>();
     CLI::App* app = program.add_subcommand(name, what);
     app->add_option("--form", keys->form)->check(CLI::IsMember({"constraint", "published"}))->capture_default_str();
-    app->add_option("--layers", keys->layers, "across the depth: 14 make 1.1e4 particles, 29 1e5, 63 1e6")->capture_default_str();
-    app->add_option("--steps", keys->steps, "before the one that is measured")->capture_default_str();
+    app->add_option("--layers", keys->layers, "layers of particles across the depth (14: 1.1e4 particles, 29: 1e5, 63: 1e6)")
+        ->capture_default_str();
+    app->add_option("--steps", keys->steps, "steps before the measured one")->capture_default_str();
     app->callback([=] {
         State state(read_scene_text(half_filled_box(keys->layers, keys->form), "half_filled_box.toml"), keys->steps);
         print_header();
@@ -239,7 +240,8 @@ void print_two_steps(State& s, Real dt) {
 
 void add_pressure_solves(CLI::App& program) {
     add(
-        program, "pressure_preconditioners", "none, the diagonal and multigrid: iterations, CPU seconds, error",
+        program, "pressure_preconditioners",
+        "iterations, CPU seconds and error without preconditioner, with the diagonal and with multigrid",
         [] {
             print_csv("form", "particles", "factor", "residual", "preconditioner", "iterations", "converged", "seconds", "error",
                       "set_up_seconds", "levels", "bytes");

@@ -1,5 +1,5 @@
 #pragma once
-/// The subcommands of whorl_solver_tables. Each measures one thing and prints it as CSV, a row as soon as it is known.
+/// Subcommands of whorl_solver_tables. Each prints one table as CSV, every row as soon as it is measured.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

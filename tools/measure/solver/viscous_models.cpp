@@ -1,4 +1,4 @@
-/// Per viscous model: conservation, stiffness of a rope of few particles, decay of waves, and cost of a step.
+/// Properties of each viscous model: conservation, stiffness of a rope of few particles, decay of waves, and cost of a step.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <functional>
@@ -25,10 +25,10 @@ using test::TestWorld;
 struct ViscousModel {
     std::string name;
     bool implicit = false;
-    double support = 2;  ///< kernel radius over spacing that it is meant for
-    /// The viscous acceleration [m/s^2] of the world's velocities, pairs found, density and viscosity set.
+    double support = 2;  ///< recommended kernel radius over spacing
+    /// Viscous acceleration [m/s^2] at the world's velocities. Needs its pairs, density and viscosity.
     std::function<std::vector<Vec3>(TestWorld&)> acceleration;
-    /// The stage that steps it, and the stage that must run before; empty for none.
+    /// Stages of a time step with this model; empty if its cost is not measured.
     std::function<std::vector<Stage>(double tolerance)> stages;
 };
 
@@ -37,7 +37,7 @@ Read<F> read(TestWorld& w) {
     return {std::as_const(w.world.fluid).template column<F>()};
 }
 
-/// -(A u - u)/dt of an implicit operator that is set up with a short step.
+/// Viscous acceleration -(A u - u)/dt of an implicit operator A, set up with dt = 1 s.
 template <class Operator, class SetUp>
 std::vector<Vec3> acceleration_of(TestWorld& w, const SetUp& set_up) {
     const auto u = w.column<field::velocity>();
@@ -58,7 +58,7 @@ std::vector<Vec3> explicit_acceleration(TestWorld& w, bool monaghan) {
     return a;
 }
 
-/// XSPH with alpha such that alpha 0.075 R^2/(2 dt) is nu.
+/// Acceleration by XSPH with the alpha that gives alpha 0.075 R^2/(2 dt) = nu.
 std::vector<Vec3> xsph_acceleration(TestWorld& w) {
     const StepContext& step = w.world.step;
     const Real nu = w.column<field::viscosity>()[0] / step.rest_density;
@@ -76,7 +76,7 @@ std::vector<Stage> around(Stage viscosity, bool acceleration) {
     return all;
 }
 
-/// xsph, explicit (two Laplacians), full_assembled, full.
+/// xsph, explicit (with either Laplacian), full_assembled, full.
 std::vector<ViscousModel> viscous_models() {
     const auto stage = [](auto s) { return make_stage("viscosity", "viscosity", std::move(s)); };
     std::vector<ViscousModel> all;
@@ -114,7 +114,7 @@ std::vector<ViscousModel> viscous_models() {
     return all;
 }
 
-/// A free body of particles at x with viscosity mu [Pa s], neighbours and density found.
+/// A free body of particles at x with viscosity mu [Pa s]; computes its neighbours and density.
 TestWorld body(const std::vector<Vec3>& x, double spacing, double support, double mu, const std::vector<Stage>& stages = {}) {
     Vec3 low = Vec3::Constant(std::numeric_limits<Real>::max()), high = -low;
     for (const Vec3& one : x) low = low.cwiseMin(one), high = high.cwiseMax(one);
@@ -131,7 +131,7 @@ TestWorld body(const std::vector<Vec3>& x, double spacing, double support, doubl
     return w;
 }
 
-/// A cylinder along x of blue noise, its middle at the origin [m].
+/// Particles of a cylinder along x with its middle at the origin, as blue noise [m].
 std::vector<Vec3> rope(double radius, double length, double spacing) {
     ShapeKeys keys;
     keys.kind = "cylinder";
@@ -153,8 +153,8 @@ double dissipation(TestWorld& w, const std::vector<Vec3>& acceleration) {
     return sum;
 }
 
-/// Momentum and angular momentum that one evaluation makes from nothing, over the sum of |m a| (and the body's half length), for a noisy
-/// velocity.
+/// Errors of one evaluation of the model at random velocities: total force over the sum of |m a|, and total torque over that sum times half
+/// the body's length. Both are zero if the model conserves momentum and angular momentum.
 void kept(const ViscousModel& model, double& momentum, double& angular) {
     std::vector<Vec3> x = rope(3.5 * d, 20 * d, d);
     TestWorld w = body(x, d, model.support, density);
@@ -172,7 +172,7 @@ void kept(const ViscousModel& model, double& momentum, double& angular) {
     angular = L.norm() / (scale * 10 * d);
 }
 
-/// The fraction of a rigid rotation about a rope's axis that a step at nu dt/d^2 = 10 destroys, extrapolated to one second.
+/// Fraction of a rigid rotation about a rope's axis that an implicit step with nu dt/d^2 = 10 destroys, from the rate of dissipation.
 double braking(const ViscousModel& model) {
     std::vector<Vec3> x = rope(2.5 * d, 20 * d, d);
     const double nu = 1, dt = 10 * d * d / nu;
@@ -180,14 +180,14 @@ double braking(const ViscousModel& model) {
     double energy = 0;
     const auto u = w.column<field::velocity>();
     for (std::size_t i = 0; i < x.size(); ++i) u[i] = Vec3(1, 0, 0).cross(x[i]), energy += 0.5 * w.world.step.mass * u[i].squaredNorm();
-    const double rate = dissipation(w, model.acceleration(w)) / (2 * energy);  // of the rotation's speed
+    const double rate = dissipation(w, model.acceleration(w)) / (2 * energy);  // relative decay rate of the rotation [1/s]
     return 1 - 1 / (1 + rate * dt);
 }
 
 enum class Strain { stretching, bending, torsion };
 
-/// Dissipation of a rope `across` particles thick in a field of pure stretching, bending or torsion, over that of the continuum: 3 mu A, 3
-/// mu I, 2 mu I times the rate squared and the length.
+/// Dissipation of a rope `across` particles thick in pure stretching, bending or torsion, over that of the continuum. The latter is 3 mu A,
+/// 3 mu I or 2 mu I times the squared rate (1 here) and the length.
 double stiffness(const ViscousModel& model, Strain strain, int across) {
     const double a = 0.5 * across * d, L = 40 * d, mu = density;
     std::vector<Vec3> x = rope(a, L, d);
@@ -204,7 +204,7 @@ double stiffness(const ViscousModel& model, Strain strain, int across) {
     return dissipation(w, model.acceleration(w)) / exact;
 }
 
-/// A periodic lattice with `side` particles along y and a few along x and z, with the velocity (sin ky, 0, 0).
+/// A periodic lattice with `side` particles along y and two kernel radii along x and z, with the velocity (sin ky, 0, 0).
 TestWorld wave(const ViscousModel& model, int side, double nu) {
     const double L = side * d, width = 2 * model.support * d, k = 2 * std::numbers::pi / L;
     TestWorld w(d, model.support, Domain{Vec3::Zero(), Vec3(Real(width), Real(L), Real(width)), {true, true, true}});
@@ -216,7 +216,7 @@ TestWorld wave(const ViscousModel& model, int side, double nu) {
     return w;
 }
 
-/// Decay rate of a shear wave of that many particles over nu k^2.
+/// Decay rate of a shear wave over nu k^2. @param particles per wavelength
 double shear_wave(const ViscousModel& model, int particles) {
     TestWorld w = wave(model, particles, 1);
     double energy = 0;
@@ -225,7 +225,7 @@ double shear_wave(const ViscousModel& model, int particles) {
     return dissipation(w, model.acceleration(w)) / (energy * k * k);
 }
 
-/// nu dt/d^2 at which the fastest mode on a lattice is thrown over: 2 over the largest eigenvalue, by power iteration.
+/// Largest stable nu dt/d^2 of an explicit step on a lattice: 2 over the largest eigenvalue, which power iteration finds.
 double largest_step(const ViscousModel& model) {
     TestWorld w = wave(model, 12, 1);
     const auto u = w.column<field::velocity>();
@@ -242,7 +242,7 @@ double largest_step(const ViscousModel& model) {
     return 2 / (eigenvalue * d * d);
 }
 
-/// Iterations and CPU ns a particle of a step of 4,000 particles from rest, without the neighbour search; K = nu dt/d^2.
+/// Iterations and CPU ns per particle of the first step of 4,000 particles, without the neighbour search. @param K nu dt/d^2
 void step(const ViscousModel& m, double K, int& iterations, double& nanoseconds) {
     TestWorld w = body(rope(7 * d, 26 * d, d), d, m.support, density, m.stages(1e-3));
     for (std::size_t i = 0; i < w.column<field::velocity>().size(); ++i) {
@@ -285,7 +285,7 @@ void print_properties(const ViscousModel& m) {
 }  // namespace
 
 void add_viscous_models(CLI::App& program) {
-    program.add_subcommand("viscous_models", "what each viscous model keeps, stiffness of ropes, decay of waves, cost of a step")
+    program.add_subcommand("viscous_models", "conservation, stiffness of ropes, decay of waves and cost of a step by viscous model")
         ->callback([] {
             print_csv("model", "support", "quantity", "value");
             for (const ViscousModel& model : viscous_models()) print_properties(model);

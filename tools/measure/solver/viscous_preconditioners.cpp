@@ -1,4 +1,4 @@
-/// A viscous thread on its pile, solved with each preconditioner.
+/// The viscous preconditioners, measured on a thread and its pile.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <limits>
@@ -19,9 +19,9 @@ using test::TestWorld;
 
 constexpr double d = 0.01, density = 1000;
 
-/// A thread that coils: a pile on a plate, a thread above it that hangs from a nozzle. @param scale 1: four thousand particles @param
-/// uneven d, off the lattice
-/// @param stuck the fluid next to the plate is held by its role, for a solve without boundary particles
+/// A pile on a plate, and a thread above it that hangs from a nozzle.
+/// @param scale size; 1: four thousand particles @param uneven largest random displacement from the lattice along each axis [d]
+/// @param stuck whether the role of the lowest fluid particles keeps them at rest, for a solve without boundary particles
 TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>& stages, bool stuck) {
     const double pile = 11 * scale * d, height = 5.5 * scale * d, thread = 4 * scale * d, top = 34 * scale * d;
     TestWorld w(d, 2,
@@ -49,8 +49,8 @@ TestWorld coil(double scale, double uneven, double nu, const std::vector<Stage>&
 }
 
 struct Cost {
-    double cold = 0, warm = 0, milliseconds = 0;  ///< iterations from rest; in the steps that follow; CPU of a step that follows
-    double error = 0;                             ///< of the velocity after the first solve, over its size
+    double cold = 0, warm = 0, milliseconds = 0;  ///< iterations of the first step; mean iterations, CPU ms of later steps
+    double error = 0;                             ///< relative error of the velocity after the first solve
     Index particles = 0;
 };
 
@@ -64,15 +64,15 @@ struct Solver {
     bool holds_by_role;
 };
 
-/// The velocity after the first step, solved far beyond a run's tolerance.
+/// Velocity after the first step, solved to a tolerance of 1e-6, far below that of a run.
 std::vector<Vec3> exact(double scale, double uneven, double K, const Solver& solver) {
     TestWorld w = coil(scale, uneven, 1, solver.stages(ViscousPreconditioner::two_level, {1e-6, 300}), solver.holds_by_role);
     w.step(K * d * d);
     return velocities(w);
 }
 
-/// The first step, and the mean of four that follow: each moves the particles by 0.01 d, adds 5 % of a fall and 1 % of noise to the
-/// velocity.
+/// Cost of the first step, and mean cost of the next four (two above 200,000 particles). Before each of these, the particles move by up to
+/// 0.01 d along each axis. Their velocity changes by 5 % of the rms speed downward and up to 1 % at random.
 Cost cost(double scale, double uneven, double K, ViscousPreconditioner preconditioner, const Solver& solver,
           const std::vector<Vec3>& exact_velocity) {
     TestWorld w = coil(scale, uneven, 1, solver.stages(preconditioner, {3e-3, 5000}), solver.holds_by_role);
@@ -139,11 +139,12 @@ void add_viscous_preconditioners(CLI::App& program) {
         std::vector<std::string> preconditioners{"none", "block_jacobi", "two_level"};
     };
     const auto keys = std::make_shared<Keys>();
-    CLI::App* app = program.add_subcommand("viscous_preconditioners", "a viscous thread on its pile, solved with each preconditioner");
+    CLI::App* app = program.add_subcommand("viscous_preconditioners",
+                                           "iterations, error and time of the viscous solves by preconditioner, for a thread and its pile");
     app->add_option("--solve", keys->solve)->check(CLI::IsMember({"full", "coupled"}))->capture_default_str();
     app->add_option("--scale", keys->scale, "1: four thousand particles, 2.35: fifty thousand, 5.05: half a million")
         ->capture_default_str();
-    app->add_option("--uneven", keys->uneven, "d, how far particles lie off the lattice")->capture_default_str();
+    app->add_option("--uneven", keys->uneven, "largest random displacement from the lattice [d]")->capture_default_str();
     app->add_option("--K", keys->K, "nu dt/d^2")->capture_default_str();
     app->add_option("--preconditioner", keys->preconditioners)->check(CLI::IsMember(keys->preconditioners))->capture_default_str();
     app->callback([keys] {
