@@ -318,7 +318,7 @@ TEST_CASE("braces in settings contain expressions of the knobs, or a knob's valu
     CHECK(with_values("models.viscosity={model}", knobs) == "models.viscosity=full");
     CHECK_THROWS_AS(with_values("{40*speed}", knobs), InputError);
     const std::vector<std::string> two{"block[0].radius=1", "solid[0].radius=2", "nu=3"};
-    CHECK_THROWS_WITH(with_values("{2*radius}", two), Catch::Contains("two knobs are called radius: use another name for one"));
+    CHECK_THROWS_WITH(with_values("{2*radius}", two), Catch::Contains("two knobs are called radius; rename one of them"));
     CHECK_THROWS_WITH(with_values("{0.1*nu+0*(}", two), !Catch::Contains("two knobs"));
     CHECK(with_values("seed={radius}, {2*radius}", {"block[0].radius=1", "radius=4", "solid[0].radius=2"}) == "seed=4, 8");
 }
@@ -346,7 +346,7 @@ TEST_CASE("a study with a key without effect is refused, and a point that the pl
     const std::string head = "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\n";
     write(folder / "idle.toml", head + "key = \"scale\"\nvalues = [1, 2]\n");
     CHECK_THAT(test::whorl({"tradeoff", (folder / "idle.toml").string(), "--out", (folder / "a").string()}).err,
-               Catch::Contains("turns nothing"));
+               Catch::Contains("has no effect"));
     write(folder / "wrong.toml", head + "key = \"fluid.spacing\"\nvalues = [-1, 0.05]\n");
     const Outcome wrong = test::whorl({"tradeoff", (folder / "wrong.toml").string(), "--out", (folder / "b").string()});
     CHECK(wrong.code == 2);
@@ -361,7 +361,7 @@ TEST_CASE("mistakes of a study file are reported together with their locations",
     CHECK(bad.code == 2);
     CHECK_THAT(bad.err, Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") &&
                             Catch::Contains("limit = -1 is out of range") && Catch::Contains("needs two values or more") &&
-                            Catch::Contains("knob[1].values has a value twice") &&
+                            Catch::Contains("knob[1].values contains a value twice") &&
                             Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
     write(folder / "names.toml", "scenes = [\"a.toml\", \"b/a.toml\"]\n");
@@ -371,7 +371,7 @@ TEST_CASE("mistakes of a study file are reported together with their locations",
     for (int k = 0; k < 12; ++k) many += "[[knob]]\nkey = \"emitter." + std::to_string(k) + ".speed\"\nvalues = [1, 2, 3, 4, 5]\n";
     write(folder / "many.toml", many);
     CHECK_THAT(test::whorl({"tradeoff", (folder / "many.toml").string(), "--out", (folder / "out").string()}).err,
-               Catch::Contains("the knobs have 2.4e+08 settings together"));
+               Catch::Contains("the knobs have 2.4e+08 combinations of values"));
 
     write(folder / "falling.toml", falling);
     write(folder / "limits.toml", R"(scenes = ["falling.toml"]

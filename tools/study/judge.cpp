@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One row that counts: what was measured, and where.
+/// Measured value, time and position of one row.
 struct Sample {
     double t = 0;
     Vec3d x = Vec3d::Zero();
@@ -37,7 +37,7 @@ std::vector<Sample> samples_of(const AccuracyKeys& a, const fs::path& folder) {
     return samples;
 }
 
-/// The error over the rows, each against its own expected value.
+/// Relative error of the rows with respect to their expected values, by accuracy.at.
 double compared(const AccuracyKeys& a, const std::vector<Sample>& samples, const std::vector<double>& expected) {
     if (samples.empty()) return std::numeric_limits<double>::quiet_NaN();
     double scale = a.scale;
@@ -62,15 +62,15 @@ fs::path last_picture(const fs::path& folder) {
     std::error_code none;
     for (const auto& entry : fs::directory_iterator(folder / "frames", none))
         if (entry.path().extension() == ".png") all.push_back(entry.path());
-    if (all.empty()) throw InputError({folder.string(), 0, 0}, "the run has no PNG pictures to compare");
+    if (all.empty()) throw InputError({folder.string(), 0, 0}, "the run has no PNG images to compare");
     return *std::max_element(all.begin(), all.end());
 }
 
-/// The largest growth of kinetic, potential and spin energy together over what the run began with, as a part of the energy that there was
-/// to move: the largest kinetic energy or fall of potential energy on the way.
+/// Largest growth of the total of kinetic, potential and spin energy since the start of the run, relative to the energy in motion. The
+/// latter is the largest of `scale`, the initial kinetic and spin energy, and the change of potential energy so far.
 struct Growth {
     double most = 0;
-    const std::vector<double>* first = nullptr;  ///< row that is beyond the allowed part
+    const std::vector<double>* first = nullptr;  ///< first row above the allowed growth
 };
 Growth energy_growth(const CsvTable& table, double allowed, double scale) {
     const std::size_t kinetic = table.index("kinetic_energy"), potential = table.index("potential_energy"),
@@ -89,7 +89,7 @@ Growth energy_growth(const CsvTable& table, double allowed, double scale) {
     return growth;
 }
 
-/// Verdict from run.json's record of the first problem of a kind.
+/// Verdict with time, step and report of the first problem of a kind, from run.json.
 Verdict first_trouble(const nlohmann::json& run, const std::string& kind, const std::string& state, const std::string& why) {
     Verdict verdict{state, why, 0, 0};
     for (const auto& trouble : run.value("first_troubles", nlohmann::json::array()))
@@ -109,7 +109,7 @@ double error_of(const AccuracyKeys& a, const fs::path& folder, const fs::path& r
     if (samples.empty()) return std::numeric_limits<double>::quiet_NaN();
     std::vector<double> expected;
     if (a.of == AccuracyKind::reference) {
-        // Row by row where both runs write the same times; the reference's rows are interpolated in time otherwise.
+        // The reference's rows are interpolated in time if the two runs write at different times.
         const std::vector<Sample> truth = samples_of(a, reference);
         if (truth.empty()) return std::numeric_limits<double>::quiet_NaN();
         for (const Sample& s : samples) {
@@ -132,7 +132,7 @@ Verdict judge(const StabilityKeys& keys, const PointResult& result) {
     if (result.status == "diverged" && run.is_object()) return first_trouble(run, "diverged", "diverged", result.message);
     if (!result.done() || !run.is_object()) return {"failed", result.message, 0, 0};
     const CsvTable table = read_csv(result.folder / "diagnostics.csv");
-    if (table.rows.empty()) return {"failed", "the run left no figures", 0, 0};
+    if (table.rows.empty()) return {"failed", "the run wrote no diagnostics", 0, 0};
     const auto at_row = [&](const std::vector<double>& row, const char* state, std::string why) {
         return Verdict{state, std::move(why), row[table.index("time")], static_cast<long>(row[table.index("steps")])};
     };
@@ -141,7 +141,8 @@ Verdict judge(const StabilityKeys& keys, const PointResult& result) {
                              fmt::format("{} of {} left the domain", lost, lost + run.value("particles", 0L)));
     if (keys.energy_growth > 0)
         if (const Growth growth = energy_growth(table, keys.energy_growth, std::strtod(keys.energy_scale.c_str(), nullptr)); growth.first)
-            return at_row(*growth.first, "unphysical energy", fmt::format("energy grew by {:.3g} % of what moved", 100 * growth.most));
+            return at_row(*growth.first, "unphysical energy",
+                          fmt::format("energy grew by {:.3g} % of the energy in motion", 100 * growth.most));
     const double steps = std::max(1.0, run.value("steps", 1.0));
     if (const double stalled = run.value("unconverged_solves", 0.0) / steps; stalled > keys.stalled)
         return first_trouble(run, "unconverged", "stalled solver",

@@ -11,8 +11,8 @@ namespace {
 
 bool counts(const Measured& m) { return std::isfinite(m.cost) && std::isfinite(m.error); }
 
-/// Distance (in logarithms) by which a point with this cost and error would extend the front: the smallest move out of the dominated
-/// side; negative where the front beats it.
+/// Distance by which a point would extend the front: the smallest shift that the front dominates it again. Negative if the front already
+/// dominates it. @param cost, error logarithms
 double gain(double cost, double error, const std::vector<Measured>& measured) {
     double least = std::numeric_limits<double>::infinity();
     for (const Measured& m : measured)
@@ -82,8 +82,8 @@ double ParetoSearch::distance(const GridPoint& a, const GridPoint& b) const {
 }
 
 ParetoSearch::Guess ParetoSearch::guess(const GridPoint& p, const std::vector<Measured>& measured) const {
-    // Least squares of a + b.(index) for both, with weights that fall off over a third of the grid; a small ridge keeps unknown slopes at
-    // 0.
+    // Least-squares fit of a + b.(index) for cost and error. Weights decrease over a third of the grid; a small ridge term sets unknown
+    // slopes to 0.
     const auto n = static_cast<Eigen::Index>(levels_.size() + 1);
     Eigen::MatrixXd normal = 1e-3 * Eigen::MatrixXd::Identity(n, n);
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(n, 2);
@@ -115,7 +115,7 @@ GridPoint ParetoSearch::next(const std::vector<Measured>& measured, double most)
     };
     const auto too_dear = [&](double cost) {
         return measured.size() > levels_.size() && cost > std::log(most);
-    };  // a plane through fewer says nothing
+    };  // fewer points do not determine a plane
     for (const GridPoint& p : first_points())
         if (!was_run(p) && !too_dear(guess(p, measured).cost)) return p;
     GridPoint best;
@@ -126,7 +126,7 @@ GridPoint ParetoSearch::next(const std::vector<Measured>& measured, double most)
         const Guess g = guess(p, measured);
         const double promise = gain(g.cost, g.error - g.spread, measured);
         if (promise < 0.05 || too_dear(g.cost)) continue;
-        const double worth = promise / std::exp(0.5 * g.cost);  // dear points must promise more
+        const double worth = promise / std::exp(0.5 * g.cost);  // expensive points must extend the front further
         if (worth > largest) largest = worth, best = p;
     }
     return best;

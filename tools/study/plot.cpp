@@ -12,9 +12,9 @@ namespace {
 
 const Vec3f ink(0.13f, 0.13f, 0.16f), faint(0.86f, 0.86f, 0.88f), grey(0.60f, 0.60f, 0.64f), accent(0.78f, 0.36f, 0.05f);
 
-/// A logarithmic axis with a margin, and its marks: 1 in every decade, or more of it where those are few.
+/// A logarithmic axis with a margin. It has a mark at 1 in every decade, or more marks per decade if these are fewer than three.
 struct LogAxis {
-    double low, high, from, to;  ///< values, pixels
+    double low, high, from, to;  ///< range of values; its ends in pixels
     LogAxis(const std::vector<double>& values, double first, double last) : from(first), to(last) {
         low = std::numeric_limits<double>::infinity(), high = 0;
         for (const double v : values)
@@ -26,7 +26,7 @@ struct LogAxis {
     double at(double v) const { return from + (to - from) * std::log(v / low) / std::log(high / low); }
     std::vector<double> marks() const {
         static const std::vector<std::vector<double>> steps{{1}, {1, 2, 5}, {1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9}};
-        for (const std::vector<double>& some : steps) {  // the first that gives marks enough to read by
+        for (const std::vector<double>& some : steps) {  // the first that gives three marks
             std::vector<double> all;
             for (int decade = static_cast<int>(std::floor(std::log10(low))); decade <= std::ceil(std::log10(high)); ++decade)
                 for (const double step : some)
@@ -85,7 +85,7 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
         if (p.x_high > p.x_low) c.line(x.at(p.x_low), y.at(p.y), x.at(p.x_high), y.at(p.y), colour, 1.5);
         c.disc(x.at(p.x), y.at(p.y), p.on_front ? 5 : 3.5, colour);
     }
-    // Labels last, on top; each at a free place: next to its point, else farther up or down.
+    // Labels come last, on top. Each gets a free position next to its point, else farther up or down.
     struct Box {
         double x0, y0, x1, y1;
         bool meets(const Box& o) const { return x0 < o.x1 && o.x0 < x1 && y0 < o.y1 && o.y0 < y1; }
@@ -105,7 +105,7 @@ Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title
                                   std::none_of(taken.begin(), taken.end(), [&](const Box& t) { return box.meets(t); });
                 if (free && best.x1 == 0) best = box;
             }
-        if (best.x1 == 0) continue;  // the table has it
+        if (best.x1 == 0) continue;  // no free position; the table contains the label
         c.words(best.x0 + 2, best.y1 - 3, p.label, ink, 12);
         taken.push_back(best);
     }

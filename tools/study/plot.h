@@ -1,5 +1,5 @@
 #pragma once
-/// The two pictures that studies draw.
+/// The two plots that studies draw: a Pareto front and a stability map.
 #include <string>
 #include <vector>
 
@@ -14,25 +14,25 @@ struct PlotPoint {
     bool on_front = false;
 };
 
-/// Cost against error on logarithmic axes, the front joined by a line, its points labelled.
+/// Points on logarithmic axes. A line joins the points of the front, which have labels.
 Canvas draw_front(const std::vector<PlotPoint>& points, const std::string& title, const std::string& x_name, const std::string& y_name);
 
 struct MapCell {
-    std::string state;  ///< what colours it
-    std::string note;   ///< written into it
+    std::string state;  ///< determines the colour
+    std::string note;   ///< text in the cell
 };
-/// Curve of a predicted limit: position on the second knob's axis (0: its first value) for each value of the first.
+/// Curve of a predicted limit: for each value of the first knob, the position on the second knob's axis in cells (0: its first value).
 struct MapLimit {
     std::string name;
     std::vector<double> place;  ///< NaN: outside the map
 };
-/// One map of several with the same axes.
+/// One of several maps with the same axes.
 struct StabilityPanel {
     std::string title;
-    std::vector<MapCell> cells;  ///< along x first
+    std::vector<MapCell> cells;  ///< x varies fastest
     std::vector<MapLimit> limits;
 };
-/// Tables of cells: the first knob's values along x, the second's upwards.
+/// Maps as tables of cells: the first knob's values along x, the second's upwards.
 Canvas draw_maps(const std::vector<StabilityPanel>& panels, const std::vector<std::string>& x_values,
                  const std::vector<std::string>& y_values, const std::string& title, const std::string& x_name, const std::string& y_name);
 

@@ -32,14 +32,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int by_signal = 128;  ///< what shells and Slurm add to the number of the signal that ended a program
+constexpr int by_signal = 128;  ///< exit status of a program that a signal ended, less the signal's number
 
 struct ChildUse {
-    int code = 0;  ///< exit status; -1: it took too long
+    int code = 0;  ///< exit status; -1: ended by the time limit
     double cpu = 0, wall = 0, memory = 0;
 };
 
-/// Runs a program with its output in a file, until it ends, its time is over, or the user interrupts.
+/// Runs a program with its output in a file until it ends, its time limit is reached, or the user interrupts.
 ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& output, double limit, const InterruptGuard& interrupt) {
     const double began = wall_seconds();
     const pid_t pid = start_program(arguments, output);
@@ -62,14 +62,14 @@ ChildUse run_child(const std::vector<std::string>& arguments, const fs::path& ou
             1024.0 * static_cast<double>(usage.ru_maxrss)};
 }
 
-/// A folder name from settings: readable, and different for different settings.
+/// A readable folder name, with a hash that makes it unique.
 std::string folder_name(const std::string& text) {
     std::string name;
     for (const char c : text)
         name +=
             static_cast<unsigned char>(c) >= 0x80 || std::isalnum(c) != 0 || std::string("=.-+_").find(c) != std::string::npos ? c : '_';
     if (name.size() > 100) name.resize(100);
-    while (!is_utf8(name)) name.pop_back();  // half of a letter
+    while (!is_utf8(name)) name.pop_back();  // part of a character
     return fmt::format("{}-{:08x}", name, static_cast<unsigned>(std::hash<std::string>{}(text)));
 }
 
@@ -82,7 +82,7 @@ std::string text_of(const fs::path& file) {
 
 Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, false); }
 
-/// Checksum of a run's input: the scene with its settings and the files that it names; if the scene cannot be read, of its file alone.
+/// Checksum of a run's input: the scene with its settings, and the files that it names. If the scene is invalid: of its file only.
 std::size_t hash_of(const Options& options) {
     const std::hash<std::string> hash;
     try {
@@ -99,19 +99,19 @@ std::size_t hash_of(const Options& options) {
     } catch (const InputError&) {}
     try {
         return hash(text_of(find_scene(options.scene)));
-    } catch (const InputError&) { return 0; }  // reported when it is run
+    } catch (const InputError&) { return 0; }  // reported when the point runs
 }
 
-/// How a run failed. @param code exit status @param said its own words, if any
+/// Message of a failed run. @param code exit status @param said the run's own message; may be empty
 std::string failure(int code, const std::string& said) {
     const int signal = code - by_signal;
-    if (signal <= 0 || signal >= NSIG || code == exit_interrupted)  // a run that saved its state ended by itself
+    if (signal <= 0 || signal >= NSIG || code == exit_interrupted)  // an interrupted run exits by itself
         return said.empty() ? fmt::format("ended with code {}", code) : said;
     return fmt::format("ended by signal {}{}{}{}", signal, signal == SIGKILL ? " (out of memory?)" : "", said.empty() ? "" : ": ", said);
 }
 
-/// Takes over an earlier result of the same call and build whose run is in the folder. Failed points may succeed now, and late ones with
-/// more time. @return whether nothing is left to do; a result with too few timings gets more
+/// Reuses an earlier result of the same call and build whose run is in the folder. Points that failed, and points that timed out under a
+/// shorter limit, run again. @return whether the result is complete; false also if it has too few timings
 bool take_record(const fs::path& record, int repeat, PointResult& result) try {
     auto known = json_of(record).get<PointResult>();
     const bool late = known.status == "timeout" && known.limit >= result.limit;
@@ -121,7 +121,7 @@ bool take_record(const fs::path& record, int repeat, PointResult& result) try {
     result = std::move(known);
     return !result.done() || static_cast<int>(result.cpu.size()) >= repeat;
 } catch (const Json::exception&) {
-    return false;  // it was changed or removed: the point is run again
+    return false;  // changed or removed: run the point again
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ PointCall point_call(const Study& study, const std::string& scene, const std::ve
 
 namespace {
 
-/// Text that is equal for runs of equal result and cost.
+/// A text that is equal for runs with equal results and costs.
 std::string identity_of(const PointCall& call, int threads, bool pictures) {
     Options read = call.options;
     read.no_images = !pictures, read.no_video = pictures;
@@ -150,18 +150,19 @@ std::string identity_of(const PointCall& call, int threads, bool pictures) {
         fmt::format("{} {:016x} | {} | {} | {} threads{} | {}", read.scene, hash_of(read), joined_settings(call.settings), read.quality,
                     call.threads.empty() ? std::to_string(threads) : call.threads, pictures ? " | pictures" : "", build_id());
     if (call.program.empty()) return identity;
-    std::error_code none;  // a missing program is reported when it is run
+    std::error_code none;  // a missing program is reported when the point runs
     return identity + fmt::format(" | {} bytes of {}", fs::file_size(call.program, none),
                                   fs::last_write_time(call.program, none).time_since_epoch().count());
 }
 
 fs::path job_script(const fs::path& folder) { return folder / "points" / "job.sh"; }
 
-/// Runs the program as a job and waits for its end. The point's limit counts from its start on a machine, not from when it is queued.
-/// @return exit status; -1: it took too long @throws EnvironmentError if Slurm does not accept it
+/// Runs a point as a Slurm job and waits for its end. The point's time limit counts from the start of the job, without its time in the
+/// queue.
+/// @return exit status; -1: ended by the time limit @throws EnvironmentError if Slurm rejects the job
 int run_job(const PointRunner& runner, const PointCall& call, const std::vector<std::string>& arguments, const fs::path& output) {
     const Study& study = runner.study;
-    constexpr double to_begin = 300;  // s: before Slurm itself ends the job
+    constexpr double to_begin = 300;  // s, added to the point's limit before Slurm ends the job
     const fs::path said = output.string() + ".job", script = job_script(runner.folder);
     std::vector<std::string> words{"sbatch",
                                    "--wait",
@@ -176,7 +177,8 @@ int run_job(const PointRunner& runner, const PointCall& call, const std::vector<
     words.insert(words.end(), arguments.begin(), arguments.end());
     try {
         const int code = run_child(words, said, std::numeric_limits<double>::infinity(), runner.interrupt).code;
-        if (slurm_job(text_of(said)).empty()) throw EnvironmentError("sbatch failed: " + text_of(said), "", "is Slurm running? call sinfo");
+        if (slurm_job(text_of(said)).empty())
+            throw EnvironmentError("sbatch failed: " + text_of(said), "", "check with sinfo whether Slurm is running");
         constexpr int timeout_ended_it = 124;
         return code == timeout_ended_it ? -1 : code;
     } catch (const StudyInterrupted&) {
@@ -185,7 +187,7 @@ int run_job(const PointRunner& runner, const PointCall& call, const std::vector<
     }
 }
 
-/// Runs the point, and adds its costs to the result.
+/// Runs the point once and adds its costs to the result.
 void run_once(const PointRunner& runner, const PointCall& call, bool pictures, PointResult& result) {
     const Study& study = runner.study;
     const fs::path output = result.folder.string() + ".txt";
@@ -193,7 +195,7 @@ void run_once(const PointRunner& runner, const PointCall& call, bool pictures, P
         call.program, "render",    call.options.scene, "--out",     result.folder.string(), "--overwrite",
         "--quiet",    "--threads", call.threads,       "--quality", call.options.quality,   pictures ? "--no-video" : "--no-images"};
     for (const std::string& key : call.options.set) arguments.insert(arguments.end(), {"--set", key});
-    fs::remove_all(result.folder);  // of another build or timing; --overwrite is for a job that is restarted
+    fs::remove_all(result.folder);  // may exist from another build or timing; --overwrite serves restarted jobs
     const ChildUse use = runner.slurm ? ChildUse{.code = run_job(runner, call, arguments, output)}
                                       : run_child(arguments, output, study.limit, runner.interrupt);
     if (use.code == exit_bad_input)
@@ -211,7 +213,7 @@ void run_once(const PointRunner& runner, const PointCall& call, bool pictures, P
     } else {
         result.status = "failed", result.message = failure(use.code, result.message);
     }
-    // A job ran on another machine: as it measured itself.
+    // A job ran on another machine, so its own measurements count.
     result.cpu.push_back(runner.slurm ? measured("cpu_seconds") : use.cpu),
         result.wall.push_back(runner.slurm ? measured("wall_seconds") : use.wall);
     result.memory = std::max(result.memory, runner.slurm ? measured("peak_memory_bytes") : use.memory);
@@ -246,10 +248,10 @@ PointResult PointRunner::run(const std::string& scene, const std::vector<std::st
             throw InputError({study.name, 0, 0}, fmt::format("the point {} cannot run: program {} not found", call.name, call.program),
                              "build it first: bash tools/build.sh PRESET whorl");
         throw EnvironmentError("the program " + call.program + " was removed", "",
-                               "it was removed or rebuilt while the study ran: start the study again");
+                               "the program was removed or rebuilt during the study; start the study again");
     }
     fs::create_directories(folder / "points");
-    fs::remove(record);  // its run is replaced, even if this one is interrupted
+    fs::remove(record);  // run_once() deletes its run first
     do run_once(*this, call, pictures, result);
     while (result.done() && static_cast<int>(result.cpu.size()) < repeat);
     write_text(record, json_text(Json(result), 1) + "\n");

@@ -28,51 +28,54 @@ CostNames choices(CostKind) { return {{CostKind::cpu, "cpu"}, {CostKind::wall, "
 namespace {
 
 KeyTable knob_keys() {
-    KeyTableOf<Knob> t("a setting and the values that it takes");
-    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a new name that settings use in braces").required();
-    t.key("values", &Knob::values, "", "its values, in order from cheap to dear or the other way round").required();
-    t.key("label", &Knob::label, "", "what pictures call it; default: the key");
+    KeyTableOf<Knob> t("a swept setting and its values");
+    t.key("key", &Knob::key, "", "a scene key, or scene, quality, threads, program, or a new name for use in braces").required();
+    t.key("values", &Knob::values, "", "its values, in order of increasing or decreasing cost").required();
+    t.key("label", &Knob::label, "", "name in plots; default: the key");
     return t;
 }
 
 KeyTable accuracy_keys() {
-    KeyTableOf<AccuracyKeys> t("what accuracy means");
-    t.key("of", &AccuracyKeys::of, "",
-          "against an expression, against a run that counts as true, against the first row, or between pictures");
-    t.key("table", &AccuracyKeys::table, "", "in the run folder: diagnostics.csv, probes/NAME.csv");
-    t.key("column", &AccuracyKeys::column, "", "of the table");
-    t.key("at", &AccuracyKeys::at, "", "the last row, the mean of the rows, or all rows");
-    t.key("from", &AccuracyKeys::from, "s", "earlier rows do not count").at_least(0);
+    KeyTableOf<AccuracyKeys> t("definition of accuracy");
+    t.key("of", &AccuracyKeys::of, "", "error relative to an expression, to a reference run or to the first row, or difference of images");
+    t.key("table", &AccuracyKeys::table, "", "path in the run folder: diagnostics.csv, probes/NAME.csv");
+    t.key("column", &AccuracyKeys::column, "", "column of the table");
+    t.key("at", &AccuracyKeys::at, "", "rows that count: the last, the mean of all, or all (root mean square)");
+    t.key("from", &AccuracyKeys::from, "s", "earlier rows are ignored").at_least(0);
     t.key("expected", &AccuracyKeys::expected, "", "the exact value").of("txyz");
-    t.key("scale", &AccuracyKeys::scale, "", "what the error is divided by; 0: the largest expected value").at_least(0);
-    t.key("reference", &AccuracyKeys::reference, "", "settings of the run that counts as true");
+    t.key("scale", &AccuracyKeys::scale, "", "divisor of the error; 0: the largest expected value").at_least(0);
+    t.key("reference", &AccuracyKeys::reference, "", "settings of the reference run");
     return t;
 }
 
 KeyTable cost_keys() {
-    KeyTableOf<CostKeys> t("what cost means");
+    KeyTableOf<CostKeys> t("definition of cost");
     t.key("of", &CostKeys::of, "", "CPU seconds, wall seconds, or peak memory");
-    t.key("repeat", &CostKeys::repeat, "", "timings of each point").at_least(1).at_most(100);
+    t.key("repeat", &CostKeys::repeat, "", "timings per point").at_least(1).at_most(100);
     return t;
 }
 
 KeyTable limit_keys() {
     KeyTableOf<LimitKeys> t("a predicted limit, drawn on the map");
-    t.key("name", &LimitKeys::name, "", "as the map's legend calls it").required();
-    t.key("value", &LimitKeys::value, "", "of the second knob, an expression of the first one's value x").required();
+    t.key("name", &LimitKeys::name, "", "name in the map's legend").required();
+    t.key("value", &LimitKeys::value, "", "limit of the second knob, as an expression of the first knob's value x").required();
     return t;
 }
 
 KeyTable stability_keys() {
-    KeyTableOf<StabilityKeys> t("what stable means");
-    t.key("noisy_speed", &StabilityKeys::noisy_speed, "m/s", "a run whose fastest particle ends above it is noisy; none: not asked");
-    t.key("energy_growth", &StabilityKeys::energy_growth, "", "of the scene's energy; more is unphysical; 0: not asked").at_least(0);
-    t.key("energy_scale", &StabilityKeys::energy_scale, "J", "growth is measured against what moved, but at least against this");
-    t.key("stalled", &StabilityKeys::stalled, "", "part of the solves that may end without convergence").at_least(0).at_most(1);
-    t.key("bisect", &StabilityKeys::bisect, "", "key whose largest stable value is searched for in each cell");
-    t.key("low", &StabilityKeys::low, "", "its lowest value").at_least(0);
-    t.key("high", &StabilityKeys::high, "", "its highest value").at_least(0);
-    t.key("halvings", &StabilityKeys::halvings, "", "of the interval between them, of its logarithm").at_least(1).at_most(20);
+    KeyTableOf<StabilityKeys> t("definition of stability");
+    t.key("noisy_speed", &StabilityKeys::noisy_speed, "m/s",
+          "a run is noisy if its largest final speed is above this; default: not checked");
+    t.key("energy_growth", &StabilityKeys::energy_growth, "", "relative growth of the energy that is still physical; 0: not checked")
+        .at_least(0);
+    t.key("energy_scale", &StabilityKeys::energy_scale, "J", "lower bound of the energy that growth is relative to");
+    t.key("stalled", &StabilityKeys::stalled, "", "fraction of the solves that may end without convergence").at_least(0).at_most(1);
+    t.key("bisect", &StabilityKeys::bisect, "", "key whose largest stable value is found in each cell");
+    t.key("low", &StabilityKeys::low, "", "lowest value of the search").at_least(0);
+    t.key("high", &StabilityKeys::high, "", "highest value of the search").at_least(0);
+    t.key("halvings", &StabilityKeys::halvings, "", "number of times that the search halves the interval of the logarithm")
+        .at_least(1)
+        .at_most(20);
     t.list("limit", &StabilityKeys::limits, limit_keys());
     return t;
 }
@@ -80,12 +83,12 @@ KeyTable stability_keys() {
 const KeyTable& study_keys() {
     static const KeyTable table = [] {
         KeyTableOf<Study> t("a sweep over settings");
-        t.key("name", &Study::name, "", "names the folder of its results; default: the file's name");
-        t.key("scenes", &Study::scenes, "", "names of shipped scenes, or files found from the study's folder").required();
-        t.key("quality", &Study::quality, "", "of every point").one_of({"draft", "standard", "fine"});
-        t.key("set", &Study::set, "", "settings of every point: \"time.end=1\"; {...} holds an expression of the knobs");
+        t.key("name", &Study::name, "", "name of the folder of results; default: the file's name");
+        t.key("scenes", &Study::scenes, "", "names of shipped scenes, or paths relative to the study's folder").required();
+        t.key("quality", &Study::quality, "", "quality of every point").one_of({"draft", "standard", "fine"});
+        t.key("set", &Study::set, "", "settings of every point: \"time.end=1\"; {...} contains an expression of the knobs");
         t.key("limit", &Study::limit, "s", "wall time that a point may take").above(0);
-        t.key("pictures", &Study::pictures, "", "draw too");
+        t.key("pictures", &Study::pictures, "", "whether points draw images");
         t.list("knob", &Study::knobs, knob_keys());
         t.part("accuracy", &Study::accuracy, accuracy_keys());
         t.part("cost", &Study::cost, cost_keys());
@@ -95,7 +98,7 @@ const KeyTable& study_keys() {
     return table;
 }
 
-/// Values in the file are numbers, booleans or strings; settings are strings.
+/// Converts the knobs' values, which may be numbers, booleans or strings in the file, to strings.
 void values_to_texts(Value& root) {
     Value* knobs = root.find("knob");
     Value::List* list = knobs ? knobs->as<Value::List>() : nullptr;
@@ -118,11 +121,11 @@ void values_to_texts(Value& root) {
 
 bool letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-/// The expression with names of knobs replaced by their values. @param others the names that stay
+/// The expression with names of knobs replaced by their values. @param others receives all other names
 std::string expression_of(const std::string& text, const std::map<std::string, std::string>& values, std::set<std::string>& others) {
     std::string out;
     for (std::size_t i = 0; i < text.size();) {
-        if (!letter(text[i]) || std::isdigit(static_cast<unsigned char>(text[i]))) {  // a number takes its letters with it: 1e-3
+        if (!letter(text[i]) || std::isdigit(static_cast<unsigned char>(text[i]))) {  // letters belong to the number in 1e-3
             const bool number = letter(text[i]);
             do out += text[i++];
             while (number && i < text.size() && (letter(text[i]) || text[i] == '.'));
@@ -136,10 +139,10 @@ std::string expression_of(const std::string& text, const std::map<std::string, s
     return out;
 }
 
-/// All of them are evaluated after every run of a sweep.
+/// Upper bound, because the search evaluates all settings after every run.
 constexpr int most_settings = 20000;
 
-/// Expressions that are evaluated only after a cell, or at the end, are tested once before the first.
+/// Checks expressions that a study evaluates only after a cell or at its end, so that an error does not appear after hours.
 void check_expressions(const Study& study, Reader& reader) {
     std::vector<std::string> settings;
     for (const Knob& knob : study.knobs)
@@ -168,16 +171,16 @@ void check(const Study& study, Reader& reader) {
         const std::vector<std::string>& values = study.knobs[i].values;
         if (values.size() < 2) reader.disagree({name + ".values"}, name + ".values needs two values or more");
         if (std::set<std::string>(values.begin(), values.end()).size() < values.size())
-            reader.disagree({name + ".values"}, name + ".values has a value twice");
+            reader.disagree({name + ".values"}, name + ".values contains a value twice");
         for (std::size_t j = 0; j < i; ++j)
             if (study.knobs[j].key == study.knobs[i].key)
-                reader.disagree({name + ".key"}, name + ".key is swept by " + entry_name("knob", j) + " already");
+                reader.disagree({name + ".key"}, name + ".key is already swept by " + entry_name("knob", j));
     }
     double all = 1;
     for (const Knob& knob : study.knobs) all *= static_cast<double>(knob.values.size());
     if (all > most_settings)
-        reader.disagree({"knob"}, fmt::format("the knobs have {:.2g} settings together", all), "sweep fewer knobs, or fewer values of each",
-                        fmt::format("allowed: up to {}", most_settings));
+        reader.disagree({"knob"}, fmt::format("the knobs have {:.2g} combinations of values", all),
+                        "sweep fewer knobs, or fewer values of each", fmt::format("allowed: up to {}", most_settings));
     for (std::size_t i = 0; i < study.knobs.size(); ++i) {
         const std::string& key = study.knobs[i].key;
         const auto uses = [&](const std::string& text) {
@@ -186,11 +189,11 @@ void check(const Study& study, Reader& reader) {
             return false;
         };
         if (is_name(key) && std::none_of(study.set.begin(), study.set.end(), uses))
-            reader.disagree({entry_name("knob", i) + ".key"}, entry_name("knob", i) + ".key = \"" + key + "\" turns nothing",
+            reader.disagree({entry_name("knob", i) + ".key"}, entry_name("knob", i) + ".key = \"" + key + "\" has no effect",
                             "use a scene key, or use {" + key + "} in set");
     }
     if (study.scenes.empty()) reader.disagree({"scenes"}, "scenes is empty");
-    std::set<std::string> names;  // of the folders of their results
+    std::set<std::string> names;  // of the result folders
     for (const std::string& scene : study.scenes)
         if (const std::string name = std::filesystem::path(scene).stem(); !names.insert(name).second)
             reader.disagree({"scenes"}, "two of the scenes have the name " + name, "give one of them another name");
@@ -220,11 +223,12 @@ std::string scene_of(const Study& study, const std::string& scene) {
 
 std::string with_values(const std::string& text, const std::vector<std::string>& settings) {
     std::map<std::string, std::string> values;
-    std::map<std::string, std::set<std::string>> keys;  // of each name
+    std::map<std::string, std::set<std::string>> keys;  // keys with this last word
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('=')), name = key.substr(key.rfind('.') + 1);
         keys[name].insert(key);
-        if (key == name || !keys[name].contains(name)) values[name] = setting.substr(key.size() + 1);  // a key that is the name is meant
+        if (key == name || !keys[name].contains(name))
+            values[name] = setting.substr(key.size() + 1);  // a key equal to the name has priority
     }
     const auto unclear = [&](const std::string& name) {
         return keys.contains(name) && keys[name].size() > 1 && !keys[name].contains(name);
@@ -249,7 +253,7 @@ std::string with_values(const std::string& text, const std::vector<std::string>&
         } catch (const ExpressionError& error) {
             const auto name = std::find_if(others.begin(), others.end(), unclear);
             throw InputError({text, 0, 0}, fmt::format("{{{}}} is not an expression of the knobs: {}", inside, error.what()),
-                             name == others.end() ? "" : "two knobs are called " + *name + ": use another name for one");
+                             name == others.end() ? "" : "two knobs are called " + *name + "; rename one of them");
         }
     }
     return out;
@@ -287,7 +291,7 @@ double seconds_of(const std::string& budget) {
     const std::string unit = end;
     const double scale = unit.empty() || unit == "s" ? 1 : unit == "min" || unit == "m" ? 60 : unit == "h" ? 3600 : 0;
     if (end == budget.c_str() || scale == 0 || !(number > 0))
-        throw InputError({"--budget " + budget, 0, 0}, "is not a duration", "", "allowed: as in 90s, 10min, 1h");
+        throw InputError({"--budget " + budget, 0, 0}, "is not a duration", "", "allowed: for example 90s, 10min, 1h");
     return number * scale;
 }
 
