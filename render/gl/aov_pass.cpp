@@ -6,7 +6,7 @@
 namespace whorl {
 namespace {
 
-/// Numbers first .. first + count - 1 of every four.
+/// Values first .. first + count - 1 of each group of four.
 std::vector<float> some_of(const std::vector<float>& fours, std::size_t first, std::size_t count) {
     std::vector<float> values;
     values.reserve(fours.size() / 4 * count);

@@ -1,6 +1,6 @@
 #pragma once
-/// The layers of an image for compositors: its linear light, and in a separate pass, through the centre of every pixel at the frame's
-/// time, depth, normal, motion and identity. Created at first use.
+/// Layers of an image for compositors: linear light and shadow of the image, and depth, normal, motion and object number. A separate pass
+/// draws the latter at the centre of each pixel, at the frame's time.
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/image/exr.h"
@@ -8,33 +8,33 @@
 
 namespace whorl {
 
-/// Scene and cameras of this and of the next image.
+/// Cameras of this image and of the next, and the ground.
 struct LayerView {
-    Eigen::Matrix4f now, next;  ///< world -> clip
-    Vec3f eye, forward;         ///< m; unit
-    float interval;             ///< s, simulated, from this picture to the next
-    float ground, seen_ground;  ///< m, far below where there is none: what cuts off things, and what is drawn of it
-    float tolerance;            ///< m, of the cut through the fluid
-    bool turns;                 ///< the backdrop turns with the world
+    Eigen::Matrix4f now, next;  ///< world -> clip, in this image and in the next
+    Vec3f eye, forward;         ///< position of the camera [m] and direction of view, unit
+    float interval;             ///< simulated time from this image to the next [s]
+    float ground, seen_ground;  ///< heights of the plane that cuts objects off and of the drawn ground [m]; -1e6: none
+    float tolerance;            ///< the fluid is cut this far below the ground [m]
+    bool turns;                 ///< the backdrop is a panorama, fixed in the world instead of in the image
 };
 
 class AovPass {
 public:
-    /// @param depth a buffer of the picture's size that may be overwritten
+    /// @param depth depth buffer of the image's size; drawing overwrites it
     AovPass(int width, int height, const gl::Texture& depth);
-    /// Targets of the light (0) and the shadow (1).
+    /// Framebuffer of the light (attachment 0) and of the shadow (1).
     const gl::Framebuffer& light_target() const { return light_target_; }
-    /// The light, and where there is one the shadow.
+    /// Reads the light, and the shadow if `has_shadow`, from light_target().
     PictureLayers read_light(bool has_shadow) const;
-    /// Draws depth, normals, motion and ids.
+    /// Draws depth, normals, motion and object numbers.
     void draw_places(const SceneGeometry& scene, const LayerView& view);
-    /// The motion in pixels over the interval, and the depth [m], of draw_places().
+    /// Texture of draw_places(): motion over the interval [pixels] in x and y, depth [m] in z.
     GLuint motion_and_depth() const { return motion_and_depth_.id(); }
-    /// Adds them to the layers.
+    /// Calls draw_places() and adds depth, normals, motion and object numbers to the layers.
     void add_places(PictureLayers& layers, const SceneGeometry& scene, const LayerView& view);
 
 private:
-    /// An attachment of the framebuffer that is bound, rows from the top, four numbers a pixel.
+    /// Reads an attachment of the bound framebuffer: rows from the top, four values per pixel.
     std::vector<float> read(GLenum attachment) const;
 
     int width_, height_;

@@ -25,7 +25,7 @@ struct Candidate {
 struct Opened {
     EGLDisplay display = EGL_NO_DISPLAY;
     EGLContext context = EGL_NO_CONTEXT;
-    std::string outcome;  ///< renderer and version, or why it failed
+    std::string outcome;  ///< renderer and version, or the reason of the failure
     bool works() const { return context != EGL_NO_CONTEXT; }
 };
 
@@ -40,14 +40,14 @@ bool lists(const char* extensions, const std::string& name) {
     return extensions != nullptr && (" " + std::string(extensions) + " ").find(" " + name + " ") != std::string::npos;
 }
 
-/// Why the library cannot be had, "" where it can: libepoxy would end the program.
+/// Reason why libEGL cannot be loaded, "" if it can. Checked first, because libepoxy ends the program if the library is missing.
 std::string missing_library() {
     if (dlopen("libEGL.so.1", RTLD_LAZY | RTLD_LOCAL) != nullptr) return {};
     const char* why = dlerror();
     return why == nullptr ? "no libEGL.so.1" : why;
 }
 
-/// In the order in which they are tried: hardware devices, Mesa without a surface (its software driver where there is no GPU), and software
+/// Displays in the order of the attempts: hardware devices, Mesa without a surface (its software driver if there is no GPU), software
 /// devices.
 std::vector<Candidate> candidates() {
     if (!missing_library().empty()) return {};
@@ -74,7 +74,7 @@ void close(const Opened& opened) {
     if (opened.display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(opened.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (opened.works()) eglDestroyContext(opened.display, opened.context);
-    // The display is left initialised: EGL shares one per device in the whole process, and another renderer may be using it.
+    // The display stays initialised: EGL shares one display per device within the process, and another renderer may be using it.
 }
 
 /// Opens a display and makes its context current.
@@ -133,17 +133,16 @@ GlContext::GlContext() {
     }
     rlimit limit{};
     const bool limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur < rlim_t(4) << 30;
-    throw EnvironmentError("no OpenGL device can draw off-screen", tried,
-                           limited
-                               ? fmt::format("allow more memory: ulimit -v is {} kB, and a driver takes about a gigabyte; or --no-images",
-                                             limit.rlim_cur / 1024)
-                               : "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");
+    throw EnvironmentError(
+        "no OpenGL device can draw off-screen", tried,
+        limited ? fmt::format("raise ulimit -v (it is {} kB, and a driver needs about 1 GB), or use --no-images", limit.rlim_cur / 1024)
+                : "apt install libegl1 libgl1-mesa-dri (Mesa's software driver needs no GPU)");
 }
 
 GlContext::~GlContext() { close({display_, context_, ""}); }
 
 void GlContext::make_current() const {
-    WHORL_ASSERT(eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_), "a renderer belongs to the thread that made it");
+    WHORL_ASSERT(eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_), "only the thread that created a renderer may use it");
 }
 
 }  // namespace whorl

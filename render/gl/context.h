@@ -9,15 +9,15 @@ namespace whorl {
 /// A current OpenGL core context of version 4.3 or newer, bound to the thread that made it.
 class GlContext {
 public:
-    /// Tries the devices in order and takes the first that works.
-    /// @throws EnvironmentError with every device and why it failed
+    /// Tries the devices in order and uses the first that works.
+    /// @throws EnvironmentError if none works; it lists each device with the reason
     GlContext();
     ~GlContext();
     GlContext(const GlContext&) = delete;
     GlContext& operator=(const GlContext&) = delete;
 
     void make_current() const;
-    /// Renderer and version, as GL names them.
+    /// GL's names of the renderer and of the version.
     const std::string& device() const { return device_; }
 
 private:

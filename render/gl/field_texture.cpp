@@ -32,7 +32,8 @@ void FieldTexture::fill(const Volume& band) {
     const Volume wide = coarse_distance(band, coarseness, margin);
     upload(near_, band, voxel_);
     upload(far_, wide, voxel_);
-    // place p of the band (voxels) -> p/coarseness + margin in the far field's voxels -> texture: (that + 1/2) / its size.
+    // Position p in voxels of the band is q = p/coarseness + margin in voxels of the coarse field, at the texture coordinate
+    // (q + 1/2)/(size of the coarse field).
     far_scale_ = (count_of(wide) * static_cast<float>(coarseness)).cwiseInverse();
     far_offset_ = Vec3f::Constant(static_cast<float>(margin) + 0.5f).cwiseQuotient(count_of(wide));
     far_half_ = 0.5f * size_ + Vec3f::Constant(static_cast<float>(margin * coarseness) - 1);
@@ -40,7 +41,7 @@ void FieldTexture::fill(const Volume& band) {
 
 void FieldTexture::bind(gl::Program& program, int unit) const {
     program.set("has_field", empty() ? 0 : 1);
-    // Also without a field: two samplers of different kinds must not use the same unit.
+    // Bound even without a field: samplers of different types must not share a texture unit.
     program.texture("near_field", unit, GL_TEXTURE_3D, near_.id());
     program.texture("coarse_distance", unit + 1, GL_TEXTURE_3D, far_.id());
     if (empty()) return;
@@ -57,7 +58,7 @@ namespace {
 
 constexpr float unknown = 1e6f;
 
-/// The distance that makes |grad phi| = 1 from the smaller neighbour along each axis (Zhao, Math. Comp. 74, 2005), voxels of size h.
+/// Distance phi with |grad phi| = 1 on voxels of size h (Zhao, Math. Comp. 74, 2005). @param a the smaller neighbour along each axis
 float eikonal(std::array<float, 3> a, float h) {
     std::sort(a.begin(), a.end());
     float phi = a[0] + h;
@@ -100,7 +101,7 @@ Volume coarse_distance(const Volume& band, int coarseness, int margin) {
     wide.value.assign(cells, unknown);
     std::vector<float> sign(wide.value.size(), 1.0f);
 
-    // A cell that the surface passes near takes the nearest of its fine voxels' distances, by way of that voxel.
+    // A coarse cell near the surface: the least sum, over the fine voxels around it, of a voxel's distance and the way to that voxel.
     const int reach = coarseness / 2;
     parallel_for(cells, [&](Index n) {
         const int i = (n % wide.nx - margin) * coarseness, j = (n / wide.nx % wide.ny - margin) * coarseness,
@@ -125,13 +126,13 @@ Volume coarse_distance(const Volume& band, int coarseness, int margin) {
 
 namespace {
 
-/// In a clear fluid light of an ink's colour is left after this part of the scene's diagonal.
+/// White light gets an ink's colour after this fraction of the scene's diagonal, in a clear fluid.
 constexpr float colouring_way = 1.0f / 60;
 
-/// Wide enough that an ink's edge shows no single particles.
-constexpr float ink_reach = 2.0f;  // spacings
+/// Range of a particle's ink [spacings], wide enough that the edge of an ink shows no single particles.
+constexpr float ink_reach = 2.0f;
 
-/// inked() of inks.glsl.
+/// Colour of a body with inks; duplicated in inks.glsl.
 Vec3f inked(const Vec3f& body, const std::array<Vec3f, 3>& ratio, const Vec3f& c) {
     const Vec3f own = body.cwiseMax(0.005f).cwiseMin(0.98f);
     Vec3f sum = std::max(1 - c.sum(), 0.0f) * ((1 - own.array()).square() / (2 * own.array())).matrix();
@@ -152,7 +153,7 @@ void InkField::fill(const Frame& frame, const LookOptions& look, float size, boo
     any_ = !grid.empty();
     if (!any_) return;
     gl::fill_3d(texture_, grid.n[0], grid.n[1], grid.n[2], grid.value[0].data(), 4);
-    low_ = grid.origin - 0.5f * grid.cell;  // the nodes are at the centres of texels
+    low_ = grid.origin - 0.5f * grid.cell;  // nodes are at the centres of texels
     scale_ = grid.extent().cwiseInverse();
     haze_ = 2 / (colouring_way * size);
     for (int k = 0; k < 3; ++k) {

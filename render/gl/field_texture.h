@@ -1,5 +1,5 @@
 #pragma once
-/// The fluid's distance field on the device: the band as it is, and the far field (far_field.h).
+/// 3D textures of the fluid: its distance field, and the concentrations of its inks.
 #include "engine/io/frame.h"
 #include "render/gl/objects.h"
 #include "render/look/look_options.h"
@@ -7,10 +7,12 @@
 
 namespace whorl {
 
+/// Distance field of the fluid: the narrow band at full resolution, and coarse_distance() outside it.
 class FieldTexture {
 public:
+    /// @param band signed distances in a narrow band [m]; an empty volume: no field
     void fill(const Volume& band);
-    /// Sets the uniforms of field.glsl; takes two texture units from `unit` on.
+    /// Sets the uniforms of field.glsl; uses texture units `unit` and `unit` + 1.
     void bind(gl::Program& program, int unit) const;
     bool empty() const { return size_.isZero(); }
     float voxel() const { return voxel_; }  ///< m
@@ -22,27 +24,29 @@ private:
     float voxel_ = 0;
 };
 
-/// The distance volume has distances in a narrow band only; shadow, occlusion and long steps need rough ones everywhere.
-/// A volume with `coarseness` times larger voxels, `margin` of them wider on every side, whose values are signed distances without a band
-/// [m], good to about half a coarse voxel.
+/// Signed distances everywhere [m], from distances that are known in a narrow band only: shadow, occlusion and long steps need rough
+/// distances everywhere. The voxels are `coarseness` times larger, and `margin` of them are added on every side. The error is about half a
+/// coarse voxel.
 Volume coarse_distance(const Volume& band, int coarseness, int margin);
 
+/// Inks of the fluid.
 class InkField {
 public:
-    /// The inks' concentrations, or with `body` (colour of an opaque fluid without inks) its colours: particles of two inks side by side
-    /// show both, only inks within one particle mix as pigments.
+    /// Stores the concentrations of the inks. With `body`, the colour of an opaque fluid without inks, it stores the fluid's colours
+    /// instead: inks mix as pigments only within a particle, so particles of two inks side by side show both colours.
     /// @param size diagonal of the scene [m] @param drawn whether the look draws the fluid's surface
     void fill(const Frame& frame, const LookOptions& look, float size, bool drawn, const Vec3f* body);
-    /// For inks.glsl. @param voxel the length that absorption is given for [m]; 0: no light goes through
+    /// Sets the uniforms of inks.glsl; uses one texture unit.
+    /// @param voxel the shader's unit of length [m]; 0 without a distance field, when the fluid is drawn opaque
     void bind(gl::Program& program, int unit, float voxel) const;
 
 private:
     gl::Texture texture_;
     bool any_ = false;
     Vec3f low_ = Vec3f::Zero(), scale_ = Vec3f::Ones();
-    Mat3f ratio_ = Mat3f::Zero();       ///< K/S, a column an ink
-    Mat3f absorption_ = Mat3f::Zero();  ///< 1/m, a column an ink
-    float haze_ = 0;                    ///< 1/m
+    Mat3f ratio_ = Mat3f::Zero();       ///< K/S, one column per ink
+    Mat3f absorption_ = Mat3f::Zero();  ///< 1/m, one column per ink
+    float haze_ = 0;                    ///< 1/m, of thick ink
 };
 
 }  // namespace whorl

@@ -14,7 +14,7 @@
 namespace whorl {
 namespace {
 
-/// Colours times strengths, and strengths: nothing weighs nothing in a mean.
+/// (strength * colour, strength) of each particle, so that a particle of strength 0 has no weight in a mean.
 std::vector<Eigen::Vector4f> glow_of(const FieldColours& colours) {
     std::vector<Eigen::Vector4f> glow;
     for (std::size_t p = 0; p < colours.colour.size(); ++p) {
@@ -24,7 +24,8 @@ std::vector<Eigen::Vector4f> glow_of(const FieldColours& colours) {
     return glow;
 }
 
-/// Optical depth of a metre of the strongest field: the box's least side has four times the wanted depth, as the strong parts are small.
+/// Optical depth per length of the strongest field [1/m]. The shortest side of the box gets four times the optical depth `opacity`,
+/// because the strong parts are small.
 float thickness_of(const FlowGrid& grid, float opacity) { return 4 * opacity / std::max(grid.extent().minCoeff(), 1e-9f); }
 
 Vec3f lamp_of(const View& view) { return studio_axes(view).transpose() * lamp_of_clouds(); }
@@ -83,7 +84,7 @@ void FlowShapes::fill(SceneGeometry& scene, const Frame& frame, const LookOption
 Bounds FlowShapes::fill_cloud(const FlowGrid& grid, const LookOptions& look, const View& view) {
     cloud_box_ = {};
     if (grid.empty()) return cloud_box_;
-    const Vec3f low = grid.origin - 0.5f * grid.cell;  // the nodes are at the centres of a texture's texels
+    const Vec3f low = grid.origin - 0.5f * grid.cell;  // nodes are at the centres of texels
     cloud_box_.add(low), cloud_box_.add(low + grid.extent());
     cloud_thickness_ = thickness_of(grid, look.opacity);
     const Studio studio = studio_of(look.background);
@@ -117,7 +118,7 @@ void FlowShapes::draw(const SceneGeometry& scene, const FlowView& flow, const Ei
         flow.set_studio(particles_);
         particles_.set("view_projection", matrix);
         particles_.set("to_world", Eigen::Matrix4f(matrix.inverse()));
-        particles_.set("radius", (flow.look.trail > 0 ? 0.25f : 0.5f) * flow.spacing);  // trails must show between them
+        particles_.set("radius", (flow.look.trail > 0 ? 0.25f : 0.5f) * flow.spacing);  // so that trails show
         particles_.set("pixels", 0.5f * static_cast<float>(flow.height) / std::tan(flow.view.fov * std::numbers::pi_v<float> / 360));
         particles_.set("picture_size", Eigen::Vector2f(static_cast<float>(flow.width), static_cast<float>(flow.height)));
         scene.draw_fluid(particles_);
@@ -152,7 +153,7 @@ void FlowShapes::shade_cloud(const LookOptions& look, const View& view, const gl
     volume_.set("box_high", cloud_box_.high);
     volume_.set("block_size", Vec3f(static_cast<float>(Cloud::block) * cloud_cell_));
     volume_.set("thickness", cloud_thickness_);
-    // Each sample of a pixel has different points along the ray: together they are as close as one ray's would be.
+    // The samples of a pixel use different points along the ray. Together the points are as dense as those of a single fine ray.
     volume_.set("march", std::min(2.0f, std::sqrt(samples)) * cloud_cell_.minCoeff());
     volume_.set("turn", static_cast<float>(sample) / samples);
     volume_.set("weight", 1 / samples);

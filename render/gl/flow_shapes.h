@@ -1,6 +1,5 @@
 #pragma once
-/// The flow in the memory of the graphics device, and drawn: particles with trails, a slice, tubes and ribbons along vortex lines, a lit
-/// cloud.
+/// Drawing of the flow: particles with trails, a slice, tubes or ribbons along vortex lines, or a lit cloud.
 #include <array>
 #include <functional>
 
@@ -19,19 +18,19 @@ struct FlowView {
     const View& view;
     float spacing;  ///< m
     int width, height;
-    /// Sets the studio's uniforms of a program, which it makes the current one.
+    /// Makes a program the current one and sets its uniforms of the studio.
     std::function<void(gl::Program&)> set_studio;
 };
 
 class FlowShapes {
 public:
-    /// Gives the scene the solids, and the fluid's bounds or particles. @param range of the colour map @param pixels along a slice's longer
-    /// side
+    /// Prepares the shapes of the look's style. Fills the scene with the solids, and with the fluid's particles or bounds.
+    /// @param range of the colour map @param pixels along the longer side of a slice
     void fill(SceneGeometry& scene, const Frame& frame, const LookOptions& look, const View& view, const std::array<float, 2>& range,
               int pixels);
     /// Draws the opaque shapes into the buffer of the solids.
     void draw(const SceneGeometry& scene, const FlowView& flow, const Eigen::Matrix4f& matrix);
-    /// The cloud, added to the image over the content of `solids`.
+    /// Adds the cloud in front of the content of `solids` to the bound image. @param sample index of the sample within a pixel
     void shade_cloud(const LookOptions& look, const View& view, const gl::Texture& solids, const Eigen::Matrix4f& matrix, int sample);
 
 private:
@@ -48,7 +47,7 @@ private:
     int slice_width_ = 0, slice_height_ = 0;
     Bounds cloud_box_;
     Vec3f cloud_cell_ = Vec3f::Ones();  ///< m
-    float cloud_thickness_ = 0;         ///< optical depth of a metre of density 1
+    float cloud_thickness_ = 0;         ///< optical depth per length at density 1 [1/m]
 };
 
 }  // namespace whorl

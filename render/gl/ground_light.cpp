@@ -10,22 +10,23 @@
 namespace whorl {
 namespace {
 
-constexpr float light_radius = 0.16f;  // of the soft box over its distance: how fast shadows soften
-constexpr float key_share = 0.55f;     // of the light on open ground
+constexpr float light_radius = 0.16f;  // radius of the soft box over its distance: sets how fast shadows soften
+constexpr float key_share = 0.55f;     // fraction of the light on open ground that is key light
 
 void cover(int size) {
     glViewport(0, 0, size, size);
     gl::draw_screen();
 }
 
-/// Averages of the texture over squares of 2, 4, 8, ... texels.
+/// Creates the mip levels of a texture: averages over squares of 2, 4, 8, ... texels.
 void average(const gl::Texture& texture) {
     glBindTexture(GL_TEXTURE_2D, texture.id());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glGenerateMipmap(GL_TEXTURE_2D);
 }
 
-/// The area of the ground that gets a light map. It grows and moves in steps, so that its texels do not move while the fluid flows.
+/// Area of the ground with a light map: centre x, z, half-width [m]. It grows and moves in steps, so that its texels do not move while the
+/// fluid flows.
 Vec3f ground_area(const Bounds& bounds) {
     const float reach = 1.9f * bounds.radius();
     const float half = std::exp2(std::ceil(2 * std::log2(std::max(reach, 1e-6f))) / 2);
@@ -87,7 +88,7 @@ void GroundLight::draw_layers(const SceneGeometry& scene, float spacing) {
 }
 
 void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing) {
-    // From above: x, z of the area -> the picture.
+    // View from above: x, z of the area -> clip.
     Eigen::Matrix4f from_above = Eigen::Matrix4f::Zero();
     from_above(0, 0) = from_above(1, 2) = 1 / area_.z();
     from_above(0, 3) = -area_.x() / area_.z();
@@ -186,7 +187,7 @@ void SolidLight::bind(gl::Program& program, int unit) const {
 namespace {
 
 constexpr float cells_across = 6;
-// A picture shows a glow darker than it is, or it would have no colour. What it lights shows how bright it is.
+// An image shows a glow darker than it is, since its true brightness would be shown as white. Lit surfaces get its true brightness.
 constexpr float true_brightness = 3;
 
 }  // namespace
@@ -196,12 +197,12 @@ std::vector<EmissivePatch> hot_patches(const Surface& surface, const Material& m
     if (material.refracts || material.emission.isZero() || mesh.triangle.empty()) return {};
     const Bounds bounds = bounds_of(mesh.position);
     const float cell = std::max((bounds.high - bounds.low).maxCoeff() / cells_across, 1e-6f);
-    std::map<std::array<int, 3>, EmissivePatch> patches;  // sums over their area, weighed by the light
+    std::map<std::array<int, 3>, EmissivePatch> patches;  // sums over triangles; `place` is weighted by the light
     for (const auto& t : mesh.triangle) {
         const Vec3f a = mesh.position[t[0]], b = mesh.position[t[1]], c = mesh.position[t[2]];
         const Vec3f middle = (a + b + c) / 3, normal = 0.5f * (b - a).cross(c - a);
         const float area = normal.norm();
-        float heat = 0.3f;  // of a body that glows in its folds alone
+        float heat = 0.3f;  // mean of a body that glows only in its folds
         if (!surface.age.empty() && material.cooling > 0) heat = heat_of_crust(surface.age[t[0]] / material.cooling);
         const Vec3f place = (middle - bounds.low) / cell;
         EmissivePatch& patch = patches[{static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y())),

@@ -1,5 +1,5 @@
 #pragma once
-/// Light that reaches the ground and the solids: through the fluid (coloured, gathered), past the solids, and from the open sky.
+/// Light that reaches the ground and the solids: through the fluid (coloured and focused), past the solids, and from the open sky.
 #include <functional>
 #include <vector>
 
@@ -11,15 +11,16 @@
 
 namespace whorl {
 
+/// Buffer of the light that reaches the solids, at a third of the image's resolution (solid_light.glsl).
 class SolidLight {
 public:
-    /// @param width, height of the picture [pixels]
+    /// @param width, height of the image [pixels]
     SolidLight(int width, int height);
-    /// From here on the screen's triangle reaches only the texels that show a solid. @param camera world -> clip @param faces sets the
-    /// uniforms of faces.glsl
+    /// Binds the buffer. Until end(), gl::draw_screen() draws only texels that show a solid.
+    /// @param camera world -> clip @param faces sets the uniforms of faces.glsl
     void begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces);
     void end() const;
-    /// Sets the uniforms of solid_light.glsl; takes two texture units from `unit` on.
+    /// Sets the uniforms of solid_light.glsl; uses texture units `unit` and `unit` + 1.
     void bind(gl::Program& program, int unit) const;
 
 private:
@@ -30,18 +31,19 @@ private:
     gl::Framebuffer target_;
 };
 
+/// Shadow maps of the lamp, and the light map of the ground.
 class GroundLight {
 public:
-    /// @param height of the pictures [pixels]: a small one shows no more than half the maps' resolution
+    /// @param height of the images [pixels]; below 480 the maps have half the resolution, since a small image shows no more
     explicit GroundLight(int height) : light_size(height < 480 ? 128 : 256), ground_size(light_size) {}
-    /// @param lamp unit, towards the one that throws the shadow @param spacing of the particles [m] @param ground its height [m] @param
-    /// has_ground else only the solids are lit
+    /// Draws the maps of a frame. @param lamp direction towards the lamp that casts the shadow, unit @param spacing of the particles [m]
+    /// @param ground height of the ground [m] @param has_ground false: maps for the light on the solids only
     void draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground, bool has_ground);
     /// Area of the ground with a light map: centre x, z, half-width [m].
     const Vec3f& area() const { return area_; }
-    /// Sets the uniforms of shadow.glsl; takes two texture units from `unit` on.
+    /// Sets the uniforms of shadow.glsl; uses texture units `unit` and `unit` + 1.
     void bind_shadow(gl::Program& program, int unit) const;
-    /// Sets the uniforms of studio.glsl about the ground; takes one texture unit.
+    /// Sets the uniforms of studio.glsl for the ground's light map; uses one texture unit.
     void bind_ground(gl::Program& program, int unit) const;
 
 private:
@@ -68,22 +70,22 @@ private:
     gl::Framebuffer map_target_ = gl::framebuffer({map_.id()}, 0);
 
     Vec3f light_ = Vec3f::UnitY(), centre_ = Vec3f::Zero();
-    float radius_ = 1;  ///< of the lit scene [m]
+    float radius_ = 1;  ///< radius of the lit scene [m]
     Eigen::Matrix4f light_matrix_ = Eigen::Matrix4f::Identity();
     Vec3f area_ = Vec3f(0, 0, 1e-9f);  ///< centre x, z, half-width [m]
 };
 
-/// Light of a hot fluid on its surroundings: its surface as a few flat patches.
+/// Flat patch of a hot fluid's surface, which lights its surroundings.
 struct EmissivePatch {
-    Vec3f place = Vec3f::Zero();   ///< m, where its light comes from in the mean
-    Vec3f normal = Vec3f::Zero();  ///< mean over its area: shorter than 1 where it is curved
+    Vec3f place = Vec3f::Zero();   ///< mean position, weighted by the emitted light [m]
+    Vec3f normal = Vec3f::Zero();  ///< mean over its area; shorter than 1 if the surface is curved
     Vec3f light = Vec3f::Zero();   ///< mean radiance
     float area = 0;                ///< m^2
 };
 
 constexpr int most_patches = 32;
 
-/// Cells of a lattice that holds the surface; of more than most_patches the brightest. None where nothing glows.
+/// One patch per cell of a lattice over the surface, but only the brightest most_patches. Empty if nothing glows.
 std::vector<EmissivePatch> hot_patches(const Surface& surface, const Material& material);
 
 /// Sets the uniforms of hot.glsl.

@@ -1,6 +1,6 @@
 #pragma once
-/// Blurs an image along the motion of its pixels. Costs as much as a fraction of a sample, and has no steps, unlike images of single
-/// moments laid over each other.
+/// Blurs an image along the motion of its pixels. This costs a fraction of a sample. Unlike an average of images at several moments, the
+/// result shows no steps.
 #include "render/gl/objects.h"
 
 namespace whorl {
@@ -8,7 +8,8 @@ namespace whorl {
 class MotionBlur {
 public:
     MotionBlur(int width, int height);
-    /// @param picture of RGBA16F, replaced @param motion in pixels while the shutter is open, and the depth [m]
+    /// @param picture RGBA16F texture, replaced by the result @param motion texture: motion while the shutter is open [pixels] in x and y,
+    /// depth [m] in z
     void blur(GLuint picture, GLuint motion);
 
 private:

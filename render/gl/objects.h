@@ -17,7 +17,7 @@ std::string shader_source(const std::string& name);
 
 namespace whorl::gl {
 
-/// A name that GL hands out and takes back.
+/// Owner of a GL object: deletes it by its GL name.
 template <void (*Delete)(GLuint)>
 class Name {
 public:
@@ -48,25 +48,25 @@ using Buffer = Name<delete_buffer>;
 using VertexArray = Name<delete_vertex_array>;
 using Framebuffer = Name<delete_framebuffer>;
 
-/// An image of `format`, sampled linearly (or not), clamped at its edges.
+/// A texture of `format`, clamped at its edges. @param linear interpolates; otherwise the nearest texel
 Texture texture_2d(GLenum format, int width, int height, bool linear);
-/// (Re)fills a volume of one or four floats a texel, sampled linearly, clamped at its edges; makes the texture where there is none yet.
+/// Fills a 3D texture with one or four floats per texel, interpolated linearly and clamped at its edges. Creates the texture if needed.
 void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value, int channels = 1);
-/// A framebuffer with these colour textures and, where not 0, this texture of depth and stencil.
+/// A framebuffer with these colour textures and with this depth and stencil texture (0: none).
 Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth);
 
-/// Draws the triangle of screen.vert, which covers the screen, with the program in use.
+/// Draws the triangle of screen.vert, which covers the viewport, with the current program.
 void draw_screen();
-/// Declaration of a shader's constant.
+/// GLSL declaration of a constant.
 std::string constant(const char* name, bool value);
 std::string constant(const char* name, int value);
 
-/// A linked program; uniforms are set by name, and a name that the compiler threw away is ignored.
+/// A linked program. Uniforms are set by name; a uniform that the compiler has removed is ignored.
 class Program {
 public:
-    /// Each stage is made of embedded files, put together in order after the #version line.
-    /// @throws std::logic_error with the compiler's words
-    /// @param constants declarations placed before the files
+    /// Compiles each stage from embedded files, joined in order after the #version line.
+    /// @param constants declarations placed before the fragment files
+    /// @throws std::logic_error with the compiler's log
     Program(const std::vector<const char*>& vertex_files, const std::vector<const char*>& fragment_files,
             const std::string& constants = "");
     void use() const { glUseProgram(name_.id()); }
@@ -76,9 +76,9 @@ public:
     void set(const char* uniform, const Vec3f& value);
     void set(const char* uniform, const Eigen::Vector4f& value);
     void set(const char* uniform, const Mat3f& value);
-    void set(const char* uniform, const std::vector<Eigen::Vector4f>& values);  ///< of an array, as many as there are
+    void set(const char* uniform, const std::vector<Eigen::Vector4f>& values);  ///< the first values.size() elements of an array
     void set(const char* uniform, const Eigen::Matrix4f& value);
-    /// Binds a texture to a unit and the sampler to it.
+    /// Binds a texture to a texture unit, from which the sampler `uniform` then reads.
     void texture(const char* uniform, int unit, GLenum target, GLuint id);
 
 private:
@@ -87,8 +87,8 @@ private:
     std::map<std::string, GLint> locations_;
 };
 
-/// A program in several versions, each with its own constants and compiled at first use. The software driver runs both
-/// sides of a branch, whatever its condition, except for branches on constants.
+/// Variants of a program, one for each set of constants, compiled at first use. The software driver runs both sides of a branch unless its
+/// condition is constant.
 class Programs {
 public:
     Programs(std::vector<const char*> vertex_files, std::vector<const char*> fragment_files)
@@ -102,11 +102,11 @@ private:
     std::map<std::string, Program> made_;
 };
 
-/// Triangles or points on the device. Attribute i has components[i] floats a vertex.
+/// Triangles or points in graphics memory. Attribute i has components[i] floats per vertex.
 class Vertices {
 public:
     Vertices(const std::vector<int>& components);
-    /// One array of floats an attribute, in order; `indices` may be empty (points).
+    /// Stores one array of floats per attribute, in order. `indices` may be null: vertices are then drawn in order.
     void fill(std::initializer_list<std::pair<const float*, std::size_t>> attributes, const std::uint32_t* indices,
               std::size_t index_count);
     void draw(GLenum primitive) const;
@@ -121,7 +121,7 @@ private:
     bool indexed_ = false;
 };
 
-/// An attribute of three floats a vertex.
+/// An attribute of three floats per vertex.
 inline std::pair<const float*, std::size_t> numbers(const std::vector<Vec3f>& v) {
     return {v.empty() ? nullptr : v[0].data(), 3 * v.size()};
 }

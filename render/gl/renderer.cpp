@@ -27,44 +27,45 @@
 namespace whorl {
 namespace {
 
-/// Texture units: 0 .. 3 are a pass's own.
+/// Texture units that passes share. Each pass uses units 0 .. 3 for its own textures.
 constexpr int ground_unit = 4, shadow_unit = 5, field_unit = 7, solid_unit = 9, solid_light_unit = 10, ink_unit = 12, surround_unit = 13;
 
-/// With as many samples a pixel their moments lie close together; with fewer, the image is blurred along the motion.
+/// Least number of samples per pixel whose moments are close enough together to show motion. With fewer samples, and without an aperture,
+/// the image is blurred along the motion (blur_motion()).
 constexpr int samples_of_motion = 32;
 
-/// All that one picture is made of.
+/// Everything that an image is drawn from, except geometry.
 struct Shot {
     const LookOptions& look;
     View view;
     Material material;
-    float hides = 1;    ///< how much light the fluid keeps from things inside it
+    float hides = 1;    ///< fraction of the surrounding light that the fluid keeps from objects inside it
     float spacing = 0;  ///< m
     float ground = 0;   ///< m
     Eigen::Matrix4f camera;
-    Mat3f to_ray;  ///< place in the picture (-1 .. 1, -1 .. 1, 1) -> direction
+    Mat3f to_ray;  ///< position in the image (-1 .. 1, -1 .. 1, 1) -> direction
     float aspect = 1;
-    bool has_age = false;    ///< of the fluid's surface
-    bool has_crust = false;  ///< whose plates are known
+    bool has_age = false;    ///< the fluid's surface has ages
+    bool has_crust = false;  ///< the fluid's surface has positions on crust plates
     std::vector<EmissivePatch> patches;
-    std::set<Pattern> patterns;  ///< of the solids
-    std::string constants;       ///< that the programs are compiled with
+    std::set<Pattern> patterns;  ///< textures of the solids
+    std::string constants;       ///< GLSL constants of all programs
 
-    /// Whether every pixel needs all samples: else those that differ little from the pixels around them keep the first. A crust's relief
-    /// comes from the neighbouring pixels, which a later sample would not have.
+    /// Whether every pixel needs all samples. Otherwise a pixel that differs little from its neighbours keeps its first sample. The relief
+    /// of a crust is found from neighbouring pixels, which later samples would lack.
     bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
-    /// Things below this height are not seen [m].
+    /// Height below which nothing is drawn [m].
     float lowest() const { return look.ground ? ground : -1e6f; }
-    /// All samples see the solids from about the same place.
+    /// Whether all samples share the solids' light of the first one: they see the solids from about the same position.
     bool keeps_solid_light() const { return !view.blurs(); }
-    /// The surface moves while the shutter is open, its distance field does not.
+    /// Whether the surface's displacement is stored per pixel: the surface moves while the shutter is open, its distance field does not.
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
 
 /// Colour of the fluid drawn as an opaque body.
 Vec3f body_colour(const Material& material) { return material.refracts ? material.scatter.cwiseMin(1.0f).eval() : material.colour; }
 
-/// Maps the whole image to this box of it, in coordinates of -1 .. 1: the backdrop continues around it.
+/// Matrix from the whole image to a box of it, both in coordinates -1 .. 1. The backdrop continues around the box.
 Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
     Eigen::Matrix3f into = Eigen::Matrix3f::Identity();
@@ -82,10 +83,10 @@ Eigen::Matrix4f clip_into(const Eigen::Matrix3f& into) {
     return clip;
 }
 
-/// The stencil's bits of pixels that show a solid, and the fluid.
+/// Stencil values of pixels that show a solid, and of pixels that show the fluid.
 constexpr GLint solid_seen = 1, fluid_seen = 2;
 
-/// Starts drawing solids or fluid (`seen`), down to the ground.
+/// Prepares for drawing solids or the fluid down to the height `lowest` [m]; drawn pixels get the stencil value `seen`.
 void begin_geometry(gl::Program& program, GLint seen, float lowest) {
     program.set("cuts", 1);
     program.set("lowest", lowest);
@@ -100,7 +101,7 @@ void end_geometry() {
     glDisable(GL_STENCIL_TEST);
 }
 
-/// Pixels whose stencil compares so are shaded: the others cost the software driver nothing.
+/// Limits drawing to pixels whose stencil value compares so with `seen`; the others cost the software driver nothing.
 void shade_where(GLenum comparison, GLint seen) {
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(comparison, seen, 0xff);
@@ -111,7 +112,7 @@ void shade_where(GLenum comparison, GLint seen) {
 
 struct Renderer::Device {
     Device(int w, int h) : width(w), height(h) { glEnable(GL_PROGRAM_POINT_SIZE); }
-    ~Device() { context.make_current(); }  // otherwise another renderer's objects would be deleted
+    ~Device() { context.make_current(); }  // deleting objects acts on the current context
 
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
@@ -137,7 +138,7 @@ struct Renderer::Device {
     void set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const;
     void bind_faces(gl::Program& program) const;
 
-    GlContext context;  // first: everything below is freed while it is still current
+    GlContext context;  // declared first, so that all objects below are deleted while it is current
     int width, height;
 
     gl::Program fluid_normal{{"mesh.vert"}, {"octahedral.glsl", "normal.frag"}};
@@ -170,11 +171,11 @@ struct Renderer::Device {
     gl::Texture face_distance = gl::texture_2d(GL_R32F, width, height, false);
     gl::Framebuffer faces = gl::framebuffer({face_colour.id(), face_normals.id(), face_distance.id()}, depth.id());
     gl::Framebuffer geometry = gl::framebuffer({solid.id(), normal.id()}, depth.id());
-    gl::Texture crust;  // or motion of the surface; made with the first fluid that needs it
+    gl::Texture crust;  // or displacement of the surface; created for the first fluid that needs it
     gl::Framebuffer crusted_geometry;
     gl::Framebuffer glass_target = gl::framebuffer({glass.id()}, depth.id());
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
-    std::optional<AovPass> aov_pass;  // made when it is first asked for
+    std::optional<AovPass> aov_pass;  // created at first use
     std::optional<MotionBlur> motion_blur;
 
     SampleAccumulator samples{width, height, depth};
@@ -195,7 +196,7 @@ void Renderer::Device::set_studio(gl::Program& program, const Shot& shot) const 
     ground_light.bind_ground(program, ground_unit);
 }
 
-/// @return the range of the colours
+/// Prepares the context and the lighting. @return range of the colour map
 std::array<float, 2> Renderer::Device::begin(const Frame& frame, const LookOptions& look) {
     context.make_current();
     lighting.fill(look);
@@ -238,7 +239,7 @@ LayerView Renderer::Device::layer_view(const Shot& shot, const NextView& next) c
             !shot.look.environment.empty()};
 }
 
-/// Blurs the sum of the samples, all of one moment, along what moves while the shutter is open.
+/// Blurs the sum of the samples, which all show the frame's time, along the motion while the shutter is open. @param open s
 void Renderer::Device::blur_motion(const Shot& shot, float open) {
     NextView next{shot.view, open};
     next.view.position += open * next.view.position_velocity, next.view.target += open * next.view.target_velocity;
@@ -249,7 +250,7 @@ void Renderer::Device::blur_motion(const Shot& shot, float open) {
     motion_blur->blur(samples.sum(), aov_pass->motion_and_depth());
 }
 
-/// All samples of the picture, added up. @param box of the picture that the flow is seen in
+/// Draws all samples of an image and adds them up. @param box part of the image that shows the flow
 Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view,
                                    const std::array<float, 2>& range, const PictureBox& box) {
     if (shows_field(look)) flow.fill(scene, frame, look, view, range, std::max(width, height));
@@ -295,7 +296,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     return shot;
 }
 
-/// Each sample has a place in the pixel, one in the lens, and a moment while the shutter is open.
+/// Draws one sample. Each sample has its own position in the pixel, position on the lens, and moment while the shutter is open.
 void Renderer::Device::draw_sample(const Shot& shot, int sample) {
     const float turn = 0.618034f * static_cast<float>(sample) + 0.5f, moment = (turn - std::floor(turn) - 0.5f) * shot.view.open;
     scene.go_to(moment);
@@ -344,7 +345,7 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
         draw_faces(shot, matrix);
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
         draw_front();
-        shade_solids(shot, matrix, things.id());  // those that the fluid hides keep the first sample's light, which only refraction shows
+        shade_solids(shot, matrix, things.id());  // only refraction shows hidden solids: they keep their first light
         samples.clear_background();
     }
     glDisable(GL_DEPTH_TEST);
@@ -378,7 +379,7 @@ void Renderer::Device::bind_faces(gl::Program& program) const {
     program.texture("face_distance", 3, GL_TEXTURE_2D, face_distance.id());
 }
 
-/// Sets the light that solids hide from each other, and the fluid from them.
+/// Sets the uniforms that describe how solids and the fluid hide light from solids.
 void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const {
     set_studio(program, shot);
     ground_light.bind_shadow(program, shadow_unit);
@@ -389,8 +390,9 @@ void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, c
     bind_faces(program);
 }
 
-/// Draws the solids that a sample shows; the stencil marks them. Small triangles share a block of pixels, so the expensive light comes
-/// afterwards. For patterns, depth comes first.
+/// Draws distance, normals and materials of the solids that a sample shows, and marks their pixels in the stencil. The driver runs a shader
+/// on whole blocks of pixels for each triangle, however small, so the expensive light comes in a later pass, once per pixel. Patterns are
+/// expensive too: a pass of depth alone precedes them.
 void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix) {
     if (!scene.any_solids()) return;
     glBindFramebuffer(GL_FRAMEBUFFER, faces.id());
@@ -398,7 +400,7 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
     const std::array<float, 4> none{};
     glClearBufferfv(GL_COLOR, 2, none.data());
     glEnable(GL_SCISSOR_TEST);
-    const float lowest = shot.lowest() - 1e-4f;  // m: things on the ground are not cut irregularly by rounding
+    const float lowest = shot.lowest() - 1e-4f;  // 0.1 mm lower, so that rounding does not fray objects on the ground
     if (shot.patterns != std::set{Pattern::plain}) {
         glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
         solid_depth.use();
@@ -454,7 +456,7 @@ void Renderer::Device::draw_fluid(const Shot& shot, const Eigen::Matrix4f& matri
 }
 
 void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
-    // Empty pixels have light only if each sample draws its own backdrop, or a flow that the stencil does not mark.
+    // Pixels without fluid or solid have light only if each sample draws its own backdrop, or a flow, which the stencil does not mark.
     if (shot.view.blurs() || shows_field(shot.look)) shade_where(GL_NOTEQUAL, fluid_seen);
     else shade_where(GL_EQUAL, solid_seen);
     gl::Program& program = behind.with(shot.constants);
@@ -502,7 +504,7 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glDepthMask(GL_FALSE);
     gl::Program& program = glass_walls.with(shot.constants);
     set_studio(program, shot);
-    // Solids that the fluid touches are at its surface, or a little behind it: glass is in front of the fluid inside it.
+    // A wall that the fluid touches lies at the fluid's surface or a little behind it. It is drawn nearer, in front of the fluid.
     const Eigen::Matrix4f before = nearer(matrix, std::min(shot.spacing / (shot.view.target - shot.view.position).norm(), 0.1f));
     program.set("view_projection", before);
     program.set("weight", weight);
@@ -516,7 +518,7 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glDisable(GL_DEPTH_TEST);
 }
 
-/// @param linear light for compositors, and the shadow, instead of a picture for screens
+/// @param linear draws linear light and the shadow, for compositors, instead of an image for screens
 void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear) {
     if (!is_transparent(shot.look)) {
         const Backdrop::Key key{shot.to_ray,
@@ -531,7 +533,7 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
         backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
     }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    // Above the ground that has a light map there is nothing to look up.
+    // Rows above the part of the ground that has a light map need no look-up.
     Bounds area;
     const Vec3f middle = ground_light.area(), corner(middle.z(), 0, middle.z());
     area.add(Vec3f(middle.x(), shot.ground, middle.y()) - corner), area.add(Vec3f(middle.x(), shot.ground, middle.y()) + corner);
@@ -562,7 +564,7 @@ PictureLayers Renderer::Device::light_of(const Shot& shot) {
 
 Image Renderer::Device::read_back() const {
     Image image = plain_image(width, height, 0);
-    // Four bytes a pixel come back as they lie there; three would be converted one by one by the driver.
+    // The driver copies four bytes per pixel unchanged; it would convert pixels of three bytes one by one.
     std::vector<std::uint8_t> rows(4 * image.rgb.size() / 3);
     glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rows.data());
     for (int y = 0; y < height; ++y) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Off-screen drawing through EGL. The only folder that includes EGL and GL (in its .cpp files).
+/// Off-screen drawing through EGL. Only this folder includes EGL and GL, in its .cpp files.
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,35 +17,34 @@ struct DeviceAttempt {
     std::string name;  ///< "device 0 (EGL_EXT_device_drm)", "surfaceless"
     bool hardware = false;
     bool works = false;
-    std::string outcome;  ///< renderer and GL version, or why it failed
+    std::string outcome;  ///< renderer and GL version, or the reason of the failure
 };
 /// Tries every device, for `whorl doctor`.
 std::vector<DeviceAttempt> probe_devices();
 
-/// Mesa's software driver takes its number of threads from the environment when its first screen is made. Call before there are threads:
-/// nothing may change the environment while another thread starts a process.
+/// Sets LP_NUM_THREADS to the number of threads of this run, unless it is already set. Mesa's software driver reads it when it creates its
+/// first screen. Call this before any thread starts: the environment must not change while another thread starts a process.
 void share_threads_with_software_driver();
 
 /// Camera of the next image.
 struct NextView {
     View view;
-    float interval;  ///< s, simulated, until then
+    float interval;  ///< simulated time until then [s]
 };
 
-/// Draws frames into images. Belongs to the thread that made it.
+/// Draws frames into images. Only the thread that created a renderer may use it.
 class Renderer {
 public:
-    /// @throws EnvironmentError if no device works, with each attempt
+    /// @throws EnvironmentError if no device works; it lists each attempt
     Renderer(int width, int height);
     ~Renderer();
     Renderer(Renderer&&) noexcept;
 
-    /// Draws the fluid's surface (or its particles, after the look), the solids, and the ground. With alpha where the background is
-    /// transparent.
+    /// Draws the fluid in the style of the look, the solids and the ground. The image has alpha if the background is transparent.
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
-    /// The image for compositors, without text. If the look colours the fluid by a field, only its light (and shadow).
+    /// Draws the layers for compositors, without text. If the look shows a field, only light and shadow.
     PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
-    /// Renderer and version of the GL in use.
+    /// GL's names of the renderer and of the version.
     std::string device() const;
 
 private:

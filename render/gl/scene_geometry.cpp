@@ -9,9 +9,9 @@
 namespace whorl {
 namespace {
 
-constexpr float solid_tolerance = 1e-4f;  // m, as depth.frag cuts solids at the ground
+constexpr float solid_tolerance = 1e-4f;  // m: solids are cut this far below the ground, as in draw_faces() of renderer.cpp
 
-/// With the values of its vertices; 0 without values.
+/// Fills in a mesh with the surface's values per vertex; missing values are 0.
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, const Surface& surface) {
     std::vector<float> age = surface.age;
     std::vector<CrustPlace> crust = surface.crust;
@@ -28,8 +28,8 @@ void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, const Surfa
                   n > 0 ? mesh.triangle[0].data() : nullptr, 3 * mesh.triangle.size());
 }
 
-/// With velocity and spin kept: R' = exp([phi]x) R, T' = T + J(phi) u t, phi = w t, J the left Jacobian of SO(3): exact for a turning about
-/// any fixed axis.
+/// Pose after t [s] at constant velocity u and spin w: R' = exp([phi]x) R, T' = T + J(phi) u t, with phi = w t and J the left Jacobian of
+/// SO(3). Exact for rotation about any fixed axis.
 std::pair<Mat3f, Vec3f> pose_after(const FrameSolid& solid, float t) {
     const Vec3f phi = t * solid.spin, u = t * solid.velocity;
     const float angle = phi.norm();
@@ -40,7 +40,7 @@ std::pair<Mat3f, Vec3f> pose_after(const FrameSolid& solid, float t) {
                 (angle - std::sin(angle)) / (angle * angle * angle) * along};
 }
 
-/// A strip an edge: both ends twice, to the left and to the right.
+/// Fills in one strip per edge. Each end is stored twice, for the left and the right side of the strip.
 void fill_edges(gl::Vertices& vertices, const std::vector<std::pair<Vec3f, Vec3f>>& edges) {
     std::vector<Vec3f> position, along;
     std::vector<float> side;
@@ -72,7 +72,7 @@ const SceneGeometry::Model& SceneGeometry::model(const std::shared_ptr<const Tri
 void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
     if (surface.edge.empty()) fill_vertices(fluid_, surface.mesh, surface);
     else {
-        // Short normals hardly count between the vertices of a triangle: each side of an edge keeps its own.
+        // Short normals have little weight in the interpolation over a triangle, so each side of an edge keeps its own normal.
         TriangleMesh sided = surface.mesh;
         for (const Index v : surface.edge) sided.normal[v] *= 0.02f;
         fill_vertices(fluid_, sided, surface);

@@ -1,5 +1,5 @@
 #pragma once
-/// The geometry of a frame in the memory of the graphics device: the fluid and the solids.
+/// Geometry of a frame in graphics memory: the fluid and the solids.
 #include <functional>
 #include <map>
 #include <memory>
@@ -11,23 +11,24 @@ namespace whorl {
 
 class SceneGeometry {
 public:
+    /// Fills in the solids, and the fluid as its surface.
     void fill(const Frame& frame, const Surface& surface);
-    /// The fluid as its particles, each with a colour. @param fluid bounds
+    /// Fills in the solids, and the fluid as particles, each with a colour. @param fluid bounds of the fluid
     void fill(const Frame& frame, const std::vector<Vec3f>& colour, const Bounds& fluid);
-    /// The fluid only as its bounds: others draw it, and it throws no shadow.
+    /// Fills in the solids, and the fluid only as its bounds: the caller draws the fluid, which casts no shadow.
     void fill(const Frame& frame, const Bounds& fluid) { fill(frame, Shape::none, fluid); }
-    /// Draws everything `moment` [s] after the frame's time, at constant velocities.
+    /// Sets the moment to draw [s after the frame's time]; everything moves at constant velocity.
     void go_to(float moment) { moment_ = moment; }
-    /// Draws with a program of mesh.vert, its view_projection already set; particles as points.
+    /// Draws the fluid with a program of mesh.vert whose view_projection is set; particles are drawn as points.
     void draw_fluid(gl::Program& program) const;
     bool are_particles() const { return shape_ == Shape::particles; }
-    /// `prepare` sets the program's uniforms for each solid that is `wanted`.
+    /// Draws the containers or the other solids, those that are `wanted` (default: all). `prepare` sets the program's uniforms for each.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
-    /// The edges of containers, as strips as wide as the program of edge.vert makes them.
+    /// Draws the edges of containers as strips; edge.vert sets their width.
     void draw_edges(gl::Program& program) const;
     /// Draws the surface and the solids with a program of layers.vert, each with its number (render/image/exr.h).
-    /// @param interval s, until the next picture @param tolerance m, of the fluid's cut at the ground
+    /// @param interval time until the next image [s] @param tolerance the fluid is cut this far below the ground [m]
     void draw_numbered(gl::Program& program, float interval, float tolerance) const;
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
@@ -37,17 +38,17 @@ public:
 
 private:
     struct Model {
-        std::shared_ptr<const TriangleMesh> mesh;  ///< held so that no other mesh gets its address, which is its name here
+        std::shared_ptr<const TriangleMesh> mesh;  ///< kept alive: its address is the key in models_
         gl::Vertices vertices{{3, 3}}, edges{{3, 3, 1}};
-        float size = 0;  ///< m, of its bounds
+        float size = 0;  ///< diagonal of its bounds [m]
     };
     struct Placed {
         FrameSolid solid;
         const Model* model;
-        int number;  ///< its place in the frame, from 0
+        int number;  ///< index of the solid in the frame
     };
     enum class Shape { none, surface, particles };
-    /// The solids, and the bounds.
+    /// Fills in the solids and the bounds.
     void fill(const Frame& frame, Shape shape, const Bounds& fluid);
     const Model& model(const std::shared_ptr<const TriangleMesh>& mesh);
 

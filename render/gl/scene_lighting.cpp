@@ -11,10 +11,10 @@
 namespace whorl {
 namespace {
 
-constexpr float far_below = -1e6f;      // m, of a ground that is not there
-constexpr float brightest = 1000;       // radiance: the sun itself would make single pixels of every soft reflection white
-constexpr float round_share = 0.7f;     // of the picture's light: that from all round,
-constexpr float directed_share = 0.6f;  // and of what its brightest side has over the opposite one: that of the shadow's lamp
+constexpr float far_below = -1e6f;      // m, height of the ground if there is none
+constexpr float brightest = 1000;       // upper bound of radiance: the sun itself would turn single pixels of soft reflections white
+constexpr float round_share = 0.7f;     // fraction of the panorama's light that becomes ambient light
+constexpr float directed_share = 0.6f;  // fraction of the light by which its brightest side exceeds the opposite one: the shadow's lamp
 
 gl::Texture texture_of(const Environment& environment) {
     std::vector<float> rgba;

@@ -47,7 +47,7 @@ float ground_height(const Frame& frame) {
 
 namespace {
 
-/// Half of the image's height over the distance.
+/// Half of the image's height over its distance.
 float half_height(const View& view) { return std::tan(view.fov * std::numbers::pi_v<float> / 360); }
 
 }  // namespace
@@ -76,7 +76,7 @@ Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& boun
 }
 
 Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, const Vec3f& offset) {
-    // x' = x - offset (1 - depth/focus): seen from the lens's middle, that is what the place aside sees of x.
+    // x' = x - offset (1 - depth/focus): the centre of the lens sees x' where the point at `offset` sees x.
     const Vec3f forward = (view.target - view.position).normalized();
     Eigen::Matrix4f shear = Eigen::Matrix4f::Identity();
     shear.topLeftCorner<3, 3>() += offset * forward.transpose() / view.focus;
@@ -106,12 +106,12 @@ Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& p
     Eigen::Matrix4f shift = Eigen::Matrix4f::Identity();
     shift(0, 3) = 2 * pixels.x() / static_cast<float>(width);
     shift(1, 3) = 2 * pixels.y() / static_cast<float>(height);
-    // The shift acts after the division by w: in clip space it is w times the shift, that is, the last column of the shift's matrix.
+    // The shift acts after the division by w. In clip space it is therefore w times the shift: the last column of the matrix.
     return shift * matrix;
 }
 
 Eigen::Matrix4f nearer(const Eigen::Matrix4f& matrix, float part) {
-    // z = a w + b: the depth z/w = a + b/w of a point at the distance w(1 - part).
+    // z = a w + b, so that the depth is z/w = a + b/w. A point at the distance w (1 - part) has the depth a + b/(w (1 - part)).
     const Eigen::Vector3f z = matrix.block<1, 3>(2, 0).transpose(), w = matrix.block<1, 3>(3, 0).transpose();
     const float b = matrix(2, 3) - z.dot(w) / w.squaredNorm() * matrix(3, 3);
     Eigen::Matrix4f moved = matrix;
@@ -138,7 +138,7 @@ PixelBox pixels_of(const Bounds& bounds, const Eigen::Matrix4f& matrix, int widt
         for (int a = 0; a < 3; ++a) x[a] = (corner >> a) & 1 ? bounds.high[a] : bounds.low[a];
         x[3] = 1;
         const Eigen::Vector4f clip = matrix * x;
-        if (clip.w() <= 1e-6f) return {0, 0, width, height};  // the camera is among the things
+        if (clip.w() <= 1e-6f) return {0, 0, width, height};  // a corner is level with the camera or behind it
         const Eigen::Vector2f place = clip.head<2>() / clip.w();
         low = low.cwiseMin(place), high = high.cwiseMax(place);
     }

@@ -20,28 +20,30 @@ Bounds bounds_of(const std::vector<Vec3f>& points);
 /// Bounds of a solid at its pose in the frame.
 Bounds bounds_of(const FrameSolid& solid);
 
-/// Whether the look's ground replaces the solid: a level plane.
+/// Whether the solid is a level plane, which the look's ground replaces.
 bool is_level_ground(const FrameSolid& solid);
-/// Height of the ground [m]: that of the highest level plane, else of the lowest solid near the domain's floor, else that
-/// floor.
+/// Height of the ground [m]: the highest level plane; without one, the lowest point of the solids if that is near the domain's floor
+/// (within 15 % of the domain's height); otherwise the domain's floor.
 float ground_height(const Frame& frame);
 
 /// World -> clip; the depth range fits the bounds tightly.
 Eigen::Matrix4f camera_matrix(const View& view, float aspect, const Bounds& bounds);
-/// Place in the picture (-1 .. 1, -1 .. 1, 1) -> the direction that the camera sees there.
+/// Matrix: position in the image (-1 .. 1, -1 .. 1, 1) -> direction that the camera sees there (not normalised).
 Mat3f rays(const View& view, float aspect);
-/// The matrix of a camera that is moved by `offset` [m] within the lens: points `view.focus` ahead stay at the same place in the
-/// image.
+/// Camera matrix for the point of the lens at `offset` [m] from its centre. Points at the distance view.focus ahead keep their position in
+/// the image.
 Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, const Vec3f& offset);
-/// A place in the lens of a sample: right and up, in radii; evenly spread (Vogel 1979).
+/// Position of a sample on the lens: right and up, in radii; evenly spread (Vogel 1979).
 Eigen::Vector2f lens_place(int sample, int samples);
-/// World -> clip of a parallel light from `direction` (unit, towards the light) that sees the bounds.
+/// World -> clip of a parallel light that sees all of the bounds. @param direction towards the light, unit
 Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds);
-/// The matrix with the picture moved by a part of a pixel.
+/// The matrix with the image shifted by a fraction of a pixel.
 Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& pixels, int width, int height);
-/// The matrix with all depths those of points nearer to the eye by a part of their distance: things that touch the surface behind hide it.
+/// The matrix with all points drawn at the depth of points nearer to the eye by the fraction `part` of their distance, so that an object
+/// hides a surface that it touches.
 Eigen::Matrix4f nearer(const Eigen::Matrix4f& matrix, float part);
-/// Places of the samples in a pixel, -0.5 .. 0.5: low discrepancy (Roberts' R2 sequence), the first in the middle.
+/// Position of a sample in a pixel, -0.5 .. 0.5: Roberts' R2 sequence (low discrepancy), which starts in the middle; for four samples the
+/// rotated grid.
 Eigen::Vector2f sample_place(int sample, int samples);
 
 /// A rectangle of pixels, origin at the lower left as in GL.

@@ -13,15 +13,16 @@ namespace {
 
 constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64;
 
-/// Edge of a voxel: `usual` along the longest side, and four or more across the thinnest body where `most` in a cube allow it.
+/// Edge of a voxel: `usual` voxels along the longest side, and at least four across the thinnest body, as far as `most`^3 voxels in all
+/// allow.
 float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {
     const auto in_all = static_cast<float>(most * most * most);
     const float longest = std::max(size.maxCoeff(), 1e-6f), fine = std::max(thinnest / 4, longest / 512);
     return std::min(longest / static_cast<float>(usual), std::max(fine, std::cbrt(size.prod() / in_all)));
 }
 
-/// least[n] = min(least[n], distance at place + n*step): a row of samples, place and step in voxels of v; metres. Outside the volume the
-/// distance to its edge is added.
+/// least[n] = min(least[n], distance of v at place + n*step) [m] for each sample n of a row; place and step are in voxels of v. Outside the
+/// volume the distance to its edge is added.
 void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vector<float>& least) {
     const float* value = v.value.data();
     const int along_y = v.nx, along_z = v.nx * v.ny;
@@ -44,7 +45,7 @@ void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vect
     }
 }
 
-/// Signed distance in the mesh's own coordinates, everywhere.
+/// Signed distance in the mesh's own coordinates; the band covers the whole volume.
 Volume own_field(const TriangleMesh& mesh) {
     const Bounds bounds = bounds_of(mesh.position);
     const Vec3f size = bounds.high - bounds.low;
@@ -83,7 +84,7 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     for (const FrameSolid& solid : solids) {
         if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid)) continue;
         if (now.empty()) turn_ = solid.rotation, move_ = solid.translation;
-        FrameSolid seen = solid;  // from the first
+        FrameSolid seen = solid;  // relative to the first solid
         if (now.empty()) seen.rotation = Mat3f::Identity(), seen.translation = Vec3f::Zero();
         else seen.rotation = turn_.transpose() * solid.rotation, seen.translation = turn_.transpose() * (solid.translation - move_);
         now.push_back({seen.mesh, seen.rotation, seen.translation});
@@ -112,7 +113,7 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
 void SolidField::bind(gl::Program& program, int unit) const {
     program.set("has_solid_field", empty_ ? 0 : 1);
     program.texture("solid_field", unit, GL_TEXTURE_3D, texture_.id());
-    // A place x is a voxel (solid_turn x + solid_move) of the field.
+    // The position x is voxel solid_turn x + solid_move of the field.
     program.set("solid_turn", Mat3f(turn_.transpose() / voxel_));
     program.set("solid_move", Vec3f(-(turn_.transpose() * move_ + origin_) / voxel_));
     program.set("solid_voxel", voxel_);

@@ -1,5 +1,5 @@
 #pragma once
-/// The solids of a frame as one distance field on the device: for mutual occlusion and shadows.
+/// Distance field of all solids of a frame, for the occlusion and the shadows that they cast on each other.
 #include "engine/io/frame.h"
 #include "render/gl/objects.h"
 #include "render/surface/surface.h"
@@ -8,12 +8,12 @@ namespace whorl {
 
 class SolidField {
 public:
-    /// @param height of the pictures [pixels]: a small one shows no more than two thirds of the resolution
+    /// @param height of the images [pixels]; below 480 the field has two thirds of the resolution, since a small image shows no more
     explicit SolidField(int height);
-    /// Containers and the level ground are left out. The field is in the axes of the first solid, and moves with it: it is rebuilt
-    /// only where another has moved against that one.
+    /// Fills in all solids except containers and the level ground. The field has the axes of the first solid and moves with it. It is
+    /// rebuilt only if another solid has moved relative to the first, or if the solids have changed.
     void fill(const std::vector<FrameSolid>& solids);
-    /// Sets the uniforms of solids.glsl; takes one texture unit.
+    /// Sets the uniforms of solids.glsl; uses one texture unit.
     void bind(gl::Program& program, int unit) const;
 
 private:
@@ -23,15 +23,15 @@ private:
         Vec3f translation;
         bool operator==(const Placed&) const = default;
     };
-    /// Signed distance to the union of placed_ on a grid of at most `most` voxels along its longest side. Outside a solid's own volume the
-    /// distance to the volume's edge is added: an upper bound of the true distance.
+    /// Signed distance to the union of placed_ [m], on a grid of at most `most` voxels along its longest side. Outside the volume of a
+    /// solid's own field the distance to that volume is added, which gives an upper bound of the true distance.
     Volume all_placed(const Vec3f& low, const Vec3f& high, int most) const;
 
-    int voxels_;                      ///< along a side of a cube
-    std::vector<Placed> placed_;      ///< seen from the first: of equal ones the field is the same
-    Mat3f turn_ = Mat3f::Identity();  ///< of the first, and where it is
-    Vec3f move_ = Vec3f::Zero();
-    std::map<std::shared_ptr<const TriangleMesh>, Volume> own_;
+    int voxels_;                                                 ///< along a side of a cubic field
+    std::vector<Placed> placed_;                                 ///< poses relative to the first solid; equal poses give the same field
+    Mat3f turn_ = Mat3f::Identity();                             ///< rotation of the first solid
+    Vec3f move_ = Vec3f::Zero();                                 ///< translation of the first solid [m]
+    std::map<std::shared_ptr<const TriangleMesh>, Volume> own_;  ///< own_field() of each mesh
     gl::Texture texture_;
     Vec3f origin_ = Vec3f::Zero(), size_ = Vec3f::Ones();
     float voxel_ = 1;  ///< m
