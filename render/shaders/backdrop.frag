@@ -1,6 +1,6 @@
-// Background of an empty scene; a: 1 on the ground.
+// Background of an empty scene. Alpha: 1 on the ground, 0 elsewhere.
 in vec2 uv;
-uniform mat3 to_ray;   // place in the picture -> direction
+uniform mat3 to_ray;   // position in the image -> direction
 layout(location = 0) out vec4 paper;
 
 void main() {

@@ -2,8 +2,9 @@
 in vec2 uv;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;   // clip -> world
-uniform float weight;    // of this sample in the pixel
-// constants: bool transparent: nothing is drawn behind; bool draws_behind: every sample sees the background from its own position
+uniform float weight;    // weight of this sample in the pixel
+// constants: bool transparent: no background is drawn
+//            bool draws_behind: every sample draws the background, seen from its own position
 layout(location = 0) out vec4 colour;
 
 void main() {

@@ -1,4 +1,4 @@
-// Nothing, in all that a sample keeps of the things that it sees.
+// Clears all attachments of a sample.
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;
 layout(location = 2) out vec4 crust;

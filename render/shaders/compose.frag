@@ -1,20 +1,22 @@
-// Puts the samples over the background and turns linear light into a picture; or leaves it linear, for compositors.
-// constants: bool linear; bool transparent: there is no background, only what its ground is darkened by; bool has_glass;
-// bool has_light: the ground has a light map here
+// Lays the samples over the background and converts linear light to an image for screens. Compositors get linear light.
+// constants: bool linear: writes linear light and the shadow
+//            bool transparent: no background is drawn, only the shadow on its ground
+//            bool has_glass: the scene has containers
+//            bool has_light: the ground has a light map here
 in vec2 uv;
 uniform sampler2D samples;
-uniform sampler2D glass;     // walls of containers, over everything
+uniform sampler2D glass;     // walls of containers, in front of everything
 uniform sampler2D paper;     // backdrop.frag
-uniform mat3 to_ground;      // place in the picture -> x, z of the ground, both times what follows
+uniform mat3 to_ground;      // position in the image -> (w x, w z, w) of the point x, z on the ground
 uniform mat4 to_world;
 uniform float exposure;
 uniform float aspect;
 layout(location = 0) out vec4 picture;
 layout(location = 1) out vec4 shadow;
 
-// Duplicated in render/image/exr.cpp from here on.
+// The next three functions are duplicated in render/image/exr.cpp.
 
-// Khronos PBR Neutral tone mapper (Khronos Group, 2024): base colours come through as they are, highlights are compressed and desaturated.
+// Khronos PBR Neutral tone mapper (Khronos Group, 2024): base colours are unchanged, highlights are compressed and desaturated.
 vec3 tone(vec3 colour) {
     const float start = 0.8 - 0.04, desaturation = 0.15;
     float x = min(colour.r, min(colour.g, colour.b));
@@ -33,7 +35,7 @@ vec3 srgb(vec3 linear) {
     return mix(12.92 * linear, 1.055 * pow(max(linear, 0.0031308), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear));
 }
 
-// Half a step of noise hides the steps of 8 bits in smooth gradients. The same in every frame: it must not flicker.
+// Noise of half a step hides the steps of 8 bits in smooth gradients. It is the same in every frame, so that it does not flicker.
 float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5; }
 
 vec3 seen_behind_all(ivec2 pixel) {
@@ -55,7 +57,7 @@ void main() {
         alpha += (1.0 - alpha) * min(wall.a, 1.0);
     }
     vec2 off = (uv - 0.5) * vec2(min(aspect, 1.0), 1.0);
-    colour *= exposure * (transparent ? 1.0 : 1.0 - 0.35 * dot(off, off));  // a plate of film is darker at its corners of itself
+    colour *= exposure * (transparent ? 1.0 : 1.0 - 0.35 * dot(off, off));  // vignette; a plate behind a transparent image has its own
     if (linear) {
         picture = vec4(colour, alpha);
         shadow = vec4(shadow_behind(to_world, uv), 1.0);

@@ -1,4 +1,4 @@
-// The edge of a container: reflections of a glass rod; it is darker where one looks through more of it.
+// Edge of a container: reflections of a glass rod, which is darker if the view passes through more of it.
 in vec3 world;
 in vec3 way;
 in float place;

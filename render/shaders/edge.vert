@@ -1,4 +1,4 @@
-// The edge of a container: a strip that faces the eye, as wide as a rod of glass.
+// Edge of a container: a strip that faces the eye, as wide as a rod of glass.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 along;
 layout(location = 2) in float side;   // -1 or 1
@@ -6,10 +6,10 @@ uniform mat4 view_projection;
 uniform mat3 rotation;
 uniform vec3 translation;
 uniform vec3 eye;
-uniform float size;         // of the container [m]
+uniform float size;         // diagonal of the container [m]
 out vec3 world;
-out vec3 way;               // across the strip
-out float place;            // -1 .. 1 across it
+out vec3 way;               // direction across the strip, unit
+out float place;            // position across the strip, -1 .. 1
 
 void main() {
     world = rotation * position + translation;

@@ -1,5 +1,5 @@
-// The solid that a pixel shows: where it is and what it is made of. Its light comes later, once a pixel.
-// constant: int pattern, texture_of()
+// Distance, normals and material of the solid that a pixel shows. Its light is computed later, once per pixel (solid.frag).
+// constant: int pattern: kind of texture_of(); 0: none
 in vec3 world;
 in vec3 world_normal;
 in vec3 own;

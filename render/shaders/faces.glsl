@@ -1,4 +1,4 @@
-// The solids that a sample sees, pixel by pixel (face.frag).
-uniform sampler2D face_colour;     // albedo; roughness, less 2 where it is metal
-uniform sampler2D face_normals;    // with its relief and without, octahedral_encode()
+// Buffers of the solids that a sample sees (face.frag).
+uniform sampler2D face_colour;     // rgb: albedo; a: roughness, minus 2 for metal
+uniform sampler2D face_normals;    // octahedral_encode() of the normal with relief (xy) and without (zw)
 uniform sampler2D face_distance;   // from the eye [m]; 0: none

@@ -1,13 +1,13 @@
-// The fluid as a distance field, marched in voxels: x = field_origin + voxel * place.
+// Distance field of the fluid. Rays are marched in voxels: position x = field_origin + voxel * place.
 uniform sampler3D near_field;   // signed distance in voxels, negative inside, known in a band
-uniform sampler3D coarse_distance;    // roughly, but everywhere
+uniform sampler3D coarse_distance;    // rough signed distance in voxels, known everywhere
 uniform vec3 field_origin;      // m
 uniform float voxel;            // m
 uniform vec3 near_scale;        // place -> texture
 uniform vec3 far_scale;
 uniform vec3 far_offset;
 uniform vec3 field_size;        // voxels
-uniform vec3 far_half;          // half of the far field's extent, voxels
+uniform vec3 far_half;          // half of the extent of coarse_distance [voxels]
 
 float near_distance(vec3 place) { return texture(near_field, (place + 0.5) * near_scale).r; }
 float far_distance(vec3 place) {
@@ -23,7 +23,8 @@ vec3 field_normal(vec3 p) {
                           near_distance(p + h.yyx) - near_distance(p - h.yyx)) + vec3(0.0, 1e-6, 0.0));
 }
 
-// How much of the half space about n is open, and how much of a cone about d (cosine-weighted only in spirit).
+// Estimate of the open fraction of the half space about n, or of a cone if n is a mirrored direction, from distances along n.
+// @param reach voxels
 float openness(vec3 p, vec3 n, float reach) {
     float open = 0.0, total = 0.0, step = 0.22 * reach;
     for (int i = 0; i < 4; ++i) {

@@ -1,4 +1,4 @@
-// A container: only the reflections of its walls, so that it never hides the fluid. Walls that lie level are left out: it has no lid.
+// Wall of a container: only its reflections, so that it never hides the fluid. Horizontal walls are not drawn: the container has no lid.
 in vec3 world;
 in vec3 world_normal;
 uniform float weight;
@@ -12,7 +12,7 @@ void main() {
     float x = 1.0 + dot(n, v);
     float mirror = 0.05 + 0.95 * x * x * x * x * x;
     vec3 r = reflect(v, n);
-    // Lamps are held back: their mirror image must not cover the fluid like a sheet of paper.
+    // Radiance of lamps is limited, or their mirror image would cover the fluid like a sheet of paper.
     vec3 light = min(surroundings(world, r, 0.05) + strip_light(r, 0.05), vec3(1.3));
     glass = weight * vec4(mirror * light, 0.03 + 0.9 * mirror);
 }

@@ -1,14 +1,15 @@
-// The ground's light: key light through fluid and past solids, and as much of the sky as is open.
+// Light on the ground: key light through the fluid and past solids, and light from the open part of the sky.
 in vec2 uv;
-uniform sampler2D nearness;    // nearness.frag, with averages over ever wider squares
-uniform vec4 reach;            // of its channels, in the map's widths
+uniform sampler2D nearness;    // nearness.frag; mip levels average over wider squares
+uniform vec4 reach;            // reach of each channel of nearness, in widths of the map
 uniform vec3 ground_area;      // centre x, z, half-width
 uniform float ground_height;
-uniform vec3 shadow_tint;      // light that comes out of the fluid where it hides the sky
-uniform float key_share;       // of the light on open ground
+uniform vec3 shadow_tint;      // light from the fluid, in place of the sky that it hides
+uniform float key_share;       // fraction of the light on open ground that is key light
 layout(location = 0) out vec4 light_map;
 
-// Nearness within a reach, averaged over a disc of that reach. At an integer level the software driver reads only one level.
+// A channel of nearness, averaged over a disc whose radius is the channel's reach. The mip level is an integer, for which the software
+// driver reads one level only.
 float hidden(int channel) {
     float radius = reach[channel], texels = radius * float(textureSize(nearness, 0).x);
     float level = max(floor(log2(texels)), 0.0), sum = 0.0;

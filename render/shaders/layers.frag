@@ -1,12 +1,12 @@
-// Compositor layers of the thing at the centre of a pixel (render/image/exr.h).
+// Compositor layers of the object at the centre of a pixel (render/image/exr.h).
 in vec3 world;
 in vec3 world_normal;
 in vec4 clip, next_clip;
 uniform vec3 eye, forward;
 uniform float ground_height;
-uniform float tolerance;     // m: as the picture's own passes cut at the ground
+uniform float tolerance;     // objects are cut this far below the ground, as in the image [m]
 uniform float number;
-uniform vec2 half_size;      // of the picture [pixels]
+uniform vec2 half_size;      // half of the image's size [pixels]
 layout(location = 0) out vec4 normal_and_number;
 layout(location = 1) out vec4 motion_and_depth;
 

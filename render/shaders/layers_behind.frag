@@ -3,10 +3,10 @@ in vec2 uv;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 next_view_projection;
 uniform vec3 eye, forward;
-uniform float ground_height; // m; far below where there is none to be seen
-uniform float nothing_there; // m
+uniform float ground_height; // m; -1e6: no ground is drawn
+uniform float nothing_there; // depth of the backdrop [m]
 uniform bool turns;          // the backdrop is fixed in the world, not in the image
-uniform vec2 half_size;
+uniform vec2 half_size;      // half of the image's size [pixels]
 layout(location = 0) out vec4 normal_and_number;
 layout(location = 1) out vec4 motion_and_depth;
 

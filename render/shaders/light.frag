@@ -1,9 +1,9 @@
-// The scene from the light, every layer added up: thickness of the fluid along the light, and where its and the solids' lit sides are.
+// The scene seen from the light, with all layers added up: thickness along the light, and heights of the lit sides.
 in vec3 world;
 uniform vec3 light;          // unit, towards the light
 uniform vec3 light_centre;
 uniform bool is_solid;
-layout(location = 0) out vec4 fluid_layers;  // thickness, lit sides: sum of heights along the light, their number
+layout(location = 0) out vec4 fluid_layers;  // thickness [m]; lit sides: sum of their heights along the light [m], their number
 layout(location = 1) out vec4 solid_layers;
 
 void main() {

@@ -1,13 +1,13 @@
-// The fluid seen in one sample a pixel: first hit from the mesh, then light's way through it.
+// A transparent fluid, one sample per pixel: the mesh gives the first hit, and rays through the distance field give the light behind it.
 in vec2 uv;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
 uniform mat4 to_clip;
-uniform float weight;        // of this sample in the pixel
-uniform bool has_motion;     // of the surface since the moment of the distance field
-uniform sampler2D motion_buffer;
-uniform float refraction;    // index
+uniform float weight;        // weight of this sample in the pixel
+uniform bool has_motion;     // the surface has moved since the moment of the distance field
+uniform sampler2D motion_buffer;  // displacement [m]
+uniform float refraction;    // refractive index
 uniform float roughness;
 uniform vec3 absorption;     // 1/voxel
 uniform vec3 scatter;
@@ -21,7 +21,7 @@ float fresnel(float facing) {
     return f0 + (1.0 - f0) * x2 * x2 * x;
 }
 
-// Voxels from p along d to the surface, from inside.
+// Distance from p, inside the fluid, along d to the surface [voxels].
 float way_out(vec3 p, vec3 d, float limit) {
     float t = 0.6, last_t = 0.0, last_f = 0.3;
     for (int i = 0; i < 28; ++i) {
@@ -38,7 +38,7 @@ float way_out(vec3 p, vec3 d, float limit) {
     return t;
 }
 
-// Voxels from p along d to where the fluid begins again, or -1.
+// Distance from p, outside the fluid, along d to the next fluid [voxels]; -1: none.
 float way_in(vec3 p, vec3 d, float limit) {
     float t = 1.0;
     for (int i = 0; i < 14; ++i) {
@@ -53,10 +53,10 @@ float way_in(vec3 p, vec3 d, float limit) {
     return -1.0;
 }
 
-// Metres from p along d to a solid, or -1. A ray that moves away from a solid does not meet it.
+// Distance from the world position p along d to a solid [m]; -1: none. A ray that moves away from a solid does not meet it.
 float way_to_solid(vec3 p, vec3 d, float limit) {
     vec3 from = solid_turn * p + solid_move, way = solid_turn * d;
-    // Outside the field's box there is none.
+    // There is no solid outside the field's box.
     vec3 one = -from / (way + vec3(1e-9)), other = (solid_size - 1.0 - from) / (way + vec3(1e-9)), near = min(one, other), far = max(one, other);
     float t = max(0.5 * voxel, max(near.x, max(near.y, near.z)));
     limit = min(limit, min(far.x, min(far.y, far.z)));
@@ -71,7 +71,8 @@ float way_to_solid(vec3 p, vec3 d, float limit) {
     return -1.0;
 }
 
-// Colour of the solid at q, as the camera sees it: its front, where q is on its back. a: the camera sees it and no other far before it.
+// Colour of the solid at q as the camera sees it; the colour of its front if q is on its back.
+// a: 1 if the camera sees this solid, and no other far in front of it.
 vec4 solid_at(vec3 q) {
     vec4 h = to_clip * vec4(q, 1.0);
     if (h.w <= 0.0) return vec4(0.0);
@@ -79,25 +80,27 @@ vec4 solid_at(vec3 q) {
     return s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel ? vec4(s.rgb, 1.0) : vec4(0.0);
 }
 
-// @param at_solid p is at one @param through light that is let through @param clear share of it that comes from a plate behind instead, equal for
-// all colours: the studio still contributes the colour
+// Light that comes to p from the direction d outside the fluid, times `through`.
+// @param at_solid whether p lies on a solid @param through transmitted fraction of light @param clear output: part of `through` left to a
+// plate behind a transparent image, equal for all colours; the studio lights the rest
 vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, float blur, out float clear) {
     float to_ground = d.y < -1e-3 && p.y > ground_height ? (ground_height - p.y) / d.y : 1e6;
     float to_solid = at_solid ? 0.0 : has_solid_field ? way_to_solid(p, d, to_ground) : -1.0;
     vec4 s = to_solid < 0.0 ? vec4(0.0) : solid_at(p + to_solid * d);
     clear = transparent && s.a < 0.5 ? min(through.r, min(through.g, through.b)) : 0.0;
-    // Lights seen through the body are held back: far above white they would wash its colour out.
+    // Radiance seen through the body is limited: far above white it would wash out the body's colour.
     return (through - clear) * (s.a > 0.5 ? min(s.rgb, vec3(1.8)) : surroundings(p, d, blur, 1.8));
 }
 
-// Light of the lamp that inks along a path scatter back, and in `through` the transmitted light from behind. They replace the fluid:
-// where they are thick they look as paint does. Each, and the fluid, contributes to the colour by its scattering: clear water has none.
+// Light of the lamp that inks along a path of length `way` [voxels] scatter back. Multiplies `through` by the transmitted fraction. Inks
+// replace the fluid, so thick inks look like paint. The inks and the fluid contribute to the colour in proportion to their scattering;
+// clear water has none.
 vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
     const int parts = 8;
     vec3 light = vec3(0.0);
     float from = 0.0;
     for (int i = 0; i < parts; ++i) {
-        // Finer where the light comes out.
+        // Steps are finer near p, where the light comes out.
         float to = way * pow(float(i + 1) / float(parts), 2.0), length_of = to - from;
         vec3 at = p + 0.5 * (from + to) * d, c = inks_at(world_of(at));
         float amount = min(c.r + c.g + c.b, 1.0), cloud = haze * (1.0 - amount) + ink_haze * amount, milk = 1.0 - exp(-cloud * length_of);
@@ -109,7 +112,7 @@ vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
     return light;
 }
 
-// @param lamp light that falls on the body @param clear as of seen_through
+// Light that comes to p from the direction d inside the fluid. @param lamp light that falls on the body @param clear as in seen_through()
 vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     vec3 through = vec3(1.0), light = vec3(0.0);
     bool at_solid = false;
@@ -118,14 +121,14 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     for (int turn = 0; turn < 4; ++turn) {
         float to_floor = d.y < -1e-3 && floor_place > -100.0 ? max((floor_place - p.y) / d.y, 0.0) : 1e4;
         float way = way_out(p, d, to_floor);
-        // Fluid keeps a little off the solids that it wets.
+        // The fluid keeps a small gap to solids that it wets.
         float to_solid = has_solid_field ? way_to_solid(world_of(p), d, (way + 1.5) * voxel) / voxel : -1.0;
         at_solid = to_solid >= 0.0;
         if (at_solid) way = min(way, to_solid);
         if (has_inks) {
             light += through_inks(p, d, way, lamp, through);
         } else {
-            // The glow comes from where light of every colour still gets out again, not from the depth of a thick body.
+            // The glow comes from a depth that light of every colour can leave, not from the middle of a thick body.
             vec3 middle = p + min(0.5 * way, 0.5 / max(absorption.g, 1e-4)) * d;
             float depth = max(-far_distance(middle), 0.0);
             float milk = 1.0 - exp(-haze * way);
@@ -133,10 +136,10 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
             through *= exp(-absorption * way) * (1.0 - milk);
         }
         p += way * d;
-        // The remaining light is less than a step of 8 bits.
+        // The path ends at a solid, at the ground, or if the remaining light is less than a step of 8 bits.
         if (at_solid || way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
         vec3 n = field_normal(p);
-        // It lies on the ground or on a solid: no air between.
+        // The fluid lies on the ground or on a solid, without air in between.
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
@@ -147,7 +150,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
             p -= 0.3 * n;
             continue;
         }
-        // The body's own light stands for what is reflected: it grows towards the angle of total reflection.
+        // The body's own light replaces the light that the surface reflects inwards: it grows towards the angle of total reflection.
         light += inner * through * lamp * scatter * 0.7;
         through *= 1.0 - inner;
         d = normalize(refraction * d + (sqrt(square) - refraction * leaving) * n);
@@ -172,7 +175,7 @@ void main() {
     float mirror = fresnel(-dot(n, v));
     float open = openness(p + n, r, 30.0);
     vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r, roughness) + strip_light(r, roughness), open);
-    // The body glows more on the side of the window behind the scene and from above.
+    // More light falls on the body from above, and from the window behind the scene.
     vec3 lamp = sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
     float clear;
     vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp, clear);

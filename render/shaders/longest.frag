@@ -1,8 +1,8 @@
-// The longest motion of the pixels in a square, or of three by three squares.
-uniform sampler2D motion;   // pixels while the shutter is open
-uniform int side;           // of the squares [pixels]
+// Longest motion of the pixels in a square; with of_squares, of three by three squares.
+uniform sampler2D motion;   // pixels while the shutter is open; with of_squares, the result of the pass without it
+uniform int side;           // side of the squares [pixels]
 // constant: bool of_squares
-layout(location = 0) out vec4 longest;   // half of it, at most a side
+layout(location = 0) out vec4 longest;   // half of the longest motion, at most one side
 
 void main() {
     ivec2 square = ivec2(gl_FragCoord.xy), last = textureSize(motion, 0) - 1, from = of_squares ? square - 1 : side * square;

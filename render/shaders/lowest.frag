@@ -1,4 +1,4 @@
-// Height of the lowest thing over each place of the ground (blended by the smaller).
+// Height of the lowest object above each point of the ground (blending keeps the minimum).
 in vec3 world;
 layout(location = 0) out vec4 height;
 

@@ -1,9 +1,10 @@
-// If the first sample differs little from those of the pixels around it, the pixel is final. Otherwise it is one of several samples.
+// A pixel is final if its first sample differs little from those of the pixels around it. Otherwise it needs several samples.
 in vec2 uv;
 uniform sampler2D first;
-uniform sampler2D glass;  // its walls of containers, with the weight of one of several
-uniform float weight;   // of one sample
-// constants: bool settles: only the pixels that need no more, else the others; bool has_glass
+uniform sampler2D glass;  // walls of containers in the first sample, with the weight of one of several samples
+uniform float weight;   // weight of one of several samples
+// constants: bool settles: draws the final pixels and marks them in the depth buffer; false: draws the others
+//            bool has_glass: the scene has containers
 layout(location = 0) out vec4 colour;
 
 vec4 seen(ivec2 pixel) {
@@ -19,8 +20,8 @@ void main() {
         colour *= weight;
         return;
     }
-    // Distance from the straight line between two opposite neighbours, of the root of light (about the perceived brightness): a smooth
-    // shade is not an edge. The root's difference is that of the light over twice the root, both squared here.
+    // Deviation of the square root of light (about the perceived brightness) from the line between two opposite neighbours; a smooth
+    // gradient has none. The square of a difference of roots is (difference of light)^2 / (4 light); the factor 4 is in the bound.
     vec4 own = seen(pixel), apart = vec4(0.0);
     for (int axis = 0; axis < 2; ++axis) {
         ivec2 way = ivec2(1 - axis, axis);

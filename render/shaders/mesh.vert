@@ -1,23 +1,23 @@
-// A mesh in the world. Used for the fluid and for solids, seen from the camera and from the light.
+// A mesh in the world: the fluid or a solid, seen from the camera or from the light.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in float age;     // s, of the fluid; 0 where nothing says
-layout(location = 3) in vec4 crust;    // of the fluid (render/surface/vertex_values.h)
-layout(location = 4) in vec3 velocity;  // m/s, of the fluid
+layout(location = 2) in float age;     // age of the fluid [s]; 0 if unknown
+layout(location = 3) in vec4 crust;    // position on the fluid's crust (CrustPlace in render/surface/vertex_values.h)
+layout(location = 4) in vec3 velocity;  // velocity of the fluid [m/s]
 uniform float moment;       // s after the frame's time
 uniform mat4 view_projection;
 uniform mat3 rotation;
 uniform vec3 translation;
-uniform bool cuts;         // off what is below; there are drivers that cut without being asked to
+uniform bool cuts;         // cuts off parts below `lowest`; some drivers cut even if clipping is disabled
 uniform float lowest;      // m
-uniform float point_size;   // pixels, where particles are drawn as points
+uniform float point_size;   // size of particles drawn as points [pixels]
 out vec3 world;
 out vec3 world_normal;
 out vec3 own;
 out vec3 own_normal;
 out float fluid_age;
 out vec4 fluid_crust;
-out vec3 moved;             // m, since the frame's time
+out vec3 moved;             // displacement since the frame's time [m]
 out float gl_ClipDistance[1];
 invariant gl_Position;  // passes compare depths
 

@@ -1,9 +1,10 @@
-// Motion blur by gathering along the motion (after McGuire et al. 2012 and Guertin et al. 2014). Each part of the time shows what comes to
-// this pixel from the place that it looks up, or what is seen there once the pixel's own thing has moved away, or that thing.
+// Motion blur by gathering along the motion (after McGuire et al. 2012 and Guertin et al. 2014). At each of `parts` moments a pixel shows
+// the object at another pixel, if that object moves here or if this pixel's own object has moved away from in front of it. Otherwise it
+// shows its own object.
 uniform sampler2D picture;
 uniform sampler2D motion;    // pixels while the shutter is open, and depth [m]
-uniform sampler2D longest;
-uniform int side;            // of the squares of `longest` [pixels]
+uniform sampler2D longest;   // longest.frag
+uniform int side;            // side of the squares of `longest` [pixels]
 layout(location = 0) out vec4 colour;
 
 const int parts = 20;
@@ -12,7 +13,7 @@ float noise(vec2 way) { return fract(52.9829189 * fract(dot(gl_FragCoord.xy, way
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy), last = textureSize(picture, 0) - 1;
-    // Noise hides that the longest motion changes from square to square.
+    // Noise hides the steps of the longest motion between squares.
     float turn = noise(vec2(0.06711056, 0.00583715));
     vec2 square = gl_FragCoord.xy / float(side) + 0.7 * (vec2(turn, noise(vec2(0.00583715, 0.06711056))) - 0.5);
     vec2 most = texelFetch(longest, clamp(ivec2(square), ivec2(0), textureSize(longest, 0) - 1), 0).xy;

@@ -1,4 +1,4 @@
-// Fraction of the sky hidden by the lowest thing above a place, for four reaches: 1 on the ground, less with height over the reach.
+// Fraction of the sky that the lowest object above a point of the ground hides, for four reaches: 1/(1 + (height/reach)^2).
 in vec2 uv;
 uniform sampler2D lowest;
 uniform float ground_height;

@@ -1,4 +1,4 @@
-// First hit on the fluid: its normal, its age, and its distance from the eye.
+// First hit on the fluid: normal, age, distance from the eye, and crust or displacement.
 in vec3 world;
 in vec3 world_normal;
 in float fluid_age;
@@ -8,7 +8,7 @@ uniform vec3 eye;
 uniform bool keeps_motion;
 layout(location = 0) out vec4 solid;
 layout(location = 1) out vec4 normal;  // octahedral_encode()
-layout(location = 2) out vec4 crust;   // kept only where it is drawn
+layout(location = 2) out vec4 crust;   // stored only if the framebuffer has this attachment
 
 void main() {
     solid = vec4(0.0);

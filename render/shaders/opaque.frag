@@ -1,19 +1,19 @@
-// An opaque fluid (paint, chocolate, lava, clay), or any fluid where no distance field was made.
+// An opaque fluid (paint, chocolate, lava, clay), or any fluid without a distance field.
 in vec2 uv;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
-uniform float weight;        // of this sample in the pixel
+uniform float weight;        // weight of this sample in the pixel
 uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;
-uniform float softness;      // how far light creeps round into shadow
+uniform float softness;      // 0 .. 1, how far light reaches round the edge of shadow
 layout(location = 0) out vec4 colour;
 
-// The front light that shapes an opaque body; it is where its soft box is mirrored.
+// Direction of the front light on an opaque body: that of the key light's soft box in studio.glsl, so that its reflection agrees.
 const vec3 front_light = vec3(-0.62, 0.68, 0.38);
 
-// Soft shadow towards l: how narrow the gap to the body gets along the way, against the light's width.
+// Fraction of a soft light in direction l that reaches p, from the narrowest gap to the body along the way, relative to the light's width.
 float unshadowed(vec3 p, vec3 l) {
     float open = 1.0, t = 3.0;
     for (int i = 0; i < 9; ++i) {
@@ -24,7 +24,7 @@ float unshadowed(vec3 p, vec3 l) {
     return smoothstep(0.0, 1.0, open);
 }
 
-// The part of the light from round about that comes to a place of which `open` is open, with what the body around throws there
+// Fraction of the ambient light that reaches a point with the open fraction `open`, including reflections from the body around it
 // (Jimenez et al. 2016, "Practical realtime strategies for accurate indirect occlusion").
 vec3 light_in_folds(float open, vec3 body) {
     return max(vec3(open), ((open * (2.0404 * body - 0.3324) - 4.7951 * body + 0.6417) * open + 2.7552 * body + 0.6903) * open);
@@ -43,7 +43,7 @@ void main() {
     vec3 body = has_inks ? inks_at(x) : body_colour;
     float matt = roughness;
     if (has_crust) body *= crust.shade, matt = mix(0.3, 0.98, crust.cold);
-    vec3 l = front_light * studio;  // studio's inverse: into the world
+    vec3 l = front_light * studio;  // from studio axes to the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {
         vec3 p = place_of(x) + n;
@@ -51,16 +51,16 @@ void main() {
         seen = openness(p, r, 30.0);
         lit = unshadowed(p, l);
     }
-    // Light wraps round by `softness`, and what comes out of shadow has gone through the body: it takes on more of its colour.
+    // Light wraps round by `softness`. Light in shadow has passed through the body and has taken on more of its colour.
     float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
     vec3 bled = mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
     vec3 around = (has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y)) * light_in_folds(open, body);
     vec3 diffuse = body * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
-    // A rough body spreads what it mirrors over more directions, so that less comes from each.
+    // A rough body spreads its reflection over more directions, so that each gets less.
     vec3 mirrored = (surroundings(x, r, roughness) + (1.0 - matt) * strip_light(r, roughness)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
-    // Hot where it is hidden from the cold air, crusted where it is open; and what has come just now is hot all over. The hotter, the yellower.
+    // The fluid is hot in folds, away from the cold air, and crusted in the open. New fluid is hot everywhere. Hotter fluid is yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
     if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
     else if (cooling > 0.0) glow = glow * exp(-0.5 * (g.z) / cooling) + 0.45 * emission * exp(-(g.z) / cooling * vec3(1.0, 1.6, 2.4));

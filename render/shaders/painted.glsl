@@ -1,9 +1,9 @@
-// A matt body in a colour that must be read off a map: little gloss.
+// Matt body in a colour of the colour map, with little gloss, so that the colour can be compared with the legend.
 uniform mat3 studio;         // world -> studio
 uniform vec3 sky;
 uniform vec3 key_colour;
 
-// n: its normal; d: the ray's direction; lamp: how much of the lamp reaches it, 0 .. 1
+// @param n normal of the body @param d direction of the ray @param lamp fraction of the lamp's light that reaches it
 vec3 painted(vec3 shade, vec3 n, vec3 d, float lamp) {
     float open = 0.55 + 0.45 * n.y;
     float lit = clamp(0.25 + 0.75 * dot(n, vec3(-0.48, 0.68, 0.55) * studio), 0.0, 1.0);

@@ -1,4 +1,4 @@
-// The sphere in that point, with its own depth.
+// Sphere of a particle within the point of particles.vert, with the depth of the sphere.
 in vec3 centre;
 in vec3 shade;
 uniform vec3 eye;

@@ -1,14 +1,14 @@
 // Soft, coloured shadow of the light behind the scene.
-uniform sampler2D open_map;
-uniform sampler2D blocker_map;
+uniform sampler2D open_map;      // `open` of transmission.frag
+uniform sampler2D blocker_map;   // `blockers` of transmission.frag
 uniform mat4 to_light;        // world -> texture of the light
 uniform vec3 light;           // unit, towards the light
 uniform vec3 light_centre;
 uniform float light_texel;    // m
-uniform float least_blur;     // m: never sharper than what the shadow is kept in
+uniform float least_blur;     // lower bound of the penumbra, for the resolution of the maps [m]
 uniform float light_size;     // radius of the light over its distance
 
-// Light that comes to x through fluid (and past solids): 1 where nothing is in the way.
+// Fraction of the key light that reaches x through the fluid and, with past_solids, past the solids; 1 if nothing is in the way.
 vec3 key_at(vec3 x, bool past_solids) {
     vec2 q = (to_light * vec4(x, 1.0)).xy;
     float z = dot(x - light_centre, light);
@@ -16,7 +16,7 @@ vec3 key_at(vec3 x, bool past_solids) {
     float cover = b.y + (past_solids ? b.w : 0.0);
     if (cover < 1e-4) return vec3(1.0);
     float gap = max((b.x + (past_solids ? b.z : 0.0)) / cover - z, 0.0);
-    float radius = max(light_size * gap, least_blur) / light_texel;    // of the penumbra, in texels
+    float radius = max(light_size * gap, least_blur) / light_texel;    // radius of the penumbra in texels
     float level = max(log2(radius) - 1.0, 0.0);
     float apart = 0.5 * radius / float(textureSize(open_map, 0).x);
     vec4 sum = vec4(0.0);

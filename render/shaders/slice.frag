@@ -1,4 +1,4 @@
-// A slice of the flow: its colours as they are, without light or shade, so that they can be read off the legend.
+// Slice of the flow. Its colours are not shaded, so that they can be compared with the legend.
 in vec3 world;
 in vec2 uv;
 uniform sampler2D slice;

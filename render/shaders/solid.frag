@@ -1,4 +1,4 @@
-// The light of an opaque solid; its distance from the eye goes to alpha, for rays that leave the fluid.
+// Light of an opaque solid. Alpha is its distance from the eye [m], for rays that leave the fluid.
 in vec2 uv;
 uniform mat4 to_world;   // clip -> world
 layout(location = 0) out vec4 solid;
@@ -18,7 +18,7 @@ void main() {
     vec3 diffuse = albedo * (1.0 - metal) * (around * from.open + key + light_of_patches(world, n));
     vec3 mirrored = surroundings(world, r, roughness);
     mirrored = mirrored * mix(1.0, flags(r), 0.6 * metal * below_horizon(r)) + metal * (1.0 - roughness) * strip_light(r, roughness);
-    // A rough surface spreads a lamp over more directions than the lamp is wide, so that less comes from each.
+    // A rough surface spreads the reflection of a lamp over more directions than the lamp covers, so that each gets less.
     mirrored *= mix(1.0, from.seen, 0.8) * mix(1.0, 0.35, smoothstep(0.35, 0.5, roughness)) * mix(1.0, 0.05, smoothstep(0.8, 1.0, roughness));
     vec3 tint = mix(vec3(1.0), albedo, metal);
     solid = vec4(diffuse + mirror * tint * mirrored, away);

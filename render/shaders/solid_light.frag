@@ -1,4 +1,4 @@
-// The light that comes to solids, for light_of_solid(), at a pixel in the middle of each texel.
+// Light that reaches the solids, for light_of_solid(), found at the pixel in the middle of each texel.
 in vec2 uv;
 uniform mat4 to_world;   // clip -> world
 layout(location = 0) out vec4 light_here;

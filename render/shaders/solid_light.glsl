@@ -1,16 +1,16 @@
-// How much of the light from round about comes to a solid. Smooth along its surface, and dear: a pass of a third of the picture's resolution
-// finds it, and what is drawn takes it from there.
-// constant: bool finds_light: by itself in every pixel
+// Light that reaches a solid, past the fluid and other solids. It is smooth along a surface and expensive, so a pass at a third of the
+// image's resolution finds it, and light_of_solid() interpolates it.
+// constant: bool finds_light: finds it in every pixel instead
 uniform bool has_field;
-uniform float fluid_hides;       // how much of the light from round about the fluid keeps: 1 honey and paint, 0 clear water
-uniform sampler2D light_kept;    // key's light, and the visible fraction of the sky
-uniform sampler2D place_kept;    // what is open to the mirrored direction, distance from the eye (0: nothing), normal along two ways
+uniform float fluid_hides;       // fraction of the surrounding light that the fluid keeps from solids: 1 honey and paint, 0 clear water
+uniform sampler2D light_kept;    // rgb: SolidLight::key; a: SolidLight::open
+uniform sampler2D place_kept;    // x: SolidLight::seen; y: distance from the eye [m] (0: no solid); zw: seen_along() of the normal
 uniform mat4 to_kept;            // world -> clip of the pass
 
 struct SolidLight {
-    vec3 key;     // of the lamp that throws the shadow
-    float open;   // of the half space about the normal
-    float seen;   // of a cone about the mirrored direction
+    vec3 key;     // fraction of the light of the lamp that casts the shadow
+    float open;   // open fraction of the half space about the normal
+    float seen;   // open fraction of a cone about the mirrored direction
 };
 
 // @param n the surface's normal without relief @param r the mirrored direction
@@ -33,7 +33,7 @@ SolidLight find_light(vec3 x, vec3 n, vec3 r) {
 // Two numbers that distinguish normals well enough.
 vec2 seen_along(vec3 n) { return vec2(dot(n, vec3(0.36, 0.48, 0.80)), dot(n, vec3(-0.80, 0.60, 0.17))); }
 
-// Between the four texels about the place: those that show the same face; where none does, those that show a solid.
+// Interpolates between the four texels around x: between those that show the same face or, without any, those that show a solid.
 SolidLight light_of_solid(vec3 x, vec3 n, vec3 r) {
     if (finds_light) return find_light(x, n, r);
     vec4 h = to_kept * vec4(x, 1.0);

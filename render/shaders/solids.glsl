@@ -1,4 +1,5 @@
-// The solids as one distance field in metres: how they shade each other. A place x in the world is the field's voxel solid_turn x + solid_move.
+// Distance field of all solids [m], for the shadows that they cast on each other. The position x in the world is voxel
+// solid_turn x + solid_move of the field.
 uniform sampler3D solid_field;
 uniform bool has_solid_field;
 uniform mat3 solid_turn;       // 1/m
@@ -14,7 +15,7 @@ float distance_of_solid(vec3 place) {
 
 float solid_distance(vec3 x) { return distance_of_solid(solid_turn * x + solid_move); }
 
-// How much of the half space about n is free of solids, near by and far; 1 on a lone convex body.
+// Estimate of the fraction of the half space about n that is free of solids; 1 on a single convex body.
 float solid_openness(vec3 x, vec3 n) {
     float open = 0.0, total = 0.0, step = 1.5 * solid_voxel;
     vec3 from = solid_turn * x + solid_move, way = solid_turn * n;
@@ -27,11 +28,11 @@ float solid_openness(vec3 x, vec3 n) {
     return 0.12 + 0.88 * open / total;
 }
 
-// Soft shadow towards l: how narrow the gap to a solid gets along the way, against the light's width.
+// Fraction of a soft light in direction l that reaches x, from the narrowest gap to a solid along the way, relative to the light's width.
 float past_solids(vec3 x, vec3 n, vec3 l) {
     float open = 1.0, t = 2.0 * solid_voxel;
     vec3 from = solid_turn * (x + n * solid_voxel) + solid_move, way = solid_turn * l;
-    // Beyond the field's box there is nothing in the way.
+    // There is no solid outside the field's box.
     vec3 walls = (step(0.0, way) * (solid_size - 1.0) - from) / (way + vec3(1e-9));
     float leaves = min(walls.x, min(walls.y, walls.z));
     for (int i = 0; i < 16; ++i) {

@@ -1,22 +1,22 @@
-// The studio: a seamless backdrop, soft boxes, and the ground's light. Directions of the studio: x right, y up, z towards the camera.
+// The studio: a seamless backdrop, soft boxes, and the light on the ground. Axes of the studio: x right, y up, z towards the camera.
 uniform mat3 studio;         // world -> studio
-uniform vec3 backdrop_low;   // radiance of the backdrop looking down,
-uniform vec3 backdrop_high;  // looking up,
-uniform vec3 backdrop_glow;  // and added behind the scene
-uniform vec3 key_light;      // radiance of the soft boxes
-uniform vec3 window_light;    // of the box that throws the shadow, behind the scene
+uniform vec3 backdrop_low;   // radiance of the backdrop in downward directions
+uniform vec3 backdrop_high;  // radiance of the backdrop in upward directions
+uniform vec3 backdrop_glow;  // radiance added behind the scene
+uniform vec3 key_light;      // radiance of a soft box, like the next three
+uniform vec3 window_light;    // the box behind the scene, which casts the shadow
 uniform vec3 rim_light;
 uniform vec3 fill_light;
-uniform float ground_height; // m; far below where there is no ground
+uniform float ground_height; // m; -1e6: no ground
 uniform vec3 ground_area;    // centre x, z and half-width of the ground's light map [m]
 uniform sampler2D ground_light;
 uniform vec3 eye;            // m
-uniform vec3 sky;            // light that falls on a body from all round
-uniform vec3 key_colour;     // light of the shadow's lamp on a white surface that faces it
+uniform vec3 sky;            // ambient light on a body
+uniform vec3 key_colour;     // light of the lamp that casts the shadow, on a white surface that faces it
 
 // Panorama of the surroundings, if the scene has one instead of the studio's boxes.
 // constant: bool has_environment
-uniform sampler2D environment_map;   // from above down, the middle towards -z; averages over ever wider squares
+uniform sampler2D environment_map;   // rows from the zenith down, middle column towards -z; mip levels average over wider squares
 uniform vec4 environment_light[9];   // irradiance over pi, in spherical harmonics
 
 vec3 pictured(vec3 d, float blur) {
@@ -25,7 +25,7 @@ vec3 pictured(vec3 d, float blur) {
     return textureLod(environment_map, place, blur > 1e-3 ? max(levels + log2(blur) - 2.0, 0.0) : 0.0).rgb;
 }
 
-// Light on a white surface from all round (Ramamoorthi and Hanrahan, SIGGRAPH 2001).
+// Ambient light on a white surface of normal n (Ramamoorthi and Hanrahan, SIGGRAPH 2001).
 vec3 ambient(vec3 n) {
     if (!has_environment) return mix(backdrop_low, sky, 0.5 + 0.5 * n.y);
     vec3 sum = environment_light[0].rgb + environment_light[1].rgb * n.y + environment_light[2].rgb * n.z + environment_light[3].rgb * n.x;
@@ -49,7 +49,8 @@ float soft_box(vec3 s, vec3 axis, vec3 right, vec2 size, float soft) {
     return ahead > 0.0 ? inside.x * inside.y : 0.0;
 }
 
-// @param blur 0 crisp .. 1 very soft: rough materials blur reflections @param most radiance of a lamp: held back here, it keeps its soft edge
+// @param blur 0 crisp .. 1 very soft: rough materials blur reflections
+// @param most upper bound of a lamp's radiance, applied before the soft edge, which would otherwise become sharper
 vec3 soft_boxes(vec3 d, float blur, float most) {
     vec3 s = studio * d;
     float soft = 0.3 + 0.9 * blur;
@@ -63,7 +64,7 @@ vec3 soft_boxes(vec3 d, float blur, float most) {
 // Dark flags at the sides, outside the image: they outline transparent things and metal.
 float flags(vec3 d) { return 1.0 - 0.8 * smoothstep(0.1, 0.8, abs((studio * d).x)); }
 
-// 0 from the horizon up, 1 where a ray meets the ground before it comes to the flags.
+// 0 at and above the horizon, 1 if a ray meets the ground before it reaches the flags.
 float below_horizon(vec3 d) { return smoothstep(0.0, 0.3, -d.y); }
 
 vec3 environment(vec3 d, float blur, float most) {
@@ -71,14 +72,14 @@ vec3 environment(vec3 d, float blur, float most) {
     return backdrop(d) * flags(d) + soft_boxes(d, blur, most);
 }
 
-// A narrow tall box on the floor, near the viewer's left: the long highlight along an upright thread.
+// A narrow tall box on the floor, at the viewer's left. It makes the long highlight along an upright thread.
 vec3 strip_light(vec3 d, float blur) {
     if (has_environment) return vec3(0.0);
     vec3 s = studio * d;
     return 0.3 * key_light * soft_box(s, normalize(vec3(-0.80, 0.12, 0.58)), normalize(vec3(0.58, 0.0, 0.80)), vec2(0.075, 0.75), 0.5 + blur);
 }
 
-// Light that reaches the ground at q over the light it would get alone: shadow, contact, colour, caustic.
+// Light on the ground at q (x, z), relative to an empty scene: shadow, contact shadow, colour and caustic.
 vec3 light_on_ground(vec2 q) {
     vec2 place = (q - ground_area.xy) / ground_area.z;
     float edge = max(abs(place.x), abs(place.y));
@@ -86,12 +87,14 @@ vec3 light_on_ground(vec2 q) {
     return mix(texture(ground_light, 0.5 * place + 0.5).rgb, vec3(1.0), smoothstep(0.7, 1.0, edge));
 }
 
-// Light as samples are averaged: what is above white is held below 2, or the edge of a lamp's image would be as jagged as with one sample.
+// Compresses light above white to less than 2 before samples are averaged. Otherwise the edge of a lamp's image would be as jagged as with
+// one sample.
 vec3 held(vec3 light) {
     float peak = max(light.r, max(light.g, light.b));
     return peak > 1.0 ? light * (2.0 - 1.0 / peak) / peak : light;
 }
 
+// Inverse of held().
 vec3 released(vec3 light) {
     float peak = max(light.r, max(light.g, light.b));
     return peak > 1.0 ? light / (peak * max(2.0 - peak, 0.01)) : light;

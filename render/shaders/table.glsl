@@ -1,8 +1,8 @@
-// The ground, where it is a table and not the backdrop's paper.
-// constant: int table                texture_of(); -1: the backdrop
+// The ground: a table, or the paper of the backdrop.
+// constant: int table: kind of texture_of(); -1: the backdrop
 uniform vec3 table_colour;
 uniform float table_roughness;
-uniform float pixel_angle;     // of a pixel
+uniform float pixel_angle;     // angle of a pixel [rad]
 
 // Colour of the ground at q, seen along d. @param light illumination there, relative to that of an empty scene
 vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
@@ -17,8 +17,8 @@ vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
     return mix(mix(top, backdrop(vec3(d.x, -d.y, d.z)) * light, mirror), paper, far);
 }
 
-// Background of a ray from p that meets no fluid and no solid. The backdrop continues as the ground, and its flags end softly there:
-// no horizon.
+// Light of a ray from p in direction d that meets no fluid and no solid. The backdrop continues as the ground, and the flags fade out
+// there, so that no horizon is visible.
 vec3 surroundings(vec3 p, vec3 d, float blur, float most) {
     if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d, blur, most);
     vec3 q = p + d * ((ground_height - p.y) / d.y);
@@ -27,6 +27,7 @@ vec3 surroundings(vec3 p, vec3 d, float blur, float most) {
 
 vec3 surroundings(vec3 p, vec3 d, float blur) { return surroundings(p, d, blur, 1e6); }
 
+// Direction from the eye through the position uv (0 .. 1) in the image.
 vec3 ray_behind(mat4 to_world, vec2 uv) {
     vec4 h = to_world * vec4(2.0 * uv - 1.0, 1.0, 1.0);
     return normalize(h.xyz / h.w - eye);
@@ -38,14 +39,14 @@ vec3 ground_behind(vec3 d, out bool found) {
     return eye + d * ((ground_height - eye.y) / min(d.y, -1e-3));
 }
 
-// Light on the ground relative to an empty scene, at this place of the picture; 1 where there is no ground.
+// Light on the ground relative to an empty scene, at this position in the image; 1 if no ground is seen there.
 vec3 shadow_behind(mat4 to_world, vec2 uv) {
     bool found;
     vec3 q = ground_behind(ray_behind(to_world, uv), found);
     return found ? light_on_ground(q.xz) : vec3(1.0);
 }
 
-// Background at this place of the image.
+// Background at this position in the image.
 vec3 seen_behind(mat4 to_world, vec2 uv) {
     bool found;
     vec3 d = ray_behind(to_world, uv), q = ground_behind(d, found);

@@ -1,18 +1,19 @@
-// Textures of solids and of the ground, in metres of the body's own: they go with it. What is finer than `width` [m], a pixel's, is its mean.
+// Textures of solids and of the ground, in the body's own coordinates [m], so that they move with it. Detail finer than `width`, the width
+// of a pixel [m], is averaged.
 uniform sampler3D lattice_noise;   // render/gl/scene_lighting.h
 
-// Smooth noise with cells of 1, 0 to 1.
+// Smooth noise with cells of size 1 and values from 0 to 1.
 float noise(vec3 p, float width) {
     vec3 cell = floor(p), f = p - cell;
     return textureLod(lattice_noise, (cell + f * f * (3.0 - 2.0 * f) + 0.5) / 64.0, max(log2(width) + 1.0, 0.0)).r;
 }
 
-// Three octaves of it.
+// Three octaves of noise().
 float layers(vec3 p, float width) {
     return (4.0 * noise(p, width) + 2.0 * noise(2.1 * p + 17.0, 2.1 * width) + noise(4.3 * p + 31.0, 4.3 * width)) / 7.0;
 }
 
-// How much of a pixel at q lies on lines of this breadth that repeat with the period.
+// Fraction of a pixel at q that is covered by lines of this breadth and period.
 float lines(float q, float period, float breadth, float width) {
     float off = abs(q - period * floor(q / period + 0.5)), w = max(width, 1e-9);
     float covered = clamp((0.5 * breadth - off) / w + 0.5, 0.0, 1.0) * min(1.0, breadth / w);
@@ -20,11 +21,11 @@ float lines(float q, float period, float breadth, float width) {
 }
 
 struct Texture {
-    vec3 colour;    // times the material's
-    float height;   // m
+    vec3 colour;    // factor of the material's colour
+    float height;   // relief [m]
 };
 
-// Rings of a trunk that lies along x, some 6 mm apart, cut by the body's surface.
+// Rings of a trunk along x, about 6 mm apart, cut by the body's surface.
 Texture wood_rings(vec3 own, float width) {
     vec3 q = own * 90.0;
     float r = length(q.yz + vec2(7.0, 2.0) + 0.15 * vec2(sin(3.1 * q.x), cos(2.3 * q.x)));
@@ -53,7 +54,7 @@ Texture rock(vec3 q, float width) {
     return Texture(colour, 0.022 * lumps + 0.0028 * grain);
 }
 
-// A slab that was sawn and honed.
+// Slab of stone, sawn and honed.
 Texture slab(vec3 q, float width) {
     float cloud = layers(14.0 * q, 14.0 * width), speck = noise(420.0 * q, 420.0 * width);
     float vein = 1.0 - smoothstep(0.0, 0.06, abs(layers(6.0 * q + 40.0, 6.0 * width) - 0.5));
@@ -73,7 +74,7 @@ Texture cloth(vec2 q, float width) {
     return Texture(mix(vec3(1.0), vec3(0.22, 0.3, 0.45), 0.85 * dark) * mix(0.87, 0.6 + 0.45 * bulge, fine), 0.0003 * fine * bulge);
 }
 
-// kind: as render/look/material.h counts them. @param own m @param n normal in the body's axes
+// @param kind Pattern in render/look/material.h @param own position in the body's axes [m] @param n normal in the body's axes
 Texture texture_of(int kind, vec3 own, vec3 n, float width) {
     if (kind == 1) return wood_rings(own, width);
     if (kind == 2) return planks(own, width);
@@ -86,7 +87,8 @@ Texture texture_of(int kind, vec3 own, vec3 n, float width) {
     return Texture(vec3(1.0), 0.0);
 }
 
-// Normal at x changed by a relief (Mikkelsen, J. Graphics Tools 15, 2010). Only if every pixel of the primitive runs this code.
+// Normal at x, tilted by a relief (Mikkelsen, J. Graphics Tools 15, 2010). All pixels of a primitive must call it, because it uses
+// differences between neighbouring pixels.
 // @param height m
 vec3 in_relief(vec3 n, vec3 x, float height) {
     vec3 across = dFdx(x), up = dFdy(x), a = cross(up, n), b = cross(n, across);

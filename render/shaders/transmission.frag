@@ -1,13 +1,13 @@
-// Transmission of the light's layers. Both outputs are averaged over ever wider squares (mip levels) for soft shadow.
+// Transmission of light through the layers of light.frag. Mip levels average both outputs over wider squares, for soft shadow.
 in vec2 uv;
 uniform sampler2D fluid_layers;
 uniform sampler2D solid_layers;
 uniform vec3 shadow_absorption;  // 1/m; an opaque fluid's is very large
 uniform float haze;              // 1/m
-uniform vec3 glow;               // light that a thick fluid gives back below, as if it came from the lamp
-uniform float caustic;           // how much brighter light is where the fluid gathers it
-layout(location = 0) out vec4 open;      // rgb: light that comes through the fluid; a: past the solids
-layout(location = 1) out vec4 blockers;  // height along the light and coverage, of fluid and of solids
+uniform vec3 glow;               // light that a thick fluid scatters downwards, relative to the lamp's light
+uniform float caustic;           // strength of the focusing of light by the fluid; 0: none
+layout(location = 0) out vec4 open;      // rgb: fraction of light through the fluid; a: past the solids
+layout(location = 1) out vec4 blockers;  // height along the light [m] and coverage: xy of the fluid, zw of the solids
 
 void main() {
     vec4 f = texture(fluid_layers, uv), s = texture(solid_layers, uv);

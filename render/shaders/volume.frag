@@ -7,10 +7,10 @@ uniform mat4 to_world;         // clip -> world
 uniform vec3 eye;
 uniform vec3 box_low, box_high;  // m
 uniform vec3 block_size;       // m
-uniform float thickness;       // optical depth of a metre of density 1
-uniform float march;           // m, from sample to sample
-uniform float turn;            // 0 .. 1, of this sample of the pixel
-uniform float weight;          // of this sample in the pixel
+uniform float thickness;       // optical depth per length at density 1 [1/m]
+uniform float march;           // step along the ray [m]
+uniform float turn;            // offset of this sample's points along the ray [steps], 0 .. 1
+uniform float weight;          // weight of this sample in the pixel
 layout(location = 0) out vec4 colour;
 
 float noise(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))); }
@@ -33,7 +33,7 @@ void main() {
         vec3 block = clamp(floor(p / block_size), vec3(0.0), blocks - 1.0);
         if (texelFetch(most, ivec3(block), 0).r <= 0.0) {
             vec3 way = ((block + ahead) * block_size - p) / d;
-            t += march * max(1.0, ceil(min(way.x, min(way.y, way.z)) / march));  // the samples keep their places
+            t += march * max(1.0, ceil(min(way.x, min(way.y, way.z)) / march));  // whole steps, so that the points keep their positions
             continue;
         }
         vec4 s = texture(lit, p * size);
