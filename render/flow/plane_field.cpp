@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "engine/core/grid_index.h"
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "render/surface/ghosts.h"

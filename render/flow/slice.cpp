@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/grid_index.h"
 #include "engine/core/parallel.h"
 #include "render/flow/marks.h"
 #include "render/look/colour_map.h"
