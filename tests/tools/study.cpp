@@ -261,7 +261,7 @@ TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without 
     CHECK(nowhere.err.find("did you mean \"slurm\"?") != std::string::npos);
     const Outcome local = test::whorl({"tradeoff", study, "--sbatch=--partition=short"});
     CHECK(local.code == 2);
-    CHECK(local.err.find("--sbatch: has no effect on this machine") != std::string::npos);
+    CHECK(local.err.find("--sbatch: has no effect with --on local") != std::string::npos);
 }
 
 TEST_CASE("the program of a point decides whether its scene is refused", "[study]") {
