@@ -116,7 +116,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(noted(made, 6, "simulationMethod is taken as models.pressure"));
     CHECK(noted(made, 15, "Materials[0].dragMethod has no equivalent"));
     CHECK(noted(made, 14, "Materials[0].viscosity is taken as a kinematic viscosity in m^2/s: 450.0 Pa s"));
-    CHECK(noted(made, 24, "Emitters[1].width counts particles across: the diameter is 0.16 m"));
+    CHECK(noted(made, 24, "Emitters[1].width is a number of particles; the diameter is 0.16 m"));
     CHECK(noted(made, 28, "RigidBodies[0].mapResolution has no equivalent"));
     CHECK_FALSE(noted(made, 28, "scale"));
 
@@ -159,7 +159,7 @@ TEST_CASE("out-of-range numbers and file names of any bytes still give a readabl
  "Materials": [{"viscosityMethod": 1e300, "viscosity": 1}], "FluidBlocks": [{"start": [-1, 0, -1], "end": [0, 1, 1]}]})";
     const ConvertedScene made = convert_splishsplash(file);
     CHECK(made.toml.rfind("# From a?b = 1 ?.json by whorl import.\n", 0) == 0);
-    CHECK(noted(made, 2, "is a coefficient without unit of their model"));
+    CHECK(noted(made, 2, "is a coefficient without unit"));
     std::ofstream(scratch / "made.toml") << made.toml;
     CHECK(read_scene_file(scratch / "made.toml").scene.pressure.limits.max_iterations == 1'000'000'000);
 }

@@ -47,7 +47,7 @@ struct TreeBuilder {
 
     bool add(nlohmann::json value) {
         JsonNode node{std::move(value), {}, "", "", now};
-        if (node.value.is_structured()) --node.place.column;  // of its bracket
+        if (node.value.is_structured()) --node.place.column;  // location of its opening bracket
         if (open.empty()) return root = std::move(node), true;
         JsonNode& parent = *open.back();
         if (parent.value.is_array()) node.path = fmt::format("{}[{}]", parent.path, parent.entries.size());
@@ -56,7 +56,7 @@ struct TreeBuilder {
         return true;
     }
     bool start(nlohmann::json value) {
-        constexpr std::size_t deepest = 100;  // each level takes its part of the stack when the tree is deleted
+        constexpr std::size_t deepest = 100;  // deleting the tree recurses once per level
         if (open.size() >= deepest)
             throw InputError({now.file, now.line, now.column - 1}, "more than 100 brackets are open", "", "a scene file in JSON");
         add(std::move(value));
@@ -81,7 +81,7 @@ struct TreeBuilder {
         return true;
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& error) {
-        // "[json.exception.parse_error.101] parse error at line 3, column 5: syntax error while ...": the location is known better here.
+        // Removes "[json.exception.parse_error.101] parse error at line 3, column 5: ", because `now` is the better location.
         std::string what = error.what();
         if (const std::size_t colon = what.find(": "); colon != std::string::npos) what = what.substr(colon + 2);
         throw InputError(now, what, "", "a scene file in JSON");
@@ -122,14 +122,14 @@ std::optional<bool> JsonNode::truth_of(const std::string& key) const {
 std::optional<std::string> JsonNode::text_of(const std::string& key) const {
     const JsonNode* node = find(key);
     if (!node) return {};
-    check(*node, node->value.is_string(), "a text");
+    check(*node, node->value.is_string(), "a string");
     return node->value.get<std::string>();
 }
 
 std::optional<Vec3d> JsonNode::vector_of(const std::string& key) const {
     const JsonNode* node = find(key);
     if (!node) return {};
-    if (node->value.is_number()) return Vec3d(Vec3d::Constant(node->value.get<double>()));  // a scale of all axes
+    if (node->value.is_number()) return Vec3d(Vec3d::Constant(node->value.get<double>()));  // the same scale for all axes
     check(*node, node->value.is_array() && node->entries.size() == 3, "a list of three numbers");
     Vec3d vector;
     for (std::size_t a = 0; a < 3; ++a) {

@@ -1,5 +1,5 @@
 #pragma once
-/// JSON whose values store their location in the file, and whether they were read.
+/// JSON tree whose nodes store their location in the file, and whether they were read.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,11 +12,11 @@
 namespace whorl {
 
 struct JsonNode {
-    nlohmann::json value;           ///< of a list or object without its entries
-    std::vector<JsonNode> entries;  ///< of a list, or of an object: these have names
+    nlohmann::json value;           ///< a list or object is stored without its entries
+    std::vector<JsonNode> entries;  ///< of a list or object; those of an object have names
     std::string name, path;         ///< "viscosity", "Materials[0].viscosity"
-    FileLocation place;             ///< of an object's entry its key's
-    mutable bool used = false;      ///< it was read
+    FileLocation place;             ///< of the value, or of the key if the node is an entry of an object
+    mutable bool used = false;      ///< whether the node was read
 
     /// Value of the member; empty if it is absent. @throws InputError at its location if it has another type
     std::optional<double> number_of(const std::string& key) const;
@@ -27,8 +27,8 @@ struct JsonNode {
     std::vector<const JsonNode*> objects_of(const std::string& key) const;
     /// The member; null if it is absent.
     const JsonNode* find(const std::string& key) const;
-    /// Calls f(node) for the values that were not read, in the file's order; once for a list or object
-    /// of which nothing was read.
+    /// Calls f(node) for the values that were not read, in the order of the file. A list or object of which nothing was read counts as one
+    /// value.
     template <class F>
     void each_unused(F&& f) const {
         if (!used) return f(*this);
@@ -36,7 +36,7 @@ struct JsonNode {
     }
 };
 
-/// @throws InputError with file, line and column where it cannot be read or is no JSON; comments are passed over
+/// Reads a JSON object; comments are allowed. @throws InputError with file, line and column if the file cannot be read or is invalid
 JsonNode read_json(const std::filesystem::path& file);
 
 }  // namespace whorl

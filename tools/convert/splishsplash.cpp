@@ -23,7 +23,7 @@ namespace {
 /// Bounds of the scene's content [m].
 using Extent3 = Eigen::AlignedBox3d;
 
-/// Placement of an object of their scene: x = rotation (scale x_own) + translation.
+/// Placement of an object in a scene of SPlisHSPlasH: x = rotation (scale x_own) + translation.
 struct Placement {
     Vec3d scale = Vec3d::Ones(), translation = Vec3d::Zero();
     Mat3d rotation = Mat3d::Identity();
@@ -41,8 +41,8 @@ Placement placement_of(const JsonNode& node) {
     return at;
 }
 
-/// Places of the particles in a file of Houdini's, version 5 of .bgeo, which may be packed (gzip): big-endian counts, the names and sizes
-/// of the points' attributes, then x, y, z, w and the attributes of each point. @throws InputError
+/// Positions of the particles in a Houdini file: .bgeo, version 5, optionally compressed (gzip). Format: big-endian counts, the names and
+/// sizes of the points' attributes, then x, y, z, w and the attributes of each point. @throws InputError if the file is not of this format
 std::vector<Vec3f> read_particles(const std::filesystem::path& file) {
     const auto fail = [&](const char* why) { throw InputError({file.string(), 0, 0}, why, "", "particles in version 5 of .bgeo"); };
     std::string bytes;
@@ -57,12 +57,12 @@ std::vector<Vec3f> read_particles(const std::filesystem::path& file) {
         for (; size > 0; --size) value = value << 8 | static_cast<std::uint8_t>(bytes[at++]);
         return value;
     };
-    if (bytes.rfind("BgeoV", 0) != 0 || take(4) != 5) fail("holds no particles that can be read");
+    if (bytes.rfind("BgeoV", 0) != 0 || take(4) != 5) fail("has another format");
     std::array<std::uint32_t, 8> counts;  // points, primitives, groups of both, attributes of points, ...
     for (std::uint32_t& count : counts) count = take(4);
     std::size_t each = 16;  // bytes of a point
     for (std::uint32_t k = 0; k < counts[4]; ++k) {
-        constexpr std::uint32_t names = 4;  // the type of attributes that are one of several texts
+        constexpr std::uint32_t names = 4;  // type of attributes whose value is one of several strings
         const std::uint32_t length = take(2);
         at += length;
         const std::uint32_t size = take(2), type = take(4);
@@ -80,7 +80,7 @@ std::vector<Vec3f> read_particles(const std::filesystem::path& file) {
     return places;
 }
 
-/// The surface about particles of this spacing [m].
+/// Surface around particles of this spacing [m].
 TriangleMesh surface_of(const std::vector<Vec3f>& places, double spacing) {
     Frame frame;
     frame.spacing = static_cast<float>(spacing);
@@ -94,7 +94,7 @@ TriangleMesh surface_of(const std::vector<Vec3f>& places, double spacing) {
     return build_surface(frame, how).mesh;
 }
 
-/// The program's box of edge 1 about the origin, which its scenes are walled with.
+/// Box of edge 1, centred on the origin: the mesh UnitBox of SPlisHSPlasH, from which its scenes make walls.
 TriangleMesh unit_box() {
     TriangleMesh box;
     for (int corner = 0; corner < 8; ++corner)
@@ -104,7 +104,8 @@ TriangleMesh unit_box() {
     return box;
 }
 
-/// Since version 2.16 the parameters of a method are in a section with its name. Names by the methods' numbers, from 1 on (pressure: 0).
+/// Names of the methods in SPlisHSPlasH, by their numbers from 1 on (pressure: from 0 on). Since version 2.16 the parameters of a method
+/// are in a section with its name.
 using Methods = std::vector<std::string_view>;
 constexpr std::string_view standard = "Standard viscosity", takahashi = "Takahashi et al. 2015 (improved)", weiler = "Weiler et al. 2018",
                            xsph = "XSPH", zorilla = "Zorilla, Ritter, et al. 2020";
@@ -113,13 +114,13 @@ const Methods viscosities{standard, "Bender and Koschier 2017", "Peer et al. 201
     pressures{"WCSPH", "PCISPH", "PBF", "IISPH", "DFSPH", "Projective Fluids", "ICSPH"}, vorticities{"Bender et al. 2017"},
     tensions{"Becker & Teschner 2007", "Akinci et al. 2013", "He et al. 2014", "Jeske et al. 2023", zorilla};
 
-/// Empty if the number is not one of theirs.
+/// Name of a method by its number; empty if there is no such number.
 std::string_view name_of(const Methods& methods, double number, int first = 1) {
     const double k = number - first;
     return k >= 0 && k < static_cast<double>(methods.size()) ? methods[static_cast<std::size_t>(k)] : std::string_view();
 }
 
-/// Node of a method's parameters: its section or, as before 2.16, the parent of its number.
+/// Node with the parameters of a method: its section or, in files of versions before 2.16, the object that contains its number.
 const JsonNode& section_of(const JsonNode& node, std::string_view method) {
     const JsonNode* found = node.find(std::string(method));
     return found && found->value.is_object() ? *found : node;
@@ -153,7 +154,7 @@ private:
     struct Fluid {
         std::string id = "Fluid";
         double density = 1000, viscosity = 0;  // kg/m^3, Pa s
-        bool unitless = false;                 // the viscosity is a coefficient of their model
+        bool unitless = false;                 // the viscosity of SPlisHSPlasH is a coefficient without unit
         const JsonNode* node = nullptr;
     };
 
@@ -198,12 +199,12 @@ private:
     std::string name_;  ///< begins the names of the mesh files
     JsonNode root_;
     ConvertedScene made_;
-    std::string time_, fluid_, models_, pressure_, viscosity_, micropolar_, shapes_, camera_, look_;  // of the scene file
+    std::string time_, fluid_, models_, pressure_, viscosity_, micropolar_, shapes_, camera_, look_;  // parts of the scene file
     bool has_sections_ = false, plane_ = false;
     double spacing_ = 0.05;  // m
     Vec3d gravity_{0, -9.81, 0};
-    std::vector<Fluid> fluids_;                 // the first one is the scene's
-    std::vector<Vec3d> fluid_places_, speeds_;  ///< where fluid starts, and how fast
+    std::vector<Fluid> fluids_;                 // the first one becomes the fluid of the scene
+    std::vector<Vec3d> fluid_places_, speeds_;  ///< positions where fluid starts, and its velocities there
     Extent3 extent_;
 };
 
@@ -230,19 +231,19 @@ void Converter::configuration() {
     const double step = of.number_of("timeStepSize").value_or(0.001);
     if (of.number_of("cflMethod").value_or(1) == 0) {
         line(time_, "max_step", number(step));
-        note(of, "timeStepSize", "is taken as time.max_step: steps are shorter where the plan's own limits ask for it");
+        note(of, "timeStepSize", "is taken as time.max_step; limits of the plan may make steps shorter");
     } else {
         line(time_, "max_step", number(of.number_of("cflMaxTimeStepSize").value_or(0.005)));
         if (const auto factor = of.number_of("cflFactor")) {
-            // Theirs: 0.4 factor 2r/|u|.
+            // Step of SPlisHSPlasH: 0.4 factor 2r/|u|.
             line(time_, "cfl", number(0.4 * *factor));
-            note(of, "cflFactor", fmt::format("is taken as time.cfl = {}: 0.4 of it", number(0.4 * *factor)));
+            note(of, "cflFactor", fmt::format("is taken as time.cfl = {} (0.4 times it)", number(0.4 * *factor)));
         }
-        note(of, "timeStepSize", "is where steps begin: here each step is chosen separately, up to time.max_step");
+        note(of, "timeStepSize", "is the first step there; here each step is chosen separately, up to time.max_step");
     }
     pressure(of);
     for (const char* key : {"enablePartioExport", "enableVTKExport"})
-        if (of.truth_of(key).value_or(false)) note(of, key, "is --export points or --export vtk of whorl render");
+        if (of.truth_of(key).value_or(false)) note(of, key, "has no key: use --export points or --export vtk of whorl render");
     const auto from = of.vector_of("cameraPosition"), to = of.vector_of("cameraLookat");
     if (from)
         camera_ =
@@ -255,7 +256,7 @@ void Converter::pressure(const JsonNode& of) {
     const bool weakly = method == 0;
     const JsonNode& given = section_of(of, name_of(pressures, method, 0));
     models_ = fmt::format("\n[models]\npressure = \"{}\"\n", weakly ? "wcsph" : "ppe");
-    if (!weakly) note(of, "simulationMethod", "is taken as models.pressure = \"ppe\", our solver of incompressible fluids");
+    if (!weakly) note(of, "simulationMethod", "is taken as models.pressure = \"ppe\", the solver for incompressible fluids");
     if (weakly) {
         if (const auto exponent = given.number_of("exponent")) line(pressure_, "gamma", number(*exponent));
     } else {
@@ -265,7 +266,7 @@ void Converter::pressure(const JsonNode& of) {
     }
 }
 
-/// Densities and viscosities of the materials; the rest of the first one.
+/// Converts the densities and viscosities of all materials, and all other keys of the first one.
 void Converter::materials() {
     for (const JsonNode* node : root_.objects_of("Materials")) {
         Fluid fluid;
@@ -280,7 +281,7 @@ void Converter::materials() {
     fluid_ = fmt::format("\n[fluid]\nspacing = {}\ndensity = {}\nviscosity = {}\n", number(spacing_), number(first.density),
                          number(first.viscosity));
     if (!first.node) return;
-    // Their scenes of water have 0.005 to 0.02 m^2/s at a scale of metres, those of honey 1 and more.
+    // In scenes of SPlisHSPlasH, which are metres large, water has a viscosity of 0.005 to 0.02 m^2/s, honey of 1 and more.
     if (!first.unitless && first.viscosity < 0.05 * first.density && micropolar_.empty()) look_ = "\n[look]\nmaterial = \"water\"\n";
     const double method = first.node->number_of("surfaceTensionMethod").value_or(0);
     const JsonNode& of = section_of(*first.node, name_of(tensions, method));
@@ -288,12 +289,12 @@ void Converter::materials() {
     if (method == 0 || !tension) return;
     if (&of == first.node || of.name == zorilla) {
         line(fluid_, "surface_tension", number(*tension));
-        note(of, "surfaceTension", "is a coefficient of their model: taken as fluid.surface_tension in N/m; check it");
-    } else
-        note(of, "surfaceTension", "is a coefficient without unit of their model: choose fluid.surface_tension in N/m (water has 0.072)");
+        note(of, "surfaceTension", "is a coefficient of its model; taken as fluid.surface_tension in N/m: check it");
+    } else note(of, "surfaceTension", "is a coefficient without unit: set fluid.surface_tension in N/m (water has 0.072)");
 }
 
-/// @param is_scene it is the scene's fluid: its model is the scene's
+/// Converts the viscosity and the vorticity model of a material. @param is_scene the material is the first one, whose models become the
+/// scene's
 void Converter::viscosity(Fluid& fluid, bool is_scene) {
     const double number_of_method = fluid.node->number_of("viscosityMethod").value_or(0);
     const std::string_view method = name_of(has_sections_ ? viscosities : viscosities_before, number_of_method);
@@ -302,18 +303,18 @@ void Converter::viscosity(Fluid& fluid, bool is_scene) {
     if (method == xsph && is_scene) {
         models_ += "viscosity = \"xsph\"\n";
         viscosity_ = fmt::format("\n[viscosity]\nalpha = {}\n", number(value));
-        note(of, "viscosity", "is the share of XSPH: taken as viscosity.alpha");
+        note(of, "viscosity", "is the factor of XSPH; taken as viscosity.alpha");
     } else if (method == standard || method == takahashi || method == weiler) {
         fluid.viscosity = value * fluid.density;
         note(of, "viscosity", fmt::format("is taken as a kinematic viscosity in m^2/s: {} Pa s", number(fluid.viscosity)));
     } else if (number_of_method != 0) {
         fluid.unitless = true;
-        note(of, "viscosity", "is a coefficient without unit of their model: fluid.viscosity is 0; choose one in Pa s");
+        note(of, "viscosity", "is a coefficient without unit: fluid.viscosity is 0; set it in Pa s");
     }
     if (!is_scene || fluid.node->number_of("vorticityMethod").value_or(0) != 1) return;
     const JsonNode& spin = section_of(*fluid.node, vorticities[0]);
-    const double inverse = spin.number_of("inertiaInverse").value_or(0.5);  // their default
-    // The published coupling gains energy at free surfaces where it exceeds the viscosity.
+    const double inverse = spin.number_of("inertiaInverse").value_or(0.5);  // default of SPlisHSPlasH
+    // The published coupling (bender) gains energy at free surfaces if it exceeds the viscosity.
     const double transfer = spin.number_of("vorticity").value_or(0) * fluid.density;
     models_ += fmt::format("micropolar = \"{}\"\n", transfer > fluid.viscosity ? "eringen" : "bender");
     micropolar_ = "\n[micropolar]\n";
@@ -324,23 +325,23 @@ void Converter::viscosity(Fluid& fluid, bool is_scene) {
     }
     if (const auto smoothing = spin.number_of("viscosityOmega")) {
         line(micropolar_, "xsph_spin", number(std::clamp(inverse * *smoothing, 0.0, 0.5)));
-        note(spin, "viscosityOmega", "smooths the spin by its product with inertiaInverse a step: taken as micropolar.xsph_spin");
+        note(spin, "viscosityOmega", "times inertiaInverse smooths the spin in each step; the product is taken as micropolar.xsph_spin");
     }
 }
 
-/// The material that a block or an emitter names. @param can_differ whether it may have its own viscosity
+/// Material that a block or an emitter names. @param can_differ whether `user` may have another viscosity than the scene's fluid
 const Converter::Fluid& Converter::fluid_of(const JsonNode& user, bool can_differ) {
     const std::string id = user.text_of("id").value_or("Fluid");
     for (const Fluid& fluid : fluids_) {
         if (fluid.id != id) continue;
         if (&fluid != &fluids_[0] && !can_differ)
-            note(user, "has the material \"" + id + "\", and there is one fluid here: it has that of \"" + fluids_[0].id + "\"");
+            note(user, "has the material \"" + id + "\", but Whorl has one fluid: it gets the material \"" + fluids_[0].id + "\"");
         if (&fluid != &fluids_[0] && can_differ && fluid.density != fluids_[0].density)
-            note(user, "has another density, and there is one here: that of \"" + fluids_[0].id + "\"");
+            note(user, "has another density, but Whorl has one: it gets the density of \"" + fluids_[0].id + "\"");
         return fluid;
     }
     if (fluids_[0].node)
-        note(user, "has the material \"" + id + "\", which the file does not describe: it has that of \"" + fluids_[0].id + "\"");
+        note(user, "has the material \"" + id + "\", which the file does not define: it gets the material \"" + fluids_[0].id + "\"");
     return fluids_[0];
 }
 
@@ -358,7 +359,7 @@ void Converter::blocks() {
         shapes_ += fmt::format("\n[[block]]\nshape = \"box\"\nmin = {}\nmax = {}\n", vector(box.min()), vector(box.max()));
         if (const auto u = node->vector_of("initialVelocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
         if (node->number_of("denseMode").value_or(0) != 0)
-            note(*node, "denseMode", "packs particles denser: here they are on a lattice of the normal spacing");
+            note(*node, "denseMode", "packs particles more densely; here they are on a lattice of the normal spacing");
     }
 }
 
@@ -375,12 +376,12 @@ void Converter::models() {
             }
             const Placement at = placement_of(*node);
             for (Vec3f& x : places) x = at(x.cast<double>()).cast<float>();
-            note(*node, "particleFile", fmt::format("holds {} particles: fluid begins in the surface about them", places.size()));
+            note(*node, "particleFile", fmt::format("contains {} particles; the block is the volume inside their surface", places.size()));
             model(*node, surface_of(places, spacing_), {});
             continue;
         }
         if (suffix != ".obj" && suffix != ".ply" && suffix != ".stl") {
-            note(*node, "particleFile", "holds particles, and fluid here begins as a shape: left out");
+            note(*node, "particleFile", "contains particles, but a block needs a shape: left out");
             placement_of(*node), fluid_of(*node, false);
             continue;
         }
@@ -398,7 +399,7 @@ void Converter::model(const JsonNode& node, const TriangleMesh& mesh, const Plac
 void Converter::emitters() {
     for (const JsonNode* node : root_.objects_of("Emitters")) {
         const Placement at = placement_of(*node);
-        const Vec3d direction = at.rotation.col(0);  // along their own x axis
+        const Vec3d direction = at.rotation.col(0);  // emitters of SPlisHSPlasH emit along their x axis
         const double width = node->number_of("width").value_or(5) * spacing_, height = node->number_of("height").value_or(5) * spacing_;
         const double speed = node->number_of("velocity").value_or(1);
         extent_.extend(at.translation), fluid_places_.push_back(at.translation), speeds_.push_back(speed * direction);
@@ -406,14 +407,14 @@ void Converter::emitters() {
                                number(speed));
         if (node->number_of("type").value_or(0) == 1) {
             line(shapes_, "radius", number(width / 2));
-            note(*node, "width", fmt::format("counts particles across: the diameter is {} m", number(width)));
+            note(*node, "width", fmt::format("is a number of particles; the diameter is {} m", number(width)));
         } else {
             line(shapes_, "shape", "\"box\"");
             line(shapes_, "width", number(plane_ ? height : width));
             line(shapes_, "thickness", number(height));
-            // Here a slot's width is horizontal.
+            // The width of a slot in Whorl is horizontal.
             if (!plane_ && width != height && std::abs(at.rotation.col(2).y()) > 1e-3)
-                note(*node, "rotationAngle", "turns the opening about its direction: here its width lies horizontally");
+                note(*node, "rotationAngle", "rotates the opening about its direction; here its width is horizontal");
         }
         if (const auto start = node->number_of("emitStartTime"); start && *start > 0) line(shapes_, "start", number(*start));
         if (const auto stop = node->number_of("emitEndTime"); stop && *stop < 1e30) line(shapes_, "stop", number(*stop));
@@ -434,7 +435,7 @@ void Converter::body(const JsonNode& node) {
     const Placement at = placement_of(node);
     const TriangleMesh mesh = mesh_at(node, "geometryFile");
     const bool box = std::filesystem::path(*node.text_of("geometryFile")).stem() == "UnitBox" && !at.turned();
-    if (plane_ && !box) return note(node, "geometryFile", "is a mesh, which a flow in the plane does not cut: left out");
+    if (plane_ && !box) return note(node, "geometryFile", "is a mesh, which 2D scenes do not support: left out");
     Extent3 extent;
     for (const Vec3f& x : mesh.position) extent.extend(at(x.cast<double>()));
     const bool wall = node.truth_of("isWall").value_or(false), inverted = node.truth_of("mapInvert").value_or(false),
@@ -445,11 +446,11 @@ void Converter::body(const JsonNode& node) {
     if (box) shapes_ += fmt::format("shape = \"box\"\nmin = {}\nmax = {}\n", vector(extent.min()), vector(extent.max()));
     else mesh_shape(mesh, at, fmt::format("body_{}", made_.meshes.size() + 1));
     if (inside) line(shapes_, "container", "true");
-    if (inside && !inverted) note(node, "isWall", "and fluid is inside: taken as a container (container = true)");
+    if (inside && !inverted) note(node, "isWall", "with fluid inside; taken as a container (container = true)");
     if (!dynamic) return;
     const auto density = node.number_of("density");
     line(shapes_, "density", number(density.value_or(1000)));
-    if (!density) note(node, "isDynamic", "without a density: 1000 kg/m^3, as water has");
+    if (!density) note(node, "isDynamic", "without a density; it gets that of water, 1000 kg/m^3");
     if (const auto friction = node.number_of("friction")) line(shapes_, "friction", number(*friction));
     if (const auto bounce = node.number_of("restitution")) line(shapes_, "bounce", number(*bounce));
     if (const auto u = node.vector_of("velocity"); u && !u->isZero()) line(shapes_, "velocity", vector(*u));
@@ -466,7 +467,7 @@ TriangleMesh Converter::mesh_at(const JsonNode& node, const char* key) const {
     } catch (const InputError& error) { throw InputError(node.find(key)->place, node.path + "." + key + ": " + error.what()); }
 }
 
-/// Turns and scales a mesh as the other program does, and adds it as a file of its own.
+/// Rotates, scales and moves a mesh to its placement, and adds it as a separate file.
 void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const std::string& name) {
     TriangleMesh placed = mesh;
     for (Vec3f& x : placed.position) {
@@ -482,7 +483,7 @@ void Converter::mesh_shape(const TriangleMesh& mesh, const Placement& at, const 
 
 std::string Converter::head() const {
     Extent3 room = extent_.isEmpty() ? Extent3(Vec3d(-1, -1, -1), Vec3d(1, 1, 1)) : extent_;
-    // Emitted fluid moves on a ballistic path until it is below everything or far away.
+    // The domain includes the ballistic paths of fluid until it is below everything, far away, or 10 s have passed.
     const Vec3d middle = room.center();
     const double far = 3 * room.diagonal().norm(), below = gravity_.dot(middle) + gravity_.cwiseAbs().dot(room.sizes()) / 2;
     for (std::size_t k = 0; k < speeds_.size(); ++k)

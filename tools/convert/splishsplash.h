@@ -1,6 +1,6 @@
 #pragma once
-/// Scenes of SPlisHSPlasH (Bender et al., github.com/InteractiveComputerGraphics/SPlisHSPlasH) as scenes of ours. The format is that of
-/// the program's page "SPlisHSPlasH Scene Files".
+/// Converts scenes of SPlisHSPlasH (Bender et al., github.com/InteractiveComputerGraphics/SPlisHSPlasH) to scenes of Whorl. The format is
+/// documented on that program's page "SPlisHSPlasH Scene Files".
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,15 +10,15 @@
 
 namespace whorl {
 
-/// A scene file of ours in the making.
+/// Content of a scene file of Whorl and of its mesh files.
 struct ConvertedScene {
-    std::string toml;
-    std::vector<std::pair<std::string, TriangleMesh>> meshes;  ///< by their file names, which the scene refers to
-    std::vector<Problem> notes;                                ///< one line each: translations, and keys without an equivalent
+    std::string toml;                                          ///< the scene file
+    std::vector<std::pair<std::string, TriangleMesh>> meshes;  ///< file names, as in the scene file, and meshes
+    std::vector<Problem> notes;  ///< one per converted key that needs attention, and one per key without an equivalent
 };
 
-/// @param name begins the names of the mesh files
-/// @throws InputError with file, line and column where the file is no such scene, or a mesh that it needs cannot be read
+/// Converts a scene; writes nothing. @param name begins the names of the mesh files
+/// @throws InputError with file, line and column if the file is not a scene of SPlisHSPlasH or if a mesh of it cannot be read
 ConvertedScene convert_splishsplash(const std::filesystem::path& file, const std::string& name = "scene");
 
 }  // namespace whorl
