@@ -16,7 +16,7 @@ file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian "whorl (${PROJECT_VERSIO
 add_custom_command(OUTPUT changelog.Debian.gz COMMAND sh -c "gzip -9nc changelog.Debian > changelog.Debian.gz" VERBATIM)
 add_custom_target(manual ALL DEPENDS whorl.1.gz whorl.bash changelog.gz changelog.Debian.gz)
 
-# If only the program was built, these files do not exist yet.
+# Builds the files below in case only the program was built.
 install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target manual COMMAND_ERROR_IS_FATAL ANY)")
 set(doc ${CMAKE_INSTALL_DATADIR}/doc/whorl)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
@@ -24,7 +24,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/whorl.bash DESTINATION ${CMAKE_INSTALL
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz ${CMAKE_CURRENT_BINARY_DIR}/changelog.Debian.gz LICENSE
         DESTINATION ${doc})
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
-# The pages keep their relative positions, so that links between them work.
+# README.md, docs and scenes keep their relative positions, so that links between them work.
 install(FILES README.md DESTINATION ${doc})
 install(DIRECTORY docs DESTINATION ${doc})
 file(CREATE_LINK ../../whorl/scenes ${CMAKE_CURRENT_BINARY_DIR}/scenes.link SYMBOLIC)
@@ -40,7 +40,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # Opened at run time by name (libepoxy, and libegl1 for its drivers) or started (ffmpeg), so shlibdeps does not see them.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libgl1, libegl-mesa0, libgl1-mesa-dri, ffmpeg")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "films of viscous fluids and vortices")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulation and videos of viscous fluids and vortices")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Whorl simulates honey, lava and paint that coil, fold and pile up, water that
 splashes, and vortices, with smoothed particle hydrodynamics. A scene is one
 text file; whorl computes it, draws it and writes a video. It needs no

@@ -12,7 +12,7 @@ pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(muparser REQUIRED IMPORTED_TARGET muparser)
-# Debian builds it with TLS and compression, so its clients must define both; the live view uses neither.
+# Debian builds cpp-httplib with TLS and compression, and its users must define both; the live view uses neither.
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 add_library(muparser::muparser ALIAS PkgConfig::muparser)
 
@@ -20,7 +20,7 @@ add_library(muparser::muparser ALIAS PkgConfig::muparser)
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo-ft cairo-svg freetype2)
 find_file(WHORL_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
 
-# The image format of compositors.
+# EXR images, for compositing.
 pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
 
 # stb writes PNG through zlib, ten times faster than with its own deflate. zlib also compresses particle files (.bgeo).

@@ -1,5 +1,5 @@
 // Compiled into every program of the presets asan and tsan: suppressions for third-party libraries that are not instrumented (never for
-// this project's code), and OpenMP loops on threads that ThreadSanitizer can follow.
+// this project's code), and an implementation of OpenMP loops by threads that ThreadSanitizer can follow.
 
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions();
@@ -24,7 +24,7 @@ const char* __tsan_default_suppressions() {
            "mutex:libGLdispatch.so\n"
            "mutex:whorl::write_vdb\n"  // OpenVDB's own lock, taken and released inside its initialize()
            "race:libgcc_s.so\n"        // its table of generated code, during an exception
-           "mutex:libgcc_s.so\n"       // its lock during that time
+           "mutex:libgcc_s.so\n"       // the lock of that table
            "deadlock:libgcc_s.so\n";
 }
 
@@ -77,8 +77,7 @@ void GOMP_parallel(void (*body)(void*), void* data, unsigned count, unsigned /*f
     if (count == 0) count = static_cast<unsigned>(omp_get_max_threads());
     std::vector<std::thread> others;
     for (unsigned t = 1; t < count && outer == nullptr; ++t)
-        others.emplace_back(work);  // as in OpenMP, inner regions run on their own
-                                    // thread
+        others.emplace_back(work);  // as in OpenMP, a nested region runs on its calling thread only
     work();
     for (std::thread& other : others) other.join();
 }

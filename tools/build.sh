@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# build.sh PRESET [target ...]: configures if necessary, and builds. Arguments for cmake's configure step: CONFIGURE="-DX=Y ...".
+# build.sh PRESET [target ...]: configures if necessary, and builds. CONFIGURE="-DX=Y ..." passes arguments to cmake's configure step.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=$1

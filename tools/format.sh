@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# format.sh [--check]: writes every C++ source as .clang-format says; with --check it only names files that differ, and fails.
+# format.sh [--check]: formats every C++ source by .clang-format. With --check it only lists files that differ, and fails if there are any.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bash tools/setup.sh clang-format

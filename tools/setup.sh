@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Installs the packages that Whorl needs on Debian 12, and names them. Returns immediately if none is missing.
-# setup.sh [extra package ...]
+# setup.sh [extra package ...]: installs the packages that Whorl needs on Debian 12 and lists them. Does nothing if none is missing.
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache
@@ -18,7 +17,7 @@ done
 if [ "$(id -u)" -eq 0 ]; then as_root=()
 elif sudo -n true 2>/dev/null; then as_root=(sudo)
 else
-  echo "Whorl needs packages that are not installed, and installing them needs root. Run this line, then call this script again:" >&2
+  echo "Whorl needs more packages, and installing them needs root. Run this line, then this script again:" >&2
   echo "  sudo apt-get install -y --no-install-recommends ${missing[*]}" >&2
   exit 1
 fi

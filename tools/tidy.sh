@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # tidy.sh [REVISION]: clang-tidy over the sources that have changed since that revision (default: HEAD, that is, uncommitted changes).
-# clang-tidy looks at one source at a time: the preset tidy has neither unity builds nor precompiled headers.
+# The preset tidy has no unity builds or precompiled headers, because clang-tidy reads one source at a time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bash tools/setup.sh clang-tidy
