@@ -84,7 +84,9 @@ Image side_by_side(const std::vector<Image>& images, int columns, int gap, int w
     const int rows = (static_cast<int>(images.size()) + columns - 1) / columns, w = images[0].width, h = images[0].height;
     const int left = (width - columns * w - (columns - 1) * gap) / 2, top = (height - rows * h - (rows - 1) * gap) / 2;
     WHORL_ASSERT(left >= 0 && top >= 0);
-    Image whole = plain_image(width, height, 24);
+    Image whole = plain_image(width, height, 0);
+    const Image first = images[0].alpha.empty() ? images[0] : over_grey(images[0]);
+    for (std::size_t k = 0; k < whole.rgb.size(); ++k) whole.rgb[k] = first.rgb[k % 3];
     for (int i = 0; i < static_cast<int>(images.size()); ++i)
         paste(whole, images[i], left + (i % columns) * (w + gap), top + (i / columns) * (h + gap));
     return whole;

@@ -52,7 +52,8 @@ Image downscaled(const Image& image, int width, int height);
 Image contact_sheet(const std::vector<Image>& images, int columns, int cell_width);
 /// Two pictures of one width.
 Image one_above_other(const Image& above, const Image& below);
-/// Pictures of one size in a grid, row by row, in the middle of a dark picture of width x height.
+/// Pictures of one size in a grid, row by row, in the middle of a picture of width x height. Gaps and margins have the colour of the first
+/// picture's top left corner.
 Image side_by_side(const std::vector<Image>& images, int columns, int gap, int width, int height);
 
 }  // namespace whorl
