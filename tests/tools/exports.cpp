@@ -2,6 +2,7 @@
 #include <fstream>
 #include <map>
 
+#include "engine/core/types.h"
 #include "engine/io/csv.h"
 #include "tests/support/exported.h"
 #include "tests/support/film_runs.h"
