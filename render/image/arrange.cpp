@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-// The source pixels that a target pixel covers along one axis, with the share of each.
+// Source pixels that a target pixel covers along one axis, with the weight of each.
 struct Cover {
     int first = 0;
     std::vector<float> share;  // adds up to 1

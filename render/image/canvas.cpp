@@ -43,7 +43,7 @@ void Canvas::path(const std::vector<std::array<double, 2>>& points, const Vec3f&
         cairo_set_line_width(to, width);
         cairo_set_line_join(to, CAIRO_LINE_JOIN_ROUND);
         if (dashed) cairo_set_dash(to, &dash, 1, 0);
-        cairo_new_path(to);  // words leave a point behind
+        cairo_new_path(to);  // a text leaves a current point
         for (const auto& p : points) cairo_line_to(to, p[0], p[1]);
         cairo_stroke(to);
         cairo_set_dash(to, nullptr, 0, 0);
@@ -86,7 +86,7 @@ Image Canvas::image() const {
     Image image = plain_image(width_, height_, 255);
     for (int y = 0; y < height_; ++y)
         for (int x = 0; x < width_; ++x) {
-            const unsigned char* p = data + y * stride + 4 * x;  // blue, green, red, nothing
+            const unsigned char* p = data + y * stride + 4 * x;  // blue, green, red, unused
             for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = p[2 - c];
         }
     return image;
@@ -99,7 +99,7 @@ std::string Canvas::svg() const {
         cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
         draw(CairoContext(cairo_create(surface.get())).get());
     }
-    // Cairo counts the surfaces of the whole program in this name, which nothing refers to.
+    // Removes the id, which nothing refers to: Cairo numbers it by the surfaces of the whole program, so it is not deterministic.
     if (const std::size_t begin = text.find(" id=\"surface"); begin != std::string::npos)
         text.erase(begin, text.find('"', begin + 5) + 1 - begin);
     if (words_.empty()) return text;

@@ -26,9 +26,9 @@
 namespace whorl {
 namespace {
 
-constexpr int widest = 16384;  // pixels: what every driver takes as a texture
+constexpr int widest = 16384;  // pixels: every driver supports textures of this size
 
-/// A file in memory: the library's own does not report a full disk.
+/// Output stream in memory: the library's own file stream does not report a full disk.
 class Memory : public Imf::OStream {
 public:
     Memory() : OStream("memory") {}
@@ -46,7 +46,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// The channels of a layer, a letter or word each, in the order of its numbers.
+/// A layer: the names of its channels, in the order of its values in a pixel.
 struct Group {
     std::vector<const char*> names;
     Imf::PixelType type;
@@ -61,12 +61,11 @@ const std::vector<Group>& groups() {
     return all;
 }
 
-/// Channel c of `channels` numbers a pixel.
+/// Channel c of `channels` values per pixel. The library writes to the values only when it reads a file.
 template <class T>
 Imf::Slice slice(Imf::PixelType type, const std::vector<T>& values, std::size_t c, std::size_t channels, int width) {
     const std::size_t step = channels * sizeof(T);
-    char* base =
-        const_cast<char*>(reinterpret_cast<const char*>(values.data() + c));  // the library takes no const, and writes nothing here
+    char* base = const_cast<char*>(reinterpret_cast<const char*>(values.data() + c));  // the library's type lacks const
     return {type, base, step, step * static_cast<std::size_t>(width)};
 }
 
@@ -75,7 +74,7 @@ Imf::Slice slice(Imf::PixelType type, const std::vector<T>& values, std::size_t 
 void write_exr(const std::filesystem::path& file, const PictureLayers& layers, const ExrNotes& notes) {
     Imf::Header header(layers.width, layers.height);
     header.compression() = Imf::ZIP_COMPRESSION;
-    header.zipCompressionLevel() = 1;                       // the usual 4 takes 1.6 times as long for a seventh less
+    header.zipCompressionLevel() = 1;                       // the default 4 takes 1.6 times as long and saves a seventh
     Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. 709 primaries, white D65
     Imf::addComments(header,
                      "Whorl. Linear light, Rec. 709 primaries, RGB multiplied by A. Z: m along the view axis. N: normal, world, y up. "
@@ -108,7 +107,7 @@ void write_exr(const std::filesystem::path& file, const PictureLayers& layers, c
         Imf::OutputFile out(memory, header, 0);
         out.setFrameBuffer(buffer);
         out.writePixels(layers.height);
-    }  // writes its table of lines
+    }  // the destructor writes the table of line offsets
     write_atomically(file, std::as_bytes(std::span(memory.bytes)));
 }
 
@@ -121,10 +120,10 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
     const std::size_t pixels = grid_count(layers.width, layers.height);
     if (there.findChannel("R") == nullptr) throw InputError({file.string()}, "has no channels R, G and B");
     if (std::max(layers.width, layers.height) > widest)
-        throw InputError({file.string()}, fmt::format("has {} x {} pixels", layers.width, layers.height), "make the picture smaller",
+        throw InputError({file.string()}, fmt::format("has {} x {} pixels", layers.width, layers.height), "make the image smaller",
                          fmt::format("at most {} x {}", widest, widest));
     Imf::FrameBuffer buffer;
-    // The library reads into the place of the file's first pixel, wherever its window lies.
+    // The library addresses a pixel by its coordinates in the file, whose window may start anywhere.
     const auto placed = [&](Imf::Slice s) {
         s.base -= static_cast<std::ptrdiff_t>(window.min.x) * static_cast<std::ptrdiff_t>(s.xStride) +
                   static_cast<std::ptrdiff_t>(window.min.y) * static_cast<std::ptrdiff_t>(s.yStride);
@@ -137,7 +136,7 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
         values.resize(channels * pixels);
         for (std::size_t c = 0; c < channels; ++c) {
             Imf::Slice s = placed(slice(Imf::FLOAT, values, c, channels, layers.width));
-            s.fillValue = c == 3 ? 1 : 0;  // without a channel A all is opaque
+            s.fillValue = c == 3 ? 1 : 0;  // a file without the channel A is opaque
             buffer.insert(group.names[c], s);
         }
     }
@@ -149,12 +148,12 @@ PictureLayers read_exr(const std::filesystem::path& file) try {
     in.readPixels(window.min.y, window.max.y);
     return layers;
 } catch (const InputError&) { throw; } catch (const std::exception& error) {
-    throw InputError({file.string()}, std::string("cannot read the picture: ") + error.what(), "", "allowed: OpenEXR files");
+    throw InputError({file.string()}, std::string("cannot read the image: ") + error.what(), "", "allowed: OpenEXR files");
 }
 
 namespace {
 
-// Equals render/shaders/compose.frag, which draws opaque images directly.
+// tone(), srgb() and dither() are duplicated in render/shaders/compose.frag, which draws opaque images directly.
 
 // Khronos PBR Neutral tone mapper (Khronos Group, 2024).
 Vec3f tone(Vec3f colour) {
@@ -170,12 +169,12 @@ Vec3f tone(Vec3f colour) {
 float srgb(float light) { return srgb_of(std::clamp(light, 0.0f, 1.0f)); }
 
 float fraction(float x) { return x - std::floor(x); }
-/// @param x, y middle of the pixel, from the lower left
+/// @param x, y centre of the pixel, from the lower left [pixels]
 float dither(float x, float y) { return fraction(52.9829189f * fraction(0.06711056f * x + 0.00583715f * y)) - 0.5f; }
 
 std::uint8_t byte(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(255 * value, 0.0f, 255.0f))); }
 
-/// Fraction of a ground pixel's light that the shadow removes.
+/// Fraction of a ground pixel's sRGB value that the shadow removes.
 float darkening(const float* shadow) {
     const float light = 0.2126f * shadow[0] + 0.7152f * shadow[1] + 0.0722f * shadow[2];
     return light < 1 ? 1 - srgb(light) : 0.0f;

@@ -6,7 +6,7 @@
 
 #include "engine/core/errors.h"
 
-// The font's file as it is, in the program's read-only data.
+// The font file, unchanged, in the program's read-only data.
 asm(".section .rodata\n"
     ".global whorl_font, whorl_font_end\n"
     ".hidden whorl_font, whorl_font_end\n"
@@ -33,7 +33,7 @@ cairo_font_face_t* font_face() {
     return face;
 }
 
-/// Letters keep their shape and their distance at every size: nothing is rounded to pixels.
+/// Options without rounding to pixels, so that letters keep their shape and spacing at every size.
 cairo_font_options_t* font_options() {
     static cairo_font_options_t* const options = [] {
         cairo_font_options_t* o = cairo_font_options_create();

@@ -1,6 +1,6 @@
 #pragma once
-/// The letters of everything that is drawn. DejaVu Sans is part of the program, so words look the same on every machine.
-/// For the .cpp files of this folder only, which include Cairo.
+/// Font of all text in images. DejaVu Sans is part of the program, so that text looks the same on every machine.
+/// Only .cpp files of this folder include this header, because it includes Cairo.
 #include <cairo.h>
 
 #include <memory>
@@ -20,9 +20,9 @@ using CairoContext = std::unique_ptr<cairo_t, CairoFree>;
 /// Letters of one size on one line.
 struct TextRun {
     std::string text;
-    double x = 0;     ///< where it begins, from the start of the text [pixels]
-    double rise = 0;  ///< of the baseline [pixels]
-    double size = 0;  ///< of the font [pixels]
+    double x = 0;     ///< start of the run, from the start of the text [pixels]
+    double rise = 0;  ///< rise of the baseline [pixels]
+    double size = 0;  ///< font size [pixels]
 };
 struct TextLine {
     std::vector<TextRun> runs;
@@ -32,10 +32,10 @@ struct TextLine {
 /// Height of a capital letter over the font's size.
 inline constexpr double capital_height = 0.729;
 
-/// The text in runs. "^" makes an exponent of the digits and signs that follow it.
-/// @param size of the font [pixels]
+/// Splits a text into runs. "^" raises the digits, signs and points that follow it, as an exponent.
+/// @param size font size [pixels]
 TextLine lay_out(const std::string& text, double size);
-/// Calls draw (cairo_show_text or cairo_text_path) for every run of a line whose baseline begins at x, y.
+/// Calls draw (cairo_show_text or cairo_text_path) for every run of a line whose baseline starts at x, y.
 void draw_line(cairo_t* to, const TextLine& line, double x, double y, void (*draw)(cairo_t*, const char*));
 
 }  // namespace whorl

@@ -15,8 +15,8 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 
-// stb's own deflate takes 0.2 s for a frame of 1280x720. After prediction a rendered picture is noise with runs of zeros: looking for runs
-// alone is the quickest that zlib can, and packs as well as a full search at its fastest level.
+// stb's own deflate needs 0.2 s for an image of 1280x720. After prediction a rendered image is noise with runs of zeros. Searching only for
+// runs is zlib's fastest strategy, and compresses as well as a full search at zlib's fastest level.
 static unsigned char* zlib_compress(unsigned char* data, int length, int* compressed_length, int level) {
     z_stream stream{};
     if (deflateInit2(&stream, level, Z_DEFLATED, 15, 9, Z_RLE) != Z_OK) return nullptr;
@@ -48,7 +48,8 @@ void append(void* bytes, void* data, int size) {
     to->insert(to->end(), from, from + size);
 }
 
-// "Up" predicts soft gradients nearly as well as the best filter of each row, which stb finds by trying all five (and a fifth more time).
+// The filter "Up" predicts soft gradients nearly as well as the best filter of each row. stb finds the best one by trying all five, which
+// takes a fifth more time.
 const bool configured = [] {
     stbi_write_png_compression_level = 1;
     stbi_write_force_png_filter = 2;
@@ -114,7 +115,7 @@ Image read_png(const std::filesystem::path& file) {
     const bool has_alpha = channels == 2 || channels == 4;
     stbi_uc* pixels = stbi_load(file.c_str(), &image.width, &image.height, &channels, has_alpha ? 4 : 3);
     if (pixels == nullptr)
-        throw InputError({file.string()}, std::string("cannot read the picture: ") + stbi_failure_reason(), "", "a PNG file");
+        throw InputError({file.string()}, std::string("cannot read the image: ") + stbi_failure_reason(), "", "a PNG file");
     const std::size_t count = grid_count(image.width, image.height);
     if (!has_alpha) image.rgb.assign(pixels, pixels + 3 * count);
     for (std::size_t i = 0; has_alpha && i < count; ++i) {
@@ -141,7 +142,7 @@ std::uint8_t srgb_byte(float light) { return static_cast<std::uint8_t>(std::lrou
 
 namespace {
 
-// The mean light of the 3x3 pixels about (x, y); pixels outside repeat the edge.
+// Mean linear light of the 3x3 pixels about (x, y); pixels outside repeat the edge.
 Vec3f blurred(const Image& image, int x, int y) {
     Vec3f sum = Vec3f::Zero();
     for (int dy = -1; dy <= 1; ++dy)

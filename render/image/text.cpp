@@ -11,7 +11,7 @@ namespace {
 
 void mix(Image& image, int x, int y, const Vec3f& colour, float share) {
     std::uint8_t* pixel = image.pixel(x, y);
-    if (!image.alpha.empty()) {  // what was there shows through the colour only as far as there was anything
+    if (!image.alpha.empty()) {  // alpha is straight: the old colour counts in proportion to its alpha
         std::uint8_t& alpha = image.alpha[grid_index(x, y, image.width)];
         const float before = static_cast<float>(alpha) / 255, after = share + before * (1 - share);
         alpha = static_cast<std::uint8_t>(std::lround(255 * after));
@@ -23,10 +23,10 @@ void mix(Image& image, int x, int y, const Vec3f& colour, float share) {
     }
 }
 
-/// Part of a picture, and how much of each of its pixels a drawing covers.
+/// Part of an image, with the fraction of each pixel that a drawing covers.
 class Mask {
 public:
-    /// Pixels from left to right and from top to bottom, as far as the picture has them.
+    /// Pixels left to right and top to bottom, limited to those of the image.
     Mask(const Image& image, float left, float top, float right, float bottom)
         : x_(within(left, image.width)), y_(within(top, image.height)), width_(within(right, image.width) - x_),
           height_(within(bottom, image.height) - y_), surface_(cairo_image_surface_create(CAIRO_FORMAT_A8, width_, height_)) {
