@@ -14,7 +14,7 @@ namespace whorl {
 namespace {
 
 const char* const install = "apt-get install ffmpeg";
-const char* const once_it_works = "once ffmpeg works: whorl resume continues a run, whorl video encodes existing images";
+const char* const once_it_works = "once ffmpeg works, use whorl resume to continue a run, or whorl video to encode existing images";
 
 ChildProcess start(const std::vector<std::string>& arguments) {
     try {
@@ -27,7 +27,7 @@ std::string last_lines(std::string text) {
     return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600);
 }
 
-/// How ffmpeg ended, and its last output if any. @param code what wait() returned
+/// Exit code or signal of ffmpeg, and the last lines of its output if any. @param code result of wait()
 std::string end_of(const ChildProcess& ffmpeg, int code) {
     const int signal = ffmpeg.ended_by();
     const std::string words = last_lines(ffmpeg.output());
@@ -43,9 +43,9 @@ std::vector<std::string> tagged_bt709() {
     return {"-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"};
 }
 
-// Every frame that was handed over should be in the file a moment later, for the case that everything is killed: few frames held back to
-// look ahead, a keyframe a second, fragments of a quarter of a second. One thread: the simulation needs the others, and "veryfast" takes
-// 10 ms for a frame of 1280x720 ("medium" 24 ms for the same size and 0.7 dB).
+// Each frame should soon be in the file, in case all processes are killed: hence a short look-ahead, one keyframe per second, and fragments
+// of a quarter of a second. One thread is enough, and the simulation needs the others: "veryfast" takes 10 ms for a frame of 1280x720
+// ("medium" takes 24 ms and gains 0.7 dB at the same file size).
 std::vector<std::string> mp4(const VideoOptions& options) {
     const std::string keyframe = std::to_string(std::clamp(std::lround(options.fps), 1L, 250L));
     std::vector<std::string> words{"-vf",          std::string(even) + to_bt709 + "format=yuv420p",
@@ -61,9 +61,9 @@ std::vector<std::string> mp4(const VideoOptions& options) {
     return words;
 }
 
-/// ProRes 422 HQ, or 4444 with alpha: for cutting programs.
+/// ProRes 422 HQ, or 4444 with alpha, for video editors.
 std::vector<std::string> mov(const VideoOptions& options) {
-    // The encoder writes the tags of the pictures, and only the container has those of the stream.
+    // setparams tags the images, whose tags the encoder writes. The tags of the stream (tagged_bt709()) reach only the container.
     const std::string format = std::string("setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709,format=") +
                                (options.alpha ? "yuva444p10le" : "yuv422p10le");
     std::vector<std::string> words{
@@ -74,7 +74,7 @@ std::vector<std::string> mov(const VideoOptions& options) {
     return words;
 }
 
-/// VP9 needs a larger number for the same quality.
+/// VP9 needs a larger crf than H.264 for the same quality.
 std::vector<std::string> webm(const VideoOptions& options) {
     std::vector<std::string> words{"-vf",       std::string(even) + to_bt709 + (options.alpha ? "format=yuva420p" : "format=yuv420p"),
                                    "-c:v",      "libvpx-vp9",
@@ -84,12 +84,13 @@ std::vector<std::string> webm(const VideoOptions& options) {
                                    "-cpu-used", "5",
                                    "-threads",  "1"};
     for (const std::string& word : tagged_bt709()) words.push_back(word);
-    if (options.alpha) words.insert(words.end(), {"-auto-alt-ref", "0"});  // libvpx can do only one of both
+    // libvpx supports alpha only without alternate reference frames.
+    if (options.alpha) words.insert(words.end(), {"-auto-alt-ref", "0"});
     words.insert(words.end(), {"-f", "webm"});
     return words;
 }
 
-/// One palette for the whole film, made for what moves; at most 25 frames a second, which is what programs show.
+/// One palette for the whole video, chosen for its moving parts. At most 25 frames per second: programs show no more.
 std::vector<std::string> gif(const VideoOptions& options) {
     return {"-vf",
             "fps=" + std::to_string(std::min(25.0, options.fps)) +
@@ -104,7 +105,7 @@ struct Format {
     const char* suffix;
     std::vector<std::string> (*encode)(const VideoOptions&);
     bool has_alpha;
-    const char* container;  ///< to be rewritten so that it starts fast; null: the file is as it should be when encoded
+    const char* container;  ///< format of the rewrite that makes playback start fast; null: no rewrite
 };
 constexpr Format formats[] = {
     {".mp4", mp4, false, "mp4"}, {".mov", mov, true, "mov"}, {".webm", webm, true, nullptr}, {".gif", gif, false, nullptr}};
@@ -115,13 +116,13 @@ const Format& format_of(const std::filesystem::path& file) {
     return *found;
 }
 
-/// Frames a second. The rates of NTSC as the fractions that they are: 29.97 and 23.98 are 30000/1001 and 24000/1001.
+/// Frames per second, as ffmpeg reads it. NTSC rates are exact fractions: 29.97 is 30000/1001, 23.98 is 24000/1001.
 std::string rate(double fps) {
     const double whole = std::ceil(fps);
     return std::abs(whole / 1.001 - fps) < 2e-4 * fps ? fmt::format("{:.0f}/1001", 1000 * whole) : fmt::format("{}", fps);
 }
 
-/// @param file the final one
+/// @param file final name of the video
 std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
     std::vector<std::string> words{"ffmpeg",
                                    "-nostdin",
@@ -142,7 +143,7 @@ std::vector<std::string> encode_arguments(const std::filesystem::path& file, int
                                    "-filter_threads",
                                    "1"};
     for (const std::string& word : format_of(file).encode(options)) words.push_back(word);
-    words.push_back(std::filesystem::absolute(partial_video(file)).string());  // 12:00.mp4 would be a file of the protocol "12"
+    words.push_back(std::filesystem::absolute(partial_video(file)).string());  // absolute: 12:00.mp4 would have the protocol "12"
     return words;
 }
 
@@ -218,7 +219,7 @@ std::string check_encoder(const std::string& way_out) {
     std::string text;
     try {
         ChildProcess ffmpeg({"ffmpeg", "-version"});
-        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "fix that");
+        if (const int code = ffmpeg.wait(); code != 0) refuse(end_of(ffmpeg, code), "repair ffmpeg");
         text = ffmpeg.output();
     } catch (const std::system_error& error) { refuse(error.what(), install); }
     return text.substr(0, text.find('\n'));

@@ -9,30 +9,32 @@
 
 namespace whorl {
 
-/// Frames a second that a video has at least: players know a frame's time as a whole number, and ffmpeg refuses 2e-5.
+/// Lower bound of a video's frames per second: players store a frame's time as a whole number, and ffmpeg rejects 2e-5.
 constexpr double least_video_fps = 1e-4;
 
 struct VideoOptions {
-    double fps = 24;     ///< frames a second of the film
-    int crf = 18;        ///< H.264 constant rate factor, and what VP9 makes of it; lower is better and larger
-    bool alpha = false;  ///< keep it, straight, where the format has any
+    double fps = 24;     ///< frames per second of the video
+    int crf = 18;        ///< constant rate factor of H.264 (VP9: crf + 12, at most 63); lower values give better and larger videos
+    bool alpha = false;  ///< keep straight alpha, if the format has alpha
 };
 
-/// Encodes by the file's suffix: .mp4 H.264, .mov ProRes 422 HQ (4444 with alpha), .webm VP9 (with alpha, too), .gif with one palette for
-/// the film; all but the last BT.709 tagged and converted. What follows is of .mp4, the others are whole when they are finished. While the
-/// run lasts, frames go in short fragments to partial_video(file), which is playable at any moment, also after SIGKILL; finish() rewrites
-/// it with +faststart under its final name. An encoder that goes without finish() completes the partial file and leaves it. Odd sizes lose
-/// their last row or column: yuv420p has none.
+/// Encodes a video in the format of the file's suffix: .mp4 H.264, .mov ProRes 422 HQ (4444 with alpha), .webm VP9 (with or without alpha),
+/// .gif with one palette for the video. All except .gif are converted to BT.709 and tagged with it, and lose the last row or column of an
+/// odd size, because yuv420p needs even sizes.
+///
+/// Frames go to partial_video(file). An .mp4 is written in short fragments, so that the partial file is playable at any moment, even after
+/// SIGKILL; the other formats are playable only when they are complete. finish() gives the file its final name, and rewrites .mp4 and .mov
+/// with +faststart. An encoder that is destroyed without finish() completes the partial file and leaves it.
 class VideoEncoder {
 public:
     /// @param file the final name, ending in one of video_suffixes(). @throws EnvironmentError if ffmpeg is missing
     VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options);
     ~VideoEncoder();
     VideoEncoder(VideoEncoder&&) noexcept;
-    /// The next frame, of the size given at the start. Laid over grey where the video has no alpha and the picture has. @throws
-    /// EnvironmentError where ffmpeg has given up, with its own last words
+    /// Adds the next frame, of the size given to the constructor. An image with alpha is laid over grey if the video has no alpha.
+    /// @throws EnvironmentError with the last lines of ffmpeg's output if ffmpeg has ended
     void add(const Image& image);
-    /// Waits for the encoder. @throws EnvironmentError with ffmpeg's own last words
+    /// Completes the file and waits for the encoder. @throws EnvironmentError with the last lines of ffmpeg's output if it failed
     void finish();
 
 private:
@@ -48,10 +50,11 @@ const std::vector<std::string>& video_suffixes();
 /// File of an unfinished video: coil.mp4 -> .coil.mp4.partial.
 std::filesystem::path partial_video(const std::filesystem::path& file);
 
-/// Before a film is begun that is to have a video. @param way_out what else to do than to install it, as in "or run with --no-video"
+/// Checks that ffmpeg works, before a run that writes a video starts.
+/// @param way_out alternative to installing ffmpeg, added to the remedy: "or run with --no-video"
 /// @return encoder_version() @throws EnvironmentError if ffmpeg is missing or does not run
 std::string check_encoder(const std::string& way_out = "");
-/// The ffmpeg program's version line, "" if there is none.
+/// First line of ffmpeg -version, "" if ffmpeg is missing or does not run.
 std::string encoder_version();
 
 }  // namespace whorl

@@ -17,8 +17,8 @@ extern char** environ;
 namespace whorl {
 
 ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
-    // A socket instead of a pipe: send() can say that it wants no SIGPIPE. Close-on-exec: other children must not hold our end open, or
-    // the child would never read its end of input.
+    // A socket instead of a pipe, because send() can suppress SIGPIPE. Close-on-exec, because the child never reads the end of its input
+    // while another child has our end open.
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         throw std::system_error(errno, std::generic_category(), "socketpair");
@@ -30,7 +30,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments) {
     posix_spawn_file_actions_adddup2(&files, output_, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&files, output_, STDERR_FILENO);
 
-    // Signals that our threads block or ignore are the child's again.
+    // The child handles signals by default even if our threads block or ignore them.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t none, ordinary;

@@ -1,5 +1,5 @@
 #pragma once
-/// A program run without a shell, fed through its standard input.
+/// A program that is run without a shell and gets data through its standard input.
 #include <sys/types.h>
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace whorl {
 
-/// A child process in its own process group: an interrupt from the terminal reaches only Whorl, which then ends its children in order;
-/// and if Whorl is killed, the child reads the end of its input and finishes by itself.
+/// A child process in its own process group. An interrupt from the terminal reaches only Whorl, which then ends its children in order. If
+/// Whorl is killed, the child reads the end of its input and finishes by itself.
 class ChildProcess {
 public:
     /// Starts arguments[0], looked up in PATH. @throws std::system_error (ENOENT: no such program)
@@ -19,13 +19,13 @@ public:
     ~ChildProcess();
     ChildProcess(ChildProcess&& other) noexcept;
 
-    /// Writes all of it, waiting where the child is slower. @return false if the child no longer reads; never raises SIGPIPE.
+    /// Writes all bytes; waits while the child reads more slowly. Never raises SIGPIPE. @return false if the child has stopped reading
     bool write(std::span<const std::uint8_t> bytes);
-    /// Ends the child's input and waits for it. @return its exit status, 128 + the signal's number where a signal ended it
+    /// Ends the child's input and waits for the child. @return its exit status, or 128 + the number of the signal that ended it
     int wait();
-    /// The signal that ended it; 0: none, or it has not ended.
+    /// Number of the signal that ended the child; 0 if no signal did, or if wait() has not returned yet.
     int ended_by() const { return signal_; }
-    /// Standard output and standard error of the child up to now.
+    /// The child's standard output and standard error so far.
     std::string output() const;
 
 private:

@@ -221,11 +221,11 @@ TEST_CASE("an encoder that fails reports why and raises no signal", "[video]") {
         return std::string();
     };
     const std::string version = "[ \"$1\" = -version ] && exit 0\n", early = "the video encoder ended early: ffmpeg ",
-                      then = "\n  remedy: once ffmpeg works: whorl resume";
+                      then = "\n  remedy: once ffmpeg works, use whorl resume";
     CHECK_THAT(words_of(version + "exit 1"), Catch::StartsWith(early + "ended with code 1" + then));
     CHECK_THAT(words_of(version + "echo no room >&2; exit 3"), Catch::StartsWith(early + "ended with code 3: no room" + then));
     CHECK_THAT(words_of(version + "kill -9 $$"), Catch::StartsWith(early + "was killed by signal 9" + then));
     CHECK_THAT(words_of("echo torn >&2; exit 127"),
-               Catch::Contains("cannot start ffmpeg: ffmpeg ended with code 127: torn\n  remedy: fix that"));
+               Catch::Contains("cannot start ffmpeg: ffmpeg ended with code 127: torn\n  remedy: repair ffmpeg"));
     setenv("PATH", path.c_str(), 1);
 }
