@@ -1,6 +1,6 @@
 #pragma once
-/// Layers of an image for compositors: linear light and shadow of the image, and depth, normal, motion and object number. A separate pass
-/// draws the latter at the centre of each pixel, at the frame's time.
+/// Layers of an image for compositors. Linear light and shadow come from the image's samples. A separate pass draws depth, normal, motion
+/// and object number at the centre of each pixel, at the frame's time.
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
 #include "render/image/exr.h"
@@ -13,7 +13,7 @@ struct LayerView {
     Eigen::Matrix4f now, next;  ///< world -> clip, in this image and in the next
     Vec3f eye, forward;         ///< position of the camera [m] and direction of view, unit
     float interval;             ///< simulated time from this image to the next [s]
-    float ground, seen_ground;  ///< heights of the plane that cuts objects off and of the drawn ground [m]; -1e6: none
+    float ground, seen_ground;  ///< heights at which objects are cut off, and of the drawn ground [m]; -1e6: none
     float tolerance;            ///< the fluid is cut this far below the ground [m]
     bool turns;                 ///< the backdrop is a panorama, fixed in the world instead of in the image
 };

@@ -17,7 +17,7 @@ public:
     GlContext& operator=(const GlContext&) = delete;
 
     void make_current() const;
-    /// GL's names of the renderer and of the version.
+    /// Renderer and version as GL reports them.
     const std::string& device() const { return device_; }
 
 private:

@@ -118,7 +118,7 @@ void FlowShapes::draw(const SceneGeometry& scene, const FlowView& flow, const Ei
         flow.set_studio(particles_);
         particles_.set("view_projection", matrix);
         particles_.set("to_world", Eigen::Matrix4f(matrix.inverse()));
-        particles_.set("radius", (flow.look.trail > 0 ? 0.25f : 0.5f) * flow.spacing);  // so that trails show
+        particles_.set("radius", (flow.look.trail > 0 ? 0.25f : 0.5f) * flow.spacing);  // half the size, so that trails show
         particles_.set("pixels", 0.5f * static_cast<float>(flow.height) / std::tan(flow.view.fov * std::numbers::pi_v<float> / 360));
         particles_.set("picture_size", Eigen::Vector2f(static_cast<float>(flow.width), static_cast<float>(flow.height)));
         scene.draw_fluid(particles_);

@@ -85,7 +85,7 @@ struct EmissivePatch {
 
 constexpr int most_patches = 32;
 
-/// One patch per cell of a lattice over the surface, but only the brightest most_patches. Empty if nothing glows.
+/// One patch per cell of a lattice over the surface; only the brightest `most_patches` are kept. Empty if nothing glows.
 std::vector<EmissivePatch> hot_patches(const Surface& surface, const Material& material);
 
 /// Sets the uniforms of hot.glsl.

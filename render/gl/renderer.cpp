@@ -101,7 +101,7 @@ void end_geometry() {
     glDisable(GL_STENCIL_TEST);
 }
 
-/// Limits drawing to pixels whose stencil value compares so with `seen`; the others cost the software driver nothing.
+/// Limits drawing to pixels whose stencil value passes the comparison with `seen`; other pixels cost the software driver nothing.
 void shade_where(GLenum comparison, GLint seen) {
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(comparison, seen, 0xff);
@@ -345,7 +345,8 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
         draw_faces(shot, matrix);
         glBindFramebuffer(GL_FRAMEBUFFER, things.id());
         draw_front();
-        shade_solids(shot, matrix, things.id());  // only refraction shows hidden solids: they keep their first light
+        // Shaded after the fluid: solids that it hides, which only refraction shows, keep the light of the first sample.
+        shade_solids(shot, matrix, things.id());
         samples.clear_background();
     }
     glDisable(GL_DEPTH_TEST);
@@ -379,7 +380,7 @@ void Renderer::Device::bind_faces(gl::Program& program) const {
     program.texture("face_distance", 3, GL_TEXTURE_2D, face_distance.id());
 }
 
-/// Sets the uniforms that describe how solids and the fluid hide light from solids.
+/// Sets the uniforms for shading solids, with the light that the fluid and other solids hide from them.
 void Renderer::Device::set_solid_light(gl::Program& program, const Shot& shot, const Eigen::Matrix4f& matrix) const {
     set_studio(program, shot);
     ground_light.bind_shadow(program, shadow_unit);

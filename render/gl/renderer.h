@@ -44,7 +44,7 @@ public:
     Image draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view);
     /// Draws the layers for compositors, without text. If the look shows a field, only light and shadow.
     PictureLayers draw_layers(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view, const NextView& next);
-    /// GL's names of the renderer and of the version.
+    /// Renderer and version as GL reports them.
     std::string device() const;
 
 private:

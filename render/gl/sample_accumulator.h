@@ -15,7 +15,7 @@ public:
     bool may_converge(int sample) const { return sample == 0 && !all_; }
     /// Whether the sample skips final pixels.
     bool leaves_out(int sample) const { return sample > 0 && !all_; }
-    /// Weight of one sample in a pixel that has all of them.
+    /// Weight of one sample in a pixel that gets all samples.
     float weight() const { return 1.0f / static_cast<float>(count_); }
     /// Framebuffer of a sample, with the stencil of `depth`.
     GLuint target(int sample) const { return may_converge(sample) ? shaded_first_.id() : shaded_sum_.id(); }

@@ -14,7 +14,7 @@ namespace {
 constexpr float far_below = -1e6f;      // m, height of the ground if there is none
 constexpr float brightest = 1000;       // upper bound of radiance: the sun itself would turn single pixels of soft reflections white
 constexpr float round_share = 0.7f;     // fraction of the panorama's light that becomes ambient light
-constexpr float directed_share = 0.6f;  // fraction of the light by which its brightest side exceeds the opposite one: the shadow's lamp
+constexpr float directed_share = 0.6f;  // fraction of the excess of its brightest side over the opposite side that becomes the lamp
 
 gl::Texture texture_of(const Environment& environment) {
     std::vector<float> rgba;
