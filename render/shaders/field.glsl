@@ -24,7 +24,7 @@ vec3 field_normal(vec3 p) {
 }
 
 // Estimate of the open fraction of the half space about n, or of a cone if n is a mirrored direction, from distances along n.
-// @param reach voxels
+// @param reach largest of these distances [voxels]
 float openness(vec3 p, vec3 n, float reach) {
     float open = 0.0, total = 0.0, step = 0.22 * reach;
     for (int i = 0; i < 4; ++i) {

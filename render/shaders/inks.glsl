@@ -12,7 +12,7 @@ vec3 inks_at(vec3 x) {
     return c.rgb / max(c.a, 1e-3);
 }
 
-// Colour of a body in which inks of the concentrations c replace as much of the body (Kubelka and Munk 1931).
+// Colour of a body in which inks of concentrations c replace the same fraction of the body (Kubelka and Munk 1931).
 vec3 inked(vec3 body, vec3 c) {
     vec3 own = clamp(body, 0.005, 0.98);
     vec3 ratio = max(1.0 - c.r - c.g - c.b, 0.0) * (1.0 - own) * (1.0 - own) / (2.0 * own) + ink_ratio * c;

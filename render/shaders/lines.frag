@@ -1,3 +1,4 @@
+// A lit tube or ribbon along a vortex line.
 in vec3 world;
 in vec3 world_normal;
 in vec3 shade;

@@ -3,10 +3,10 @@ uniform mat3 studio;         // world -> studio
 uniform vec3 backdrop_low;   // radiance of the backdrop in downward directions
 uniform vec3 backdrop_high;  // radiance of the backdrop in upward directions
 uniform vec3 backdrop_glow;  // radiance added behind the scene
-uniform vec3 key_light;      // radiance of a soft box, like the next three
-uniform vec3 window_light;    // the box behind the scene, which casts the shadow
-uniform vec3 rim_light;
-uniform vec3 fill_light;
+uniform vec3 key_light;      // radiance of the soft box at the front left
+uniform vec3 window_light;   // radiance of the soft box behind the scene, which casts the shadow
+uniform vec3 rim_light;      // radiance of the soft box at the back right
+uniform vec3 fill_light;     // radiance of the soft box at the front right
 uniform float ground_height; // m; -1e6: no ground
 uniform vec3 ground_area;    // centre x, z and half-width of the ground's light map [m]
 uniform sampler2D ground_light;
