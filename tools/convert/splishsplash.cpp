@@ -335,9 +335,10 @@ const Converter::Fluid& Converter::fluid_of(const JsonNode& user, bool can_diffe
     for (const Fluid& fluid : fluids_) {
         if (fluid.id != id) continue;
         if (&fluid != &fluids_[0] && !can_differ)
-            note(user, "has the material \"" + id + "\", but Whorl has one fluid: it gets the material \"" + fluids_[0].id + "\"");
+            note(user, "has the material \"" + id + "\", but a scene of Whorl has only one fluid: it gets the material \"" + fluids_[0].id +
+                           "\"");
         if (&fluid != &fluids_[0] && can_differ && fluid.density != fluids_[0].density)
-            note(user, "has another density, but Whorl has one: it gets the density of \"" + fluids_[0].id + "\"");
+            note(user, "has another density, but a scene of Whorl has only one: it gets the density of \"" + fluids_[0].id + "\"");
         return fluid;
     }
     if (fluids_[0].node)

@@ -46,7 +46,7 @@ struct FarmOptions {
     bool quiet = false;
 };
 
-/// @throws InputError if `on` is unknown or an option has no effect there; EnvironmentError if Slurm is not installed
+/// Checks the options. @throws InputError if `on` is unknown or an option has no effect there; EnvironmentError if Slurm is not installed
 void check_farm(const FarmOptions& options);
 
 /// Stages of a film and the files that its tasks read. With panels: `panels` (one task per run) and `gather`. Otherwise: `simulate`, `draw`

@@ -26,7 +26,7 @@ namespace whorl {
 class Film {
 public:
     explicit Film(FilmOptions options);
-    /// Stops without finishing; the incomplete video keeps its partial name.
+    /// Stops without finishing; the incomplete video keeps its name from partial_video().
     ~Film();
     Film(const Film&) = delete;
     Film& operator=(const Film&) = delete;
@@ -34,7 +34,8 @@ public:
     /// Passes a frame to the pipeline. @param how options of its image @param state state of the run at the frame's time
     /// @param write_state also writes the state to disk @throws the exception of a stage
     void add(Frame frame, std::shared_ptr<const PictureOptions> how, std::shared_ptr<const Checkpoint> state, bool write_state);
-    /// Waits until all frames are written. @param complete false if the run will be continued; the video then keeps its partial name
+    /// Waits until all frames are written. @param complete false if the run will be continued; the video then keeps its name from
+    /// partial_video()
     void finish(bool complete);
 
     /// State of the run at the last frame whose files are all written; null before the first.

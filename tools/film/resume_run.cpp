@@ -40,7 +40,8 @@ void check_inputs(const Checkpoint& checkpoint, const SceneFile& now) {
     std::vector<Problem> problems;
     for (const auto& [file, sum] : input_checksums(now))
         if (const auto before = checkpoint.inputs.find(file); before != checkpoint.inputs.end() && before->second != sum)
-            problems.push_back({{file, 0, 0}, "was edited after the run began", "restore it, or continue with it unchanged: --force", ""});
+            problems.push_back(
+                {{file, 0, 0}, "was edited after the run began", "restore it, or continue with the edited file: --force", ""});
     if (!problems.empty()) throw InputError(problems);
 }
 
@@ -75,7 +76,7 @@ InputError no_sound_checkpoint(const std::filesystem::path& folder) {
     return {{folder.string(), 0, 0},
             "no valid checkpoint to continue from",
             "render the scene again",
-            "checkpoints appear every output.checkpoint_every seconds and on Ctrl-C"};
+            "checkpoints are written every output.checkpoint_every seconds and on Ctrl-C"};
 }
 
 /// Restarts a run that was stopped before its first checkpoint. @throws InputError if the run has ended or must have had a checkpoint, or

@@ -135,7 +135,7 @@ std::vector<double> Run::foreseen_frames(const Plan& plan) const {
     SceneFile file = request_.file;
     const auto costs = find_coarse_run(file);
     if (!costs) return {};
-    // A resumed run has this scene and must find the coarse run by it.
+    // A resumed run looks up the coarse run by this scene.
     if (!request_.from) keep_coarse_run(read_resolved(scene_text_, "scene.resolved.toml"), *costs);
     if (request_.no_draw) file.scene.output.images = false;
     std::vector<double> frames = estimate(file, plan, simulation_, *costs).frames_seconds;

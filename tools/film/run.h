@@ -70,7 +70,8 @@ struct RedrawRequest {
 /// frames that are drawn separately agree. @param frames numbers of the raw frames, ascending @throws InputError if one is damaged
 SceneFile with_choices_from(SceneFile file, const std::filesystem::path& run, const std::vector<int>& frames);
 
-/// @throws InputError if `out` is the folder of the unfinished run `run`, and this draws its own images
+/// Checks whether images can be drawn into `out`. @throws InputError if it is the folder of the unfinished run `run`, which draws its own
+/// images there
 void check_images_free(const std::filesystem::path& run, const std::filesystem::path& out);
 
 /// Draws raw frames. The images are bit-identical to those of `whorl render` with the same look. Values that the scene leaves open follow

@@ -24,7 +24,8 @@ public:
     /// with the latest look. Images of the same run that are already there stay. @throws as fresh()
     static RunFolder drawing(const std::filesystem::path& path, const std::filesystem::path& of, const std::string& scene, Hold hold,
                              bool overwrite);
-    /// Creates and locks any folder, whatever it contains. @throws as existing(); EnvironmentError if it cannot be created
+    /// Creates and locks a folder, whatever it contains. @throws InputError if another process has the lock; EnvironmentError if the folder
+    /// cannot be created
     static RunFolder any(const std::filesystem::path& path);
     ~RunFolder();
     RunFolder(RunFolder&& other) noexcept;

@@ -17,7 +17,7 @@ class App;
 namespace whorl {
 
 struct Options {
-    std::string scene;                         ///< a path, or the bare name of a scene that ships
+    std::string scene;                         ///< a path, or the bare name of a shipped scene
     std::filesystem::path folder;              ///< run folder to continue, draw or encode
     std::vector<std::string> set;              ///< "key=value"
     std::vector<std::string> with;             ///< files whose keys override the scene's
