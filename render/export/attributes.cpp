@@ -8,12 +8,12 @@
 namespace whorl {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the files hold numbers as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "the files are little-endian, and numbers are copied from memory unchanged");
 static_assert(sizeof(Vec3f) == 3 * sizeof(float));
 
-const std::vector<std::string> told_scalars{"density", "pressure", "viscosity", "q_criterion", "age"};
-const std::vector<std::string> told_vectors{"spin", "vorticity", "spin_difference", "ink"};
-const std::vector<std::string> told_numbers{"id", "source"};
+const std::vector<std::string> exported_scalars{"density", "pressure", "viscosity", "q_criterion", "age"};
+const std::vector<std::string> exported_vectors{"spin", "vorticity", "spin_difference", "ink"};
+const std::vector<std::string> exported_integers{"id", "source"};
 
 template <class T>
 void add_found(Attributes& to, const std::vector<std::string>& names, const std::map<std::string, std::vector<T>>& fields) {
@@ -59,10 +59,10 @@ Attributes particle_attributes(const Frame& frame) {
     Attributes all(frame.position.size());
     all.add("position", frame.position);
     all.add("velocity", frame.velocity);
-    add_found(all, told_scalars, frame.scalar);
-    add_found(all, told_vectors, frame.vector);
+    add_found(all, exported_scalars, frame.scalar);
+    add_found(all, exported_vectors, frame.vector);
     all.add_constant("radius", frame.spacing / 2);
-    add_found(all, told_numbers, frame.whole);
+    add_found(all, exported_integers, frame.whole);
     return all;
 }
 

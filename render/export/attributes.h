@@ -1,5 +1,5 @@
 #pragma once
-/// Named arrays, one row per particle or vertex: content of the files for other programs.
+/// Named arrays with one row per particle or vertex, for files that other programs read.
 #include <deque>
 #include <map>
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace whorl {
 
-/// Rows of numbers of four bytes each.
+/// An array of 4-byte numbers. It does not own them.
 struct Attribute {
     std::string name;  ///< "velocity"
     int components = 1;
-    bool integer = false;        ///< 32-bit whole numbers, else floats
-    const void* data = nullptr;  ///< row after row
+    bool integer = false;        ///< true: 32-bit integers, false: floats
+    const void* data = nullptr;  ///< row by row
 };
 
-/// Attributes with the same number of rows. It points into its source, which must outlive it.
+/// Attributes with the same number of rows. The arrays passed to add() must outlive them.
 class Attributes {
 public:
     explicit Attributes(std::size_t rows) : rows_(rows) {}
@@ -40,18 +40,18 @@ private:
     std::deque<std::vector<float>> owned_;
 };
 
-/// "velocity [m/s]"; "ink".
+/// Name with its unit, "velocity [m/s]"; without a unit the name alone, "ink".
 std::string name_with_unit(const std::string& attribute);
-/// Column names in tables: x, y, z of the position, nx, ny, nz of the normal, ink_1, ink_2, ink_3; else velocity_x, ...
+/// Column names of the components in a table: x, y, z (position), nx, ny, nz (normal), ink_1, ink_2, ink_3, velocity_x, ...
 std::vector<std::string> component_names(const Attribute& attribute);
 
-/// Attributes of each particle for other programs, if the frame has them: position, velocity, density, pressure, viscosity, spin,
-/// vorticity, q_criterion, spin_difference, ink, age, radius (half a spacing), id, source. No internal fields of the solver.
+/// Attributes of the particles that the frame contains: position, velocity, density, pressure, viscosity, q_criterion, age, spin,
+/// vorticity, spin_difference, ink, radius (half a spacing), id, source. Internal fields of the solver are left out.
 Attributes particle_attributes(const Frame& frame);
-/// Position and normal of each vertex, and the fluid's values there.
+/// Position, normal (if the mesh has normals) and fields of the vertices.
 Attributes vertex_attributes(const TriangleMesh& mesh, const VertexFields& fields);
 
-/// The columns that a run has to put into its frames for these files, by their names there.
+/// Names of the columns that a run must store in its frames for files of particles, or of the surface.
 std::vector<std::string> fields_of_particles();
 std::vector<std::string> fields_of_surface();
 

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Numbers of the format.
+// Constants of the glTF format.
 constexpr int type_float = 5126, type_uint32 = 5125, array_buffer = 34962, element_array_buffer = 34963;
 constexpr std::uint32_t glb_magic = 0x46546C67, glb_version = 2, chunk_json = 0x4E4F534A, chunk_binary = 0x004E4942;
 constexpr float lumen_per_watt = 683;
@@ -28,7 +28,7 @@ constexpr float lumen_per_watt = 683;
 Json numbers(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 Json numbers(const Eigen::Quaternionf& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
-/// A soft box of the studio as studio.glsl has it: towards `axis`, half-widths as tangents of angles.
+/// A soft box of the studio, as in studio.glsl. @param axis direction to its centre @param width, height half-sizes, tangents of angles
 Json soft_box(const Vec3f& axis, const Vec3f& right, float width, float height, const Vec3f& radiance) {
     return {{"direction", numbers(axis.normalized())},
             {"right", numbers(right.normalized())},
@@ -43,17 +43,18 @@ Json soft_boxes(const Studio& s) {
             soft_box({0.85f, 0.35f, 0.6f}, {0.6f, 0, -0.85f}, 0.5f, 0.5f, s.fill)};
 }
 
-[[noreturn]] void not_ours(const std::filesystem::path& file, const std::string& why) {
-    throw InputError({file.string(), 0, 0}, "is not a scene exported by Whorl:  " + why, "delete it, or render the scene again");
+[[noreturn]] void throw_foreign(const std::filesystem::path& file, const std::string& why) {
+    throw InputError({file.string(), 0, 0}, "is not a scene exported by Whorl: " + why, "delete it, or render the scene again");
 }
 
 }  // namespace
 
-void SceneExport::Track::add(const Vec3f& place, const Mat3f& axes) {
+void SceneExport::Track::add(const Vec3f& position, const Mat3f& axes) {
     Eigen::Quaternionf q(axes);
     q.normalize();
-    if (!rotation.empty() && q.dot(rotation.back()) < 0) q.coeffs() = -q.coeffs();  // programs interpolate number by number
-    translation.push_back(place);
+    if (!rotation.empty() && q.dot(rotation.back()) < 0)
+        q.coeffs() = -q.coeffs();  // q and -q are the same rotation, but programs interpolate the components
+    translation.push_back(position);
     rotation.push_back(q);
 }
 
@@ -73,7 +74,7 @@ void SceneExport::add(const Frame& frame, const View& view, const LookOptions& l
     }
     solids_.resize(frame.solids.size());
     for (std::size_t k = 0; k < frame.solids.size(); ++k) solids_[k].add(frame.solids[k].translation, frame.solids[k].rotation);
-    camera_.add(view.position, camera_axes(view).transpose());  // it looks along -z
+    camera_.add(view.position, camera_axes(view).transpose());  // a glTF camera looks along -z
     studio_.add(Vec3f::Zero(), studio_axes(view).transpose());
     fov_.push_back(view.fov);
 }
@@ -83,9 +84,9 @@ struct SceneExport::Document {
     const SceneExport& of;
     Json root;
     std::string binary;                                                 ///< begins with the tracks: solids, camera, studio
-    std::map<const Track*, std::size_t> offsets;                        ///< of the tracks
-    int time_accessor = -1;                                             ///< of the key frames
-    std::map<std::pair<const TriangleMesh*, std::string>, int> meshes;  ///< by their material
+    std::map<const Track*, std::size_t> offsets;                        ///< of each track in the binary
+    int time_accessor = -1;                                             ///< accessor of the times of the key frames
+    std::map<std::pair<const TriangleMesh*, std::string>, int> meshes;  ///< index of each mesh with its material
     std::map<std::string, int> materials;
     Json channels = Json::array(), samplers = Json::array();
 
@@ -102,7 +103,7 @@ struct SceneExport::Document {
         offsets[&track] = append(track.translation);
         append(track.rotation);
     }
-    /// @return where they begin in the binary
+    /// @return offset of the values in the binary
     template <class T>
     std::size_t append(const std::vector<T>& values) {
         binary.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
@@ -130,7 +131,7 @@ struct SceneExport::Document {
         return number;
     }
 
-    /// Gives a node its place, and key frames where it moves.
+    /// Sets the pose of a node, and its key frames if it moves.
     void place(int number, const Track& track) {
         Json& description = root["nodes"][static_cast<std::size_t>(number)];
         description["translation"] = numbers(track.translation[0]);
@@ -222,8 +223,9 @@ struct SceneExport::Document {
     void add_lights() {
         const int studio = node({{"name", "studio"}});
         place(studio, of.studio_);
-        if (!of.look_.environment.empty()) return;                                         // the picture lights the scene
-        const Vec3f sun = std::numbers::pi_v<float> * studio_of(of.look_.background).sun;  // W/m^2 on what faces it
+        if (!of.look_.environment.empty()) return;  // the panorama lights the scene
+        const Vec3f sun =
+            std::numbers::pi_v<float> * studio_of(of.look_.background).sun;  // irradiance of a surface that faces the lamp [W/m^2]
         const Json light{{"type", "directional"},
                          {"name", "lamp"},
                          {"color", numbers(sun / sun.maxCoeff())},
@@ -306,7 +308,7 @@ void SceneExport::go_on_from(const std::filesystem::path& file, int last_frame) 
     std::memcpy(head.data(), bytes.data(), std::min(bytes.size(), sizeof head));
     const std::size_t first = sizeof head, binary = first + head[3] + 8;
     if (head[0] != glb_magic || head[1] != glb_version || head[2] != bytes.size() || head[4] != chunk_json || binary > bytes.size())
-        not_ours(file, "it is not a complete glTF 2.0 file");
+        throw_foreign(file, "it is not a complete glTF 2.0 file");
     try {
         const Json root = Json::parse(bytes.substr(first, head[3]));
         const Json& about = root.at("scenes").at(0).at("extras").at("whorl");
@@ -314,7 +316,7 @@ void SceneExport::go_on_from(const std::filesystem::path& file, int last_frame) 
         fov_ = about.at("fov_degrees").get<std::vector<float>>();
         solids_.resize(about.at("solids").get<std::size_t>());
         const std::size_t frames = fov_.size(), key = sizeof(Vec3f) + sizeof(Eigen::Quaternionf);
-        if ((solids_.size() + 2) * frames * key > bytes.size() - binary) not_ours(file, "key frames are missing");
+        if ((solids_.size() + 2) * frames * key > bytes.size() - binary) throw_foreign(file, "key frames are missing");
         fov_.resize(std::min<std::size_t>(frames, std::max(0, last_frame - first_frame_ + 1)));
         const char* from = bytes.data() + binary;
         const auto take = [&](auto& values) {
@@ -324,7 +326,7 @@ void SceneExport::go_on_from(const std::filesystem::path& file, int last_frame) 
         };
         for (Track& track : solids_) take(track.translation), take(track.rotation);
         for (Track* track : {&camera_, &studio_}) take(track->translation), take(track->rotation);
-    } catch (const Json::exception& error) { not_ours(file, error.what()); }
+    } catch (const Json::exception& error) { throw_foreign(file, error.what()); }
 }
 
 }  // namespace whorl

@@ -14,7 +14,7 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-constexpr std::size_t four = 4;  // bytes of every number
+constexpr std::size_t four = 4;  // bytes per number
 
 std::string header_of(const Frame& frame, const Attributes& vertices, const Triangles* triangles) {
     std::string header = fmt::format("ply\nformat binary_little_endian 1.0\ncomment Whorl frame {} time {:.9g} s spacing {:.9g} m\n",

@@ -8,13 +8,14 @@
 
 namespace whorl {
 
-/// Binary little-endian PLY, one vertex a row. Every property is a float or an int of four bytes, by component_names(). Comments give the
-/// frame and the units. Whole or not at all. @throws EnvironmentError
+/// Atomically writes a binary little-endian PLY file, one vertex per row. Every property is a 4-byte float or int, named by
+/// component_names(). Comments in the file give the frame and the units. @throws EnvironmentError
 /// @param triangles null: points, no faces
 void write_ply(const std::filesystem::path& file, const Frame& frame, const Attributes& vertices,
                const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr);
 
-/// With normals where the mesh has them, and nothing else: OBJ has no place for it. Whole or not at all. @throws EnvironmentError
+/// Atomically writes the positions and triangles of a mesh, and its normals if it has any. OBJ has no other fields. @throws
+/// EnvironmentError
 void write_obj_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace whorl

@@ -7,10 +7,10 @@
 namespace whorl {
 namespace {
 
-/// The arrays of a file, one behind the other, each behind its size.
+/// Binary part of a file: its arrays in sequence, each after its size in bytes.
 class Appended {
 public:
-    /// @return the element that refers to the array
+    /// Appends an array. @return the XML element that refers to it
     std::string array(const std::string& name, const char* type, int components, const void* data, std::size_t bytes) {
         const std::string element =
             fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type, name,
@@ -56,17 +56,17 @@ std::string escaped(const std::string& text) {
     return safe;
 }
 
-/// A named array on the nodes of a grid.
+/// A field on the nodes of a grid.
 struct NodeArray {
     std::string name;
     int components = 1;
     std::vector<float> value;
 };
 
-/// The particles' attributes on the nodes, four numbers a pass. @param grid is filled with cover and velocity
+/// Attributes of the particles on the nodes, four components per pass over the grid. @param grid set to the grid with cover and velocity
 std::vector<NodeArray> on_nodes(const Frame& frame, const Attributes& particles, FlowGrid& grid) {
     struct Slot {
-        const float* from;  // of the first particle
+        const float* from;  // component of the first particle
         int stride;
         std::size_t array;
         int component;
@@ -103,7 +103,7 @@ std::vector<NodeArray> on_nodes(const Frame& frame, const Attributes& particles,
     return arrays;
 }
 
-/// The array with the first layer of nodes of each periodic axis once more at its end.
+/// The array with the first layer of nodes of each periodic axis repeated at its end. @param n nodes of the result
 std::vector<float> closed(const NodeArray& array, const FlowGrid& grid, const std::array<int, 3>& n) {
     const auto components = static_cast<std::size_t>(array.components);
     std::vector<float> all;
