@@ -8,7 +8,7 @@
 namespace whorl {
 namespace {
 
-/// Takes the same time wherever the texts differ.
+/// Whether two texts are equal. The time does not depend on where they differ, so it does not reveal a token.
 bool same(const std::string& a, const std::string& b) {
     unsigned difference = a.size() == b.size() ? 0 : 1;
     for (std::size_t i = 0; i < b.size(); ++i)
@@ -32,7 +32,7 @@ AccessRules::AccessRules(std::string host, int port, std::string token)
     : host_(std::move(host)), port_(std::to_string(port)), token_(std::move(token)) {}
 
 bool AccessRules::own(const std::string& host) const {
-    if (!is_loopback(host_)) return true;  // its names are not known here; the token decides
+    if (!is_loopback(host_)) return true;  // the machine's other names are unknown here; the token decides
     for (const std::string& name : {host_, std::string("127.0.0.1"), std::string("localhost"), std::string("[::1]")})
         if (host == name + ":" + port_ || (port_ == "80" && host == name)) return true;
     return false;
@@ -41,8 +41,8 @@ bool AccessRules::own(const std::string& host) const {
 std::string AccessRules::refusal(const RequestOrigin& caller) const {
     if (!own(caller.host)) return "this server does not have the name \"" + caller.host.substr(0, 100) + "\"";
     if (!caller.origin.empty() && caller.origin != "http://" + caller.host)
-        return "pages of " + caller.origin.substr(0, 100) + " may not ask this server";
-    if (caller.fetch_site == "cross-site" || caller.fetch_site == "same-site") return "other pages may not ask this server";
+        return "pages of " + caller.origin.substr(0, 100) + " may not use this server";
+    if (caller.fetch_site == "cross-site" || caller.fetch_site == "same-site") return "other pages may not use this server";
     if (!token_.empty() && !same(caller.token, token_)) return "the token is missing or wrong: use the address that whorl printed";
     return "";
 }

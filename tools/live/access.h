@@ -1,5 +1,5 @@
 #pragma once
-/// Who may ask: only pages that this program served itself, and programs on this machine.
+/// Access control of the live server: accepts requests of its own page, and of programs that have the token or run on this machine.
 #include <string>
 
 namespace whorl {
@@ -14,12 +14,14 @@ struct RequestOrigin {
 
 class AccessRules {
 public:
-    /// @param host that the server is bound to @param token "" where none is needed: only for loopback
+    /// @param host address that the server is bound to @param port port that it is bound to @param token empty: none is needed (only on a
+    /// loopback address)
     AccessRules(std::string host, int port, std::string token);
-    /// Why the caller is refused; "" where it is not.
-    ///  - Host must be one of our own names: a page elsewhere whose name was made to point at 127.0.0.1 (DNS rebinding) brings its own.
-    ///  - Origin, where there is one, must be ours: no other page may change anything, or read.
-    ///  - The token must be right.
+    /// Reason for refusing a request; empty if it is accepted. Rules:
+    ///  - On a loopback address, Host must be a name of this server. A foreign page whose domain was made to resolve to 127.0.0.1 (DNS
+    ///    rebinding) sends its own name.
+    ///  - Origin, if present, must be this server, and Sec-Fetch-Site must not name another site: foreign pages can neither read nor write.
+    ///  - The token must match, if one is needed.
     std::string refusal(const RequestOrigin& caller) const;
 
 private:
@@ -27,9 +29,9 @@ private:
     std::string host_, port_, token_;
 };
 
-/// 127.0.0.0/8, ::1 or localhost.
+/// Whether a host is 127.0.0.0/8, ::1 or localhost.
 bool is_loopback(const std::string& host);
-/// 128 random bits, in hexadecimal.
+/// Returns 128 random bits in hexadecimal.
 std::string random_token();
 
 }  // namespace whorl

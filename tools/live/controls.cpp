@@ -17,7 +17,7 @@
 namespace whorl {
 namespace {
 
-/// Changes of the same keys within this many seconds are one movement of a slider, and undone together.
+/// Longest interval between two changes of the same keys that count as one movement of a slider, which undo reverts as a whole [s].
 constexpr double one_movement = 1.0;
 constexpr std::size_t kept_undos = 200;
 
@@ -26,10 +26,10 @@ SceneFile without_later_changes(SceneFile file) {
     return file;
 }
 
-/// Difference between two readings of a file.
+/// Difference between two readings of a scene file.
 struct Edit {
-    std::vector<KeyValue> live;
-    std::vector<std::string> restart;  ///< keys
+    std::vector<KeyValue> live;        ///< changes that are possible during the run
+    std::vector<std::string> restart;  ///< keys whose changes need a restart
 };
 Edit edit_between(const SceneFile& before, const SceneFile& now) {
     Edit edit;
@@ -67,10 +67,10 @@ void Controls::set_locked(const std::vector<KeyValue>& changes, bool may_undo) {
     }
     next->plan = decides(wanted_, next->file) ? make_plan(next->file.scene) : plan_;
     if (const auto models = changes_of_models(plan_, next->plan); !models.empty())
-        throw InputError(changes.front().value.place, "this asks for other models: " + models.front().text(),
+        throw InputError(changes.front().value.place, "the change needs other models: " + models.front().text(),
                          "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}");
 
-    if (orders_.scene && orders_.scene->simulation) {  // still to begin: begins with these values
+    if (orders_.scene && orders_.scene->simulation) {  // a restart that has not begun yet: it begins with these values
         next->simulation = std::make_unique<Simulation>(next->file.scene, next->plan);
         check_probes(*next->simulation);
         orders_.changes.clear();
@@ -86,7 +86,7 @@ void Controls::set_locked(const std::vector<KeyValue>& changes, bool may_undo) {
     changed_.notify_all();
 }
 
-/// @param back changes from the current scene to the one before
+/// Adds an undo. @param back changes from the new scene to the previous one
 void Controls::remember(const std::vector<KeyDifference>& back) {
     Undo undo{{}, wall_seconds()};
     for (const KeyDifference& d : back)
@@ -114,7 +114,7 @@ void Controls::restart(const Restart& how) {
     while (!try_restart(how)) {}
 }
 
-/// Placing the particles takes its time, and is done without the lock. @return false where something was set meanwhile
+/// Places the particles without the lock, because that may take long. @return false if the scene was changed meanwhile; then try again
 bool Controls::try_restart(const Restart& how) {
     std::unique_lock lock(mutex_);
     Options options = options_;
@@ -135,7 +135,7 @@ bool Controls::try_restart(const Restart& how) {
                 next->file = changed(next->file, {{path, value}});
                 kept.emplace(path, value);
             } catch (const InputError& error) {
-                not_kept += (not_kept.empty() ? "not kept over the restart: " : "; ") + std::string(error.what());
+                not_kept += (not_kept.empty() ? "values not kept by the restart: " : "; ") + std::string(error.what());
             }
     if (!how.set.empty()) next->file = changed(next->file, how.set);
     for (const KeyValue& c : how.set) kept.insert_or_assign(c.path, c.value);
@@ -222,7 +222,7 @@ std::map<std::string, std::string> texts_by_key(const SceneFile& file) {
     return all;
 }
 
-/// Files are found from the scene's folder, and the recording lies in another one: it needs their whole paths.
+/// Whether the scene names files. Their paths are relative to the scene's folder, so a recording in another folder needs absolute paths.
 bool names_files(const SceneFile& scene, const std::map<std::string, std::string>& values) {
     return !scene.look.environment.empty() ||
            std::any_of(values.begin(), values.end(), [](const auto& value) { return value.first.ends_with(".file"); });
@@ -242,7 +242,7 @@ void ChangeRecording::begin(const SceneFile& scene, const std::filesystem::path&
         const SceneFile plain = read_scene_file(options);
         const auto given = texts_by_key(plain);
         base_ = read_whole(path);
-        if (base_.rfind("\xEF\xBB\xBF", 0) == 0) base_.erase(0, 3);  // a byte order mark, which is valid only at the start
+        if (base_.rfind("\xEF\xBB\xBF", 0) == 0) base_.erase(0, 3);  // a byte order mark, which is only valid at the start of a file
         bool same_keys =
             !names_files(scene, wanted) && plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
             plain.scene.emitters.size() == scene.scene.emitters.size() && plain.scene.solids.size() == scene.scene.solids.size() &&
@@ -252,7 +252,7 @@ void ChangeRecording::begin(const SceneFile& scene, const std::filesystem::path&
             if (it == given.end() || it->second != value) entries_.push_back({0, key, value});
         }
         if (same_keys) return;
-    } catch (const InputError&) {  // edited since, and broken
+    } catch (const InputError&) {  // the file was edited since, and is invalid
     }
     entries_.clear();
     SceneFile alone = scene;
@@ -262,7 +262,7 @@ void ChangeRecording::begin(const SceneFile& scene, const std::filesystem::path&
 
 void ChangeRecording::add(double time, const std::vector<KeyValue>& changes) {
     for (const KeyValue& c : changes) {
-        // A slider that moved several times within a frame counts with its last value.
+        // If a key is changed several times at the same simulated time (a moving slider), only its last value counts.
         std::erase_if(entries_, [&](const Entry& e) { return e.time == time && e.key == c.path; });
         entries_.push_back({time, c.path, c.value.toml()});
     }
@@ -279,7 +279,7 @@ std::string ChangeRecording::text(double time) const {
     for (const Entry& e : entries_)
         if (e.key != "time.end" && e.key != "name") entry(e.time, e.key, e.value);
     if (time > 0) entry(0, "time.end", Value(time).toml());
-    entry(0, "name", Value(name_ + "_recording").toml());  // does not replace a film of the scene itself
+    entry(0, "name", Value(name_ + "_recording").toml());  // so that its run does not replace the scene's
     return text;
 }
 

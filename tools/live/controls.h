@@ -1,6 +1,6 @@
 #pragma once
-/// The controls of a live run: the server's threads and the watched file set them, the loop reads them. Every change is checked here, at
-/// once and as a whole, so that the loop can do what it reads.
+/// Controls of a live run: the server's threads and the watched scene file set them, the loop reads them. Each change is checked completely
+/// when it is set, so that the loop can apply it without another check.
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
@@ -19,20 +19,19 @@
 
 namespace whorl {
 
-// recording.toml: the scene and every change with its simulated time. `whorl render recording.toml` repeats the run.
-
+/// Contents of recording.toml: the scene and every change with its simulated time. `whorl render recording.toml` repeats the run.
 class ChangeRecording {
 public:
     explicit ChangeRecording(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    /// A run begins with this scene. @param path of the scene file, whose text is kept (with its qualities); @param quality that is laid
-    /// over it
+    /// Starts the recording of a run. @param scene initial values @param path scene file, whose text is kept with all its qualities
+    /// @param quality the quality that the run uses
     void begin(const SceneFile& scene, const std::filesystem::path& path, const std::string& quality);
-    /// At `time` [s] these keys took other values.
+    /// Adds changes that were applied at `time` [s].
     void add(double time, const std::vector<KeyValue>& changes);
-    /// @param time s, end of the recording
+    /// Text of recording.toml. @param time s, end of the recording
     std::string text(double time) const;
-    /// @throws EnvironmentError (disk full)
+    /// Writes recording.toml. @param time s, end of the recording @throws EnvironmentError (disk full)
     void write(double time) const;
     const std::filesystem::path& folder() const { return folder_; }
     std::filesystem::path file() const { return folder_ / "recording.toml"; }
@@ -47,11 +46,12 @@ private:
     std::vector<Entry> entries_;
 };
 
-/// A scene with its plan. Only its owner may evaluate its expressions.
+/// Scene with its plan. Expressions are not thread-safe: only the thread that owns the scene may evaluate them.
 struct PlannedScene {
     SceneFile file;
     Plan plan;
-    /// For a restart: the simulation with its particles placed, so that errors occur before the running one is replaced.
+    /// New simulation of a restart, otherwise null. Its particles are already placed, so that errors occur before it replaces the running
+    /// one.
     std::unique_ptr<Simulation> simulation;
 };
 
@@ -65,10 +65,10 @@ struct Notice {
 /// Next work of the loop.
 struct Orders {
     bool playing = false;
-    bool step = false;                    ///< one frame, although it does not play
-    std::shared_ptr<PlannedScene> scene;  ///< where something changed
-    std::vector<KeyValue> changes;        ///< changes from the scene before to this one
-    std::uint64_t revision = 0;           ///< of the scene
+    bool step = false;                    ///< simulate one frame even if the run is paused
+    std::shared_ptr<PlannedScene> scene;  ///< scene with the changes applied; null if nothing changed
+    std::vector<KeyValue> changes;        ///< changes from the previous scene to this one
+    std::uint64_t revision = 0;           ///< revision of the scene
 };
 
 class Controls {
@@ -87,14 +87,14 @@ public:
     /// Reads the scene. @throws InputError
     explicit Controls(Options options);
 
-    /// All of the changes, or none. @throws InputError; nothing is changed then
+    /// Applies all changes. @throws InputError if one is invalid; then none is applied
     void set(const std::vector<KeyValue>& changes);
-    /// Reverts the last set(). @return false if nothing to undo
+    /// Reverts the last set(). @return false if there is nothing to undo
     bool undo();
     void play() {
         order([&] { orders_.playing = true, waiting_ = false; });
     }
-    /// The first viewer starts a run that waits for one.
+    /// Reports a viewer: the first one starts a run that waits at its first frame.
     void viewer_came() {
         order([&] { waiting_ = false; });
     }
@@ -105,13 +105,13 @@ public:
         order([&] { orders_.playing = waiting_ = false, orders_.step = true; });
     }
     struct Restart {
-        std::string scene, quality;  ///< other ones; empty: as it is
-        std::vector<KeyValue> set;   ///< any key
-        bool forget = false;         ///< discard the earlier changes
+        std::string scene, quality;  ///< new scene, new quality; empty: keep the current one
+        std::vector<KeyValue> set;   ///< changes; any key is allowed
+        bool forget = false;         ///< discard the values set before
     };
-    /// Restarts with the current scene file and the values set since. @throws InputError; then the run continues
+    /// Restarts with the scene file as saved and the values set during the run. @throws InputError; then the run continues
     void restart(const Restart& how);
-    /// After an edit of the scene file: applies changes that are possible during the run, and reports the others.
+    /// Rereads the scene file after an edit. Applies the changes that are possible during the run, and reports those that need a restart.
     void file_edited();
 
     void tell(bool error, std::string text) {
@@ -125,9 +125,9 @@ public:
         return locked([&] { return file_problem_; });
     }
 
-    /// For the loop. Waits until there is something to do or `seconds` have passed.
+    /// Called by the loop: waits for orders, at most `seconds`, and takes them.
     Orders take(double seconds);
-    /// For the loop, between two steps: the changes that need no restart.
+    /// Called by the loop between two steps: takes the changes that need no restart.
     Orders take_changes();
     /// Waits until take() would return a scene or the run is paused, at most `seconds`.
     void wait_for_change(double seconds);
@@ -153,14 +153,14 @@ public:
     Options options() const {
         return locked([&] { return options_; });
     }
-    /// Not while the run waits at its first frame for a viewer, play() or step().
+    /// Whether the run plays. False while it waits at its first frame for a viewer, play() or step().
     bool playing() const {
         return locked([&] { return orders_.playing && !waiting_; });
     }
     bool can_undo() const {
         return locked([&] { return !undo_.empty(); });
     }
-    /// Grows with every change of the scene.
+    /// Number that increases with every change of the scene.
     std::uint64_t revision() const {
         return locked([&] { return revision_; });
     }
@@ -179,24 +179,25 @@ private:
     std::condition_variable changed_;
     Options options_;
     std::filesystem::path path_;
-    SceneFile from_file_;  ///< as the file last was when it was sound
-    SceneFile wanted_;
-    Plan plan_;
-    std::map<std::string, Value> set_;  ///< by people, since the scene was chosen
+    SceneFile from_file_;               ///< last valid reading of the scene file
+    SceneFile wanted_;                  ///< current settings: the scene file with the values set since
+    Plan plan_;                         ///< plan of wanted_
+    std::map<std::string, Value> set_;  ///< values set by users since the scene was chosen, by key
     struct Undo {
-        std::vector<KeyValue> back;
-        double when = 0;
+        std::vector<KeyValue> back;  ///< changes that revert a set()
+        double when = 0;             ///< time of the set(), wall s
     };
     std::vector<Undo> undo_;
     Orders orders_;
-    bool waiting_ = true;
+    bool waiting_ = true;  ///< at the first frame, for a viewer, play() or step()
     std::optional<Notice> notice_;
     std::string file_problem_;
     std::uint64_t revision_ = 1, notices_ = 0;
 };
 
-/// Reports each save of a file: checks it eight times a second, on its own thread, and waits until it does not change between two checks.
-/// @param file called at each check: the scene may change @param saved called on that thread @return ends the watch when it is destroyed
+/// Reports each save of a file. A separate thread checks the file eight times a second, and reports a save when two checks in a row see the
+/// same state. @param file returns the file to watch; called at each check, because a restart may choose another scene @param saved called
+/// on that thread after each save @return the thread; its destructor ends the watch
 std::jthread watch_file(std::function<std::filesystem::path()> file, std::function<void()> saved);
 
 }  // namespace whorl

@@ -9,7 +9,8 @@
 namespace whorl {
 namespace {
 
-/// Changes with every save; zeros if the file does not exist (an editor is just replacing it).
+/// Inode, size and time of the last change of a file, which differ after every save; zeros if the file does not exist (an editor may be
+/// replacing it).
 std::array<long, 4> stamp(const std::filesystem::path& file) {
     struct stat s {};
     if (stat(file.c_str(), &s) != 0) return {};

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Number of points of a page's curves.
+/// Number of frames in the history, which are the points of the page's curves.
 constexpr std::size_t kept_frames = 600;
 
 Json finite(double v) { return std::isfinite(v) ? Json(v) : Json(); }
@@ -25,8 +25,8 @@ void Status::set(Json json) {
     const std::lock_guard lock(mutex_);
     json_ = std::move(json);
     if (!history_.empty() && json_.at("frame") <= history_.back().at("frame")) {
-        if (json_.at("frame") == history_.back().at("frame")) return;  // reported again between two frames
-        history_.clear();                                              // restarted
+        if (json_.at("frame") == history_.back().at("frame")) return;  // the same frame, reported again after a change
+        history_.clear();                                              // the run was restarted
     }
     Json row = Json::object();
     for (const char* name : {"frame", "time", "ms", "frames_per_second", "iterations", "steps", "energy", "probes"})
@@ -77,7 +77,7 @@ void LiveLoop::begin(PlannedScene& scene) {
     stepped_ = revision_;
     set_pictures(scene.file);
     budget_.reset();
-    std::filesystem::remove(recording_.folder() / "budget.csv");  // of the run before
+    std::filesystem::remove(recording_.folder() / "budget.csv");  // of the previous run
     spent_ = 0;
     shown_at_ = due_ = wall_seconds();
     show_frame();
@@ -93,12 +93,12 @@ void LiveLoop::follow(const Orders& orders) {
     look_ = orders.revision;
     if (physics) revision_ = orders.revision;
     if (!wanted.simulation && simulation_->totals().steps == 0 && physics) try {
-            // Nothing has moved yet: a scene that begins with these values, which is what a recording will say.
+            // No step was made yet: start again from the new values. The recording then has them as initial values.
             wanted.simulation = std::make_unique<Simulation>(wanted.file.scene, wanted.plan);
-        } catch (const InputError&) {  // a solid moved over the fluid: then it starts at its place
+        } catch (const InputError&) {  // a solid was moved into the fluid: apply the change to the running simulation instead
         }
     if (wanted.simulation) return begin(wanted);
-    if (state_ == State::diverged) return;  // stopped between two frames: only a restart helps, and has these values
+    if (state_ == State::diverged) return;  // only a restart can continue the run; it uses these values
     const double time = simulation_->time();
     if (physics) simulation_->change(wanted.file.scene, wanted.plan);
     const bool other_fields = shown_fields(before->file.look) != shown_fields(wanted.file.look);
@@ -114,7 +114,7 @@ void LiveLoop::follow(const Orders& orders) {
     tell();
 }
 
-/// Wall time of the last frame [s]; its image is made in parallel with the simulation.
+/// Wall time of the last frame [s]: the longer of simulating and drawing, which run in parallel.
 double LiveLoop::frame_seconds() const {
     double picture = 0;
     for (const auto& [name, t] : live_renderer_.times()) picture += t.wall;
@@ -127,7 +127,7 @@ void LiveLoop::after_step(const StepReport& report, double began) {
     if (report.diverged) {
         const Divergence& d = *report.diverged;
         state_ = State::diverged;
-        why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo what led there and restart", d.time, d.stage, d.field, d.what);
+        why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo the last changes and restart", d.time, d.stage, d.field, d.what);
         controls_.tell(true, why_);
         return;
     }
@@ -144,7 +144,7 @@ void LiveLoop::show_state() {
     shown_ = stepped_;
 }
 
-/// @return false if it was interrupted by the end or a restart
+/// @return false if the run ends, restarts or diverges before the frame time
 bool LiveLoop::step_to_next_frame() {
     const double began = step_began_ = wall_seconds();
     if (!loop_->step_to(frame_time(simulation_->scene(), frame_ + 1))) return false;
@@ -191,15 +191,15 @@ void LiveLoop::show_frame() {
     status_.set(status_json(summary.measures));
 }
 
-/// Ends the run before a frame that would lie beyond the scene's end; a later end continues it.
+/// Ends the run if the next frame would lie beyond time.end. Resumes it after time.end was raised.
 void LiveLoop::end_if_over(const Scene& scene) {
     const bool over = frame_time(scene, frame_ + 1) > scene.time.end * (1 + 1e-9);
     const State before = std::exchange(state_, over ? State::ended : State::running);
     if (over && before != State::ended)
-        controls_.tell(false, fmt::format("the scene ends at {:g} s: raise time.end to continue, or restart", scene.time.end));
+        controls_.tell(false, fmt::format("the scene ends at {:g} s; raise time.end to continue, or restart", scene.time.end));
 }
 
-/// The present state, between two frames too.
+/// Reports the current state, even between two frames.
 void LiveLoop::tell() {
     const Vec3d gravity = simulation_->scene().domain.gravity(simulation_->time());
     status_.set(status_json(measure(simulation_->world(), gravity, simulation_->plan().spin.micro_inertia)));
@@ -245,20 +245,20 @@ Json LiveLoop::status_json(const Measures& m) const {
             {"probe_plots", plots_}};
 }
 
-/// How far the run falls behind, and how it spends its time; empty if it keeps up.
+/// Message with the pace and the wall times of simulation and image; empty if the run keeps up with real time.
 std::string LiveLoop::pace_text() const {
     if (!real_time_ || of_real_time() == 0 || of_real_time() >= 0.97) return "";
     double picture = 0;
     for (const auto& [name, t] : live_renderer_.times())
         if (name != "encode") picture += t.wall;
     const TimeKeys& time = simulation_->scene().time;
-    return fmt::format("{:.2f} of {}: a frame of {:.0f} ms takes the simulation {:.0f} ms, an image {:.0f} ms", of_real_time(),
-                       time.slow_motion == 1 ? "real time" : "the film's pace", 1e3 / time.fps, 1e3 * simulate_wall_, 1e3 * picture);
+    return fmt::format("{:.2f} of {}: for a frame of {:.0f} ms, the simulation needs {:.0f} ms and an image {:.0f} ms", of_real_time(),
+                       time.slow_motion == 1 ? "real time" : "the video's pace", 1e3 / time.fps, 1e3 * simulate_wall_, 1e3 * picture);
 }
 
-/// Tells people when it begins to fall behind and when it keeps up again; and now and then how far.
+/// Prints the pace when it has changed by at least a tenth of real time, at most every 10 s.
 void LiveLoop::say_pace() {
-    constexpr double often = 10, much = 0.1;  // s; of real time
+    constexpr double often = 10, much = 0.1;  // least interval [s]; least change of the pace
     const double factor = std::min(1.0, of_real_time()), now = wall_seconds();
     if (!say_ || !real_time_ || now - said_at_ < often || std::abs(factor - said_) < much) return;
     const std::string text = pace_text();
@@ -266,7 +266,8 @@ void LiveLoop::say_pace() {
     said_ = factor, said_at_ = now;
 }
 
-/// A film's frames do not come faster than it plays; what changes, or changed in the step before, need not wait.
+/// Waits until the next frame is due, so that the run is not faster than the video would play. A change ends the wait; if the loop took a
+/// change after the last step, it does not wait.
 void LiveLoop::wait_for_real_time() {
     if (!real_time_) return;
     const double frame = 1 / simulation_->scene().time.fps, now = wall_seconds();
@@ -278,7 +279,7 @@ void LiveLoop::run(const std::function<bool()>& stop) {
     stop_ = stop;
     while (!stop()) {
         live_renderer_.check();
-        if (!live_renderer_.after(0, 0.1)) continue;  // people see it from its beginning: the first picture takes long
+        if (!live_renderer_.after(0, 0.1)) continue;  // wait for the first image, which takes long, so that viewers see the start
         const Orders orders = controls_.take(0.1);
         follow(orders);
         if (state_ != State::running || !(orders.playing || orders.step)) {

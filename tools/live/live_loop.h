@@ -1,5 +1,5 @@
 #pragma once
-/// The simulation's side of a live run: steps to the next frame time, applies the users' requests, shows the frame, reports its state.
+/// Simulation loop of a live run: steps to the next frame time, applies changes, hands the frame to the renderer, reports the state.
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -17,7 +17,7 @@
 
 namespace whorl {
 
-/// State that the loop reports after each frame; read by any thread.
+/// State that the loop reports after each frame and each change. Thread-safe.
 class Status {
 public:
     void set(nlohmann::ordered_json json);
@@ -33,12 +33,12 @@ private:
 
 class LiveLoop : public FrameLoopHost {
 public:
-    /// @param real_time never faster than the film would play @param say reports to users how it keeps up
+    /// @param real_time run at most as fast as the video would play @param say prints a line about the pace for users
     LiveLoop(Controls& controls, LiveRenderer& live_renderer, ChangeRecording& recording, Status& status, bool real_time,
              std::function<void(const std::string&)> say);
-    /// Until `stop` says so. @throws EnvironmentError
+    /// Runs until `stop` returns true. @throws EnvironmentError
     void run(const std::function<bool()>& stop);
-    /// Writes the current recording, and returns it; any thread. @throws EnvironmentError (disk full)
+    /// Writes recording.toml and returns its text. Any thread may call it. @throws EnvironmentError (disk full)
     std::string save_recording() const;
     const Simulation& simulation() const { return *simulation_; }
 
@@ -68,42 +68,43 @@ private:
     bool real_time_;
     std::function<void(const std::string&)> say_;
 
-    std::function<bool()> stop_;  ///< the run is to end
+    std::function<bool()> stop_;  ///< whether the run shall end
     std::unique_ptr<Simulation> simulation_;
     std::optional<FrameLoop> loop_;
     std::optional<Snapshots> snapshots_;
     int frame_ = 1;
-    std::shared_ptr<PlannedScene> followed_;                ///< the scene as people want it, as far as the loop knows
+    std::shared_ptr<PlannedScene> followed_;                ///< the last scene taken from the controls
     std::uint64_t look_ = 0;                                ///< revision of the look
     std::uint64_t revision_ = 0, stepped_ = 0, shown_ = 0;  ///< revisions of the simulation, its last step and its last image
     enum class State { running, ended, diverged } state_ = State::running;
-    std::string why_;  ///< it diverged
+    std::string why_;  ///< message about the divergence; empty if the run has not diverged
     RunProblems incidents_;
 
-    std::unique_ptr<Table> budget_;  ///< what each frame gave up, from the first one on that had a budget
-    double spent_ = 0;               ///< s, wall, that the frames since the start took; waiting and pauses do not count
+    std::unique_ptr<Table> budget_;  ///< budget.csv: how far each frame's accuracy was reduced; null without a budget
+    double spent_ = 0;               ///< wall time of all frames since the start, without waiting and pauses [s]
 
     // Costs of the last frame.
     StageTimes times_before_, frame_times_;
     long frame_steps_ = 0;
     double frame_iterations_ = 0, frame_wall_ = 0, simulate_wall_ = 0;
-    double shown_at_ = 0, due_ = 0;  ///< wall s
-    double step_wall_ = 0, step_began_ = 0;
-    double played_ = 0, play_wall_ = 0;                   ///< s, of the film and wall, over about the last second
-    double said_at_ = 0, said_ = 1;                       ///< wall s; factor of real time
-    nlohmann::ordered_json probed_, profiles_, plots_;    ///< by the probe's name
-    std::vector<std::optional<Comparison>> comparisons_;  ///< of each probe
+    double shown_at_ = 0, due_ = 0;          ///< times when the last frame was shown and when the next one is due, wall s
+    double step_wall_ = 0, step_began_ = 0;  ///< duration of the last step and start of the current one, wall s
+    double played_ = 0, play_wall_ = 0;      ///< playing time and wall time of recent frames, weight falling by 1/e per wall second [s]
+    double said_at_ = 0, said_ = 1;          ///< wall time [s] and pace (1: real time) of the last message about the pace
+    nlohmann::ordered_json probed_, profiles_, plots_;    ///< by name of the probe
+    std::vector<std::optional<Comparison>> comparisons_;  ///< per probe, in the order of the scene
 
-    mutable std::mutex recording_mutex_;  ///< of journal_ and time_
-    double time_ = 0;
+    mutable std::mutex recording_mutex_;  ///< guards recording_ and time_
+    double time_ = 0;                     ///< simulated time of the last frame [s]
 };
 
-/// {"profile": false, "along_unit": "s", "plots": [{"title": "front [m]", "curves": [{"column": "front", "label": "front", "dashed":
-/// false}]}]}; a column of the comparison is called compare_NAME.
+/// Description of a probe's plots: {"profile": false, "along": "time", "along_unit": "s", "plots": [{"title": "front [m]", "curves":
+/// [{"column": "front", "label": "front", "dashed": false}]}]}. A column of the comparison is called compare_NAME.
 nlohmann::ordered_json described_plots(const Probe& probe, const std::optional<Comparison>& comparison);
-/// The newest row as {"frequency": 2.1, ...}; null if a value is not known.
+/// Latest row as {"frequency": 2.1, ...}. Unknown values are null.
 nlohmann::ordered_json newest_row(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison);
-/// Profile of a probe that measures several places per frame: {"s": [0, 0.1, ...], "pressure": [...], ...}, some hundred places at most.
+/// Profile of a probe that measures at several positions per frame: {"s": [0, 0.1, ...], "pressure": [...], ...}, about 200 positions at
+/// most.
 nlohmann::ordered_json profile_of(const Probe& probe, const ProbeRows& rows, const std::optional<Comparison>& comparison);
 
 }  // namespace whorl

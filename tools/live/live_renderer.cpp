@@ -66,7 +66,7 @@ void LiveRenderer::set_interval(double frame) {
 
 void LiveRenderer::look(PictureOptions how, std::uint64_t revision) {
     const std::lock_guard lock(mutex_);
-    if (look_ && revision < look_->revision) return;  // the loop is a little behind those who ask for a look
+    if (look_ && revision < look_->revision) return;  // the loop may set an older look than the server has set already
     if (!look_ || revision > look_->revision) look_is_drawn_ = false;
     look_ = std::make_shared<const Look>(std::move(how), revision);
     changed_.notify_all();
@@ -94,7 +94,7 @@ void LiveRenderer::work() {
     while (const auto state = next(is_new)) draw(renderer, state, is_new);
 }
 
-/// Waits for the next image to draw. @return null if the screen was closed
+/// Waits for a state to draw. @param is_new false: the state was drawn before, with another look @return null after close()
 std::shared_ptr<const LiveRenderer::State> LiveRenderer::next(bool& is_new) {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -126,10 +126,10 @@ void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const
         surface_ = field ? Surface{} : build_surface(frame, surface);
     surface_of_ = surface;
     const double surfaced = wall_seconds();
-    // A look that was set meanwhile is shown now, not one image later.
+    // Use a look that was set meanwhile, if it needs no other surface.
     if (const auto now = newest_look(); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
     View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
-    view.open = 0;  // images follow each other in no fixed interval
+    view.open = 0;  // no motion blur: the interval between images varies
     Image image = renderer->draw(frame, surface_, look->how.look, view);
     const double drawn = wall_seconds();
 

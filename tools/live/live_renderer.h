@@ -1,6 +1,6 @@
 #pragma once
-/// Makes images of states on its own thread: surface -> draw -> latest image. Each is of the latest state, at most one per frame interval;
-/// earlier states are dropped, and the simulation never waits. A change of the look and the first state after a change of the fluid are
+/// Draws images of a live run on a separate thread: state -> surface -> image. It draws the latest state, at most one image per frame
+/// interval, and drops earlier states; the simulation never waits. A change of the look and the first state after a change of the fluid are
 /// drawn immediately.
 #include <atomic>
 #include <condition_variable>
@@ -17,23 +17,24 @@
 
 namespace whorl {
 
-/// The newest change of the scene (Controls::revision) that a picture shows: of the fluid, and of how it is drawn.
+/// Revisions of the scene (Controls::revision) that an image shows, separately for the simulation and for the look.
 struct Revisions {
     std::uint64_t fluid = 0, look = 0;
 };
 
+/// Image of a live run, encoded when first requested. Thread-safe.
 class Picture {
 public:
     Picture(std::uint64_t its_number, int of_frame, double at_time, Revisions shown, Image its_image)
         : number(its_number), frame(of_frame), time(at_time), revisions(shown), image(std::move(its_image)) {}
-    const std::uint64_t number;  ///< grows with every picture of this process
+    const std::uint64_t number;  ///< increases with every image of this process
     const int frame;
     const double time;  ///< s, simulated
     const Revisions revisions;
     const Image image;
     const std::string& jpeg() const;
     const std::string& png() const;
-    /// Wall seconds that the JPEG took; 0 if not requested.
+    /// Wall time of encoding the JPEG [s]; 0 if it was not requested.
     double encode_seconds() const { return encode_seconds_; }
 
 private:
@@ -44,32 +45,33 @@ private:
 
 class LiveRenderer {
 public:
-    /// @param frame s, the film's frame interval as it plays
+    /// @param width,height pixels @param frame playing time of a frame [s]
     LiveRenderer(int width, int height, double frame);
     ~LiveRenderer();
     LiveRenderer(const LiveRenderer&) = delete;
     LiveRenderer& operator=(const LiveRenderer&) = delete;
 
-    /// @param revision of the scene that the simulation went by
+    /// Sets the latest state. @param revision revision of the scene that the simulation used
     void show(Frame frame, std::uint64_t revision);
-    /// Whether the next image is due within `seconds`, so that a state between two frames is of use.
+    /// Whether the next image is due within `seconds`. Then a state between two frames is useful.
     bool wants_state_within(double seconds) const;
-    /// @param frame s, the film's frame interval as it plays
+    /// @param frame playing time of a frame [s]
     void set_interval(double frame);
-    /// Sets the look of images, that of the scene's `revision`; the latest frame is drawn again.
+    /// Sets the look and draws the latest frame again. An older `revision` of the scene than the current one is ignored.
     void look(PictureOptions how, std::uint64_t revision);
 
-    /// The newest picture; null before the first.
+    /// Latest image; null before the first.
     std::shared_ptr<const Picture> newest() const;
-    /// Waits for a picture newer than `number`. @return null if none came within `seconds`, or the screen was closed
+    /// Waits for an image with a number above `number`. @return null if there is none within `seconds`, or after close()
     std::shared_ptr<const Picture> after(std::uint64_t number, double seconds) const;
-    /// Ends after() for all who wait in it.
+    /// Ends the drawing thread and every waiting call of after().
     void close();
 
-    /// Wall seconds of the last image by stage: surface, draw.
+    /// Wall times of the last image by stage: surface, draw, and encode if a JPEG was requested.
     StageTimes times() const;
+    /// Name of the GL device; empty until it is opened.
     std::string device() const;
-    /// @throws the exception that ended the thread, if any
+    /// Rethrows the exception that ended the drawing thread, if any.
     void check() const;
 
 private:
@@ -91,17 +93,17 @@ private:
     std::shared_ptr<const State> waiting_, drawn_;
     std::shared_ptr<const Look> look_;
     bool closed_ = false;
-    double interval_, due_ = 0;   ///< s, wall: least time between two images, of the next one
-    std::uint64_t shown_ = 0;     ///< revision of the fluid in the latest image
-    bool look_is_drawn_ = false;  ///< the latest image has the latest look
+    double interval_, due_ = 0;   ///< least interval between two images [s]; wall time when the next one is due [s]
+    std::uint64_t shown_ = 0;     ///< revision of the simulation in the latest image
+    bool look_is_drawn_ = false;  ///< whether the latest image has the latest look
     std::shared_ptr<const Picture> newest_;
     std::uint64_t pictures_ = 0;
     StageTimes times_;
     std::string device_;
     std::exception_ptr error_;
-    Surface surface_;  ///< of drawn_; the thread's own
-    SurfaceOptions surface_of_;
-    std::thread thread_;  ///< last: it uses all of the above
+    Surface surface_;            ///< surface of drawn_; used only by the drawing thread
+    SurfaceOptions surface_of_;  ///< options of surface_
+    std::thread thread_;         ///< declared last, because it uses all members above
 };
 
 }  // namespace whorl

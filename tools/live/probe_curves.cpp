@@ -10,7 +10,7 @@ using Json = nlohmann::ordered_json;
 
 const std::string compared = "compare_";
 
-/// NaN is written as null.
+/// A row of a probe with the comparison's columns. NaN becomes null.
 Json row_json(const Probe& probe, const std::vector<double>& row, const std::optional<Comparison>& comparison) {
     const ProbeColumns columns = probe.columns();
     Json all = Json::object();

@@ -23,10 +23,11 @@ using Json = nlohmann::ordered_json;
 using httplib::Request;
 using httplib::Response;
 
-/// Connections that are answered at once; streams keep one each, and leave enough for everything else.
+/// Number of connections that are answered in parallel, and of viewers of /stream and of /events. A viewer keeps its connection, so most
+/// viewers are far fewer than workers.
 constexpr int workers = 40, most_streams = 12;
 constexpr std::size_t longest_body = 64 * 1024;
-constexpr double wake_up = 0.25;  ///< s, after which a waiting thread looks whether the server ends
+constexpr double wake_up = 0.25;  ///< interval at which a waiting thread checks whether the server ends [s]
 
 void answer(Response& response, int status, const Json& json) {
     response.status = status;
@@ -41,14 +42,14 @@ void done(Response& response, Json more = Json::object()) {
 
 Json json_of(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Parts of the program that a page asks for by itself, without the token.
+/// Files that the page loads without the token.
 bool is_part_of_page(const std::string& path) { return path == "/live.css" || path == "/live.js" || path == "/plots.js"; }
 
-/// Why the library would read or send without a limit for this request; "" where it would not.
+/// Reason for refusing a request for which the HTTP library would read or send data without a limit; empty if there is none.
 std::string without_limit(const Request& request) {
-    if (request.has_header("Range")) return "answers are sent whole: leave out Range";
+    if (request.has_header("Range")) return "ranges are not supported: leave out the header Range";
     if (request.has_header("Transfer-Encoding") || request.has_header("Content-Encoding"))
-        return "bodies are taken plain and in one piece, with their Content-Length";
+        return "send the body uncompressed and unchunked, with its Content-Length";
     const bool no_body = request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS";
     return no_body || request.has_header("Content-Length") ? "" : "the Content-Length is missing";
 }
@@ -67,7 +68,7 @@ struct LiveServer::Http {
     /// Counts the viewers that keep a connection.
     class Viewers {
     public:
-        /// @return holds the viewer's place; null if there are too many
+        /// Adds a viewer. @return counts the viewer until it is destroyed; null if there are too many
         std::shared_ptr<void> add() {
             if (count_.fetch_add(1) >= most_streams) {
                 --count_;
@@ -97,12 +98,13 @@ struct LiveServer::Http {
     std::atomic<bool> ending{false};
     Viewers pictures{controls}, events{controls};
     std::thread thread;
-    std::map<std::string, std::string> methods;  ///< GET or POST, by path
+    std::map<std::string, std::string> methods;  ///< allowed method, GET or POST, by path
 
     Http(ServerOptions o, Controls& c, LiveRenderer& s, Status& t) : options(std::move(o)), controls(c), live_renderer(s), status(t) {}
 
     void bind() {
-        // Nobody else may take the port while we have it (the default would allow that); one that a run just left is free at once.
+        // No other process may bind the port while this one has it (the library's default would allow that). With SO_REUSEADDR, the port of
+        // a run that just ended is available immediately.
         server.set_socket_options([](socket_t socket) {
             const int yes = 1;
             setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -116,7 +118,8 @@ struct LiveServer::Http {
         access.emplace(options.host, port, options.token);
         server.new_task_queue = [] { return new httplib::ThreadPool(workers); };
         server.set_payload_max_length(longest_body);
-        // One request a connection: the body of one that is refused is not read, and would count as the next request, without an Origin.
+        // One request per connection. The body of a refused request is not read; on the same connection it would be parsed as the next
+        // request, which has no Origin and passes the check.
         server.set_keep_alive_max_count(1);
         server.set_read_timeout(5);
         server.set_write_timeout(5);
@@ -190,8 +193,9 @@ Json LiveServer::Http::keys() const {
             {"scenes", scenes}};
 }
 
-/// MJPEG: each viewer gets the latest image when the one before has been sent; images in between are dropped. Browsers show a picture when
-/// they see the next one's head, so one that has no successor at once (a run that pauses) is sent again; not with ?once=1.
+/// Sends MJPEG. Each viewer gets the latest image after the previous one was sent; images in between are dropped. Browsers show an image
+/// only when the header of the next one arrives. So an image without a successor within 0.02 s (a paused run) is sent twice, unless the
+/// request has ?once=1.
 void LiveServer::Http::get_stream(const Request& request, Response& response) {
     const auto place = pictures.add();
     if (!place) return refuse(response, 503, "too many viewers");
@@ -204,7 +208,7 @@ void LiveServer::Http::get_stream(const Request& request, Response& response) {
     response.set_content_provider(
         "multipart/x-mixed-replace; boundary=picture",
         [this, place, last, once](std::size_t, httplib::DataSink& sink) {
-            constexpr double at_once = 0.02;  // s
+            constexpr double at_once = 0.02;  // s, wait for a successor before an image is sent again
             for (;;) {
                 if (ending || !sink.is_writable()) return false;
                 const bool wait = !last->picture || last->again || once;
@@ -223,7 +227,7 @@ void LiveServer::Http::get_stream(const Request& request, Response& response) {
         [place](bool) {});
 }
 
-/// Server-sent events: the state, at once where people changed something, and four times a second where it went on.
+/// Sends the state as server-sent events: within 80 ms after a user's change, otherwise every 0.24 s if it has changed.
 void LiveServer::Http::get_events(const Request&, Response& response) {
     const auto place = events.add();
     if (!place) return refuse(response, 503, "too many viewers");
@@ -240,7 +244,8 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
         "text/event-stream",
         [this, place, sent, orders](std::size_t, httplib::DataSink& sink) {
             constexpr auto look = std::chrono::milliseconds(80);
-            constexpr int looks = 3, many = 60;  // between two states; until the connection is tried
+            constexpr int looks = 3,
+                          many = 60;  // checks between two states; checks until an unchanged state is sent to test the connection
             for (int quiet = 1;; ++quiet) {
                 if (!sent->state.empty()) std::this_thread::sleep_for(look);
                 if (ending || !sink.is_writable()) return false;
@@ -275,7 +280,7 @@ void LiveServer::Http::restart(const nlohmann::json& order, Response& response) 
         std::vector<std::string> names;
         for (const auto& scene : scenes) names.push_back(scene.first);
         const std::string near = nearest_name(how.scene.substr(0, 100), names);
-        return refuse(response, 400, "no scene of that name ships" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+        return refuse(response, 400, "no shipped scene has that name" + (near.empty() ? "" : "; did you mean \"" + near + "\"?"));
     }
     how.forget = order.contains("forget") && order["forget"] == true;
     controls.restart(how);
@@ -285,11 +290,11 @@ void LiveServer::Http::restart(const nlohmann::json& order, Response& response) 
 void LiveServer::Http::post_control(const nlohmann::json& order, Response& response) {
     const std::string allowed = "allowed: {\"do\": \"pause | play | step | restart | undo\"}";
     if (!order.is_object() || !order.contains("do") || !order["do"].is_string())
-        return refuse(response, 400, "the order has no \"do\"; " + allowed);
+        return refuse(response, 400, "the request has no \"do\"; " + allowed);
     const std::string what = order["do"].get<std::string>();
     for (const auto& [key, value] : order.items())
         if (key != "do" && !(what == "restart" && (key == "set" || key == "scene" || key == "quality" || key == "forget")))
-            return refuse(response, 400, "\"" + what.substr(0, 40) + "\" takes no \"" + key.substr(0, 40) + "\"");
+            return refuse(response, 400, "\"" + what.substr(0, 40) + "\" has no option \"" + key.substr(0, 40) + "\"");
     if (what == "restart") return restart(order, response);
     if (what == "pause") controls.pause();
     else if (what == "play") controls.play();
@@ -301,7 +306,7 @@ void LiveServer::Http::post_control(const nlohmann::json& order, Response& respo
     done(response);
 }
 
-/// A look needs no new frame: it is drawn at once.
+/// Draws the latest frame with the current look, without waiting for a new frame.
 void LiveServer::Http::show_look() {
     const auto wanted = controls.picture();
     live_renderer.look(wanted.how, wanted.revision);
@@ -353,13 +358,13 @@ void LiveServer::Http::get(const char* path, Handler handler) {
     server.Get(path, [this, handler](const Request& request, Response& response) { (this->*handler)(request, response); });
 }
 
-/// The user's mistakes are answered with the fault and the allowed values.
+/// Adds a POST route. Invalid input is answered with status 400, the fault and the allowed values.
 void LiveServer::Http::post(const char* path, JsonHandler handler) {
     methods[path] = "POST";
     server.Post(path, [this, handler](const Request& request, Response& response) {
-        omp_set_num_threads(1);  // of this thread: the cores are the simulation's
+        omp_set_num_threads(1);  // for this thread only: the simulation needs the cores
         const auto json = nlohmann::json::parse(request.body, nullptr, false);
-        if (json.is_discarded()) return refuse(response, 400, "the body is no JSON");
+        if (json.is_discarded()) return refuse(response, 400, "the body is not valid JSON");
         try {
             (this->*handler)(json, response);
         } catch (const InputError& error) { refuse(response, 400, error.what()); }
@@ -387,12 +392,12 @@ void LiveServer::Http::answer_errors() {
     server.set_error_handler([this](const Request& request, Response& response) {
         if (!response.body.empty()) return;
         if (response.status != 404)
-            return refuse(response, response.status, response.status == 413 ? "the body is too long" : "the request cannot be understood");
+            return refuse(response, response.status, response.status == 413 ? "the body is too long" : "the request is invalid");
         if (const auto known = methods.find(request.path); known != methods.end()) {
             response.set_header("Allow", known->second);
             return refuse(response, 405,
-                          request.path + " takes " + known->second + (known->second == "POST" ? " with a JSON body" : "") +
-                              ", and this is " + request.method + "; see whorl live --help");
+                          request.path + " needs " + known->second + (known->second == "POST" ? " with a JSON body" : "") +
+                              ", but this is " + request.method + "; see whorl live --help");
         }
         std::string all;
         for (const auto& [path, method] : methods) all += (all.empty() ? "" : ", ") + method + " " + path;

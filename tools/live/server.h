@@ -1,5 +1,5 @@
 #pragma once
-/// The HTTP side of a live run: every endpoint, and nothing else. No file is served but the page, which is part of the program.
+/// HTTP server of a live run. It serves no file from disk; the page is embedded in the program.
 #include <memory>
 #include <string>
 
@@ -9,23 +9,23 @@ namespace whorl {
 
 struct ServerOptions {
     std::string host = "127.0.0.1";
-    int port = 8080;    ///< 0: any that is free
-    std::string token;  ///< "" where none is needed
+    int port = 8080;    ///< 0: any free port
+    std::string token;  ///< empty: none is needed
 };
 
 class LiveServer {
 public:
-    /// Binds. @throws EnvironmentError if the address is taken or cannot be had
+    /// Binds the address. @throws EnvironmentError if the address is in use or not available
     LiveServer(ServerOptions options, Controls& controls, LiveRenderer& live_renderer, Status& status);
     ~LiveServer();
     LiveServer(const LiveServer&) = delete;
     LiveServer& operator=(const LiveServer&) = delete;
 
-    /// Starts answering. @param recording writes the current recording.toml and returns its text
+    /// Starts answering requests. @param recording writes the current recording.toml and returns its text
     void start(std::function<std::string()> recording);
-    /// Answers no longer: open streams end within a fraction of a second.
+    /// Stops answering requests. Open streams end within a fraction of a second.
     void stop();
-    /// "http://127.0.0.1:8080/", with the token where one is needed.
+    /// Address of the page, as in "http://127.0.0.1:8080/", with the token if one is needed.
     std::string url() const;
 
 private:
@@ -33,7 +33,7 @@ private:
     std::unique_ptr<Http> http_;
 };
 
-/// A file of tools/live/page, embedded at build time. @param name "index.html" @throws std::logic_error if it does not exist
+/// Text of a file of tools/live/page, embedded at build time. @param name as in "index.html" @throws std::logic_error if it does not exist
 std::string live_page(const std::string& name);
 
 }  // namespace whorl

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Longer than any expression that a person writes.
+/// Limits of a request's values, above those of any real scene: bytes of a text, entries of a list.
 constexpr std::size_t longest_text = 1000, longest_list = 100;
 
 std::string type_of(const Key& key) {
@@ -23,10 +23,10 @@ std::string type_of(const Key& key) {
     return names.at(key.type) + (key.is_list ? "s" : "");
 }
 
-/// The limits of the C++ type say nothing to people.
+/// A key's bound as JSON; null for limits of the C++ type, which are no use to users.
 Json bound(double v) { return std::isfinite(v) && std::abs(v) < 2e9 ? Json(v) : Json(); }
 
-/// Not a knob: names, files, output.
+/// Whether the page does not show a key: names, files, output.
 bool hidden(const UsedKey& k) {
     for (const char* part : {"output.", "probe[", "camera.key"})
         if (k.path.rfind(part, 0) == 0) return true;
@@ -38,7 +38,7 @@ bool takes_texts(const std::vector<UsedKey>& keys, const std::string& path) {
                        [&](const UsedKey& k) { return k.path == path && k.key->type == KeyType::text && type_of(*k.key) != "choice"; });
 }
 
-/// Texts that are numbers as such, as the command line takes them.
+/// Converts texts that are numbers to numbers, as the command line does.
 Value with_numbers(Value value) {
     if (auto* list = value.as<Value::List>())
         for (Value& entry : *list) entry = with_numbers(std::move(entry));
@@ -103,7 +103,7 @@ Json described_keys(const SceneFile& file) {
 
 std::vector<KeyValue> changes_of(const nlohmann::json& json, const SceneFile& file) {
     const std::string form = "allowed: an object of keys and values, as in {\"fluid.viscosity\": 500}";
-    if (!json.is_object()) throw InputError({}, "the changes are no JSON object", "", form);
+    if (!json.is_object()) throw InputError({}, "the changes are not a JSON object", "", form);
     const std::vector<UsedKey> keys = used_keys(file);
     std::vector<KeyValue> changes;
     std::vector<Problem> problems;
@@ -112,7 +112,7 @@ std::vector<KeyValue> changes_of(const nlohmann::json& json, const SceneFile& fi
         const std::string full = full_path(path);
         if (value && !takes_texts(keys, full)) value = with_numbers(std::move(*value));
         if (value) changes.push_back({full, std::move(*value)});
-        else problems.push_back({{}, path.substr(0, 100) + " has a value that no key takes", "", form});
+        else problems.push_back({{}, path.substr(0, 100) + " has a value that no key accepts", "", form});
     }
     if (!problems.empty()) throw InputError(std::move(problems));
     return changes;

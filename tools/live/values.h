@@ -1,5 +1,5 @@
 #pragma once
-/// Values of scene keys as JSON, and back.
+/// Conversion between values of scene keys and JSON.
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
@@ -8,12 +8,13 @@
 
 namespace whorl {
 
-/// Nothing where no key takes such a value: null, objects, lists in lists, long texts.
+/// Converts JSON to a value. Empty for values that no key accepts: null, objects, nested lists, lists of more than 100 entries, texts of
+/// more than 1000 bytes.
 std::optional<Value> value_of(const nlohmann::json& json);
 
-/// {"fluid.viscosity": 1000.0, ...} of the keys that may change during a run.
+/// Values of the keys that may change during a run: {"fluid.viscosity": 1000.0, ...}.
 nlohmann::ordered_json live_values(const SceneFile& file);
-/// Data for showing each key on a page: path, unit, meaning, type, range, choices, whether it may change during a run.
+/// Descriptions of the keys for the page: path, unit, meaning, type, range, choices, value, and whether the key may change during a run.
 nlohmann::ordered_json described_keys(const SceneFile& file);
 
 /// Changes of the scene from {"fluid.viscosity": 500, ...}. @throws InputError if it is not an object, or has a value of an unknown type

@@ -127,7 +127,7 @@ TEST_CASE("two viewers see the same run, paused as it is, and a page finds a run
     for (int k = 0; k < 3; ++k) live.step();
     const int late = browser.open(address(live));
     CHECK(browser.wait_for("[...document.querySelectorAll('#plots figure')].length > 3"));
-    CHECK(browser.wait_for("Plots.points('energy of height [J]') == 4"));
+    CHECK(browser.wait_for("Plots.points('potential energy [J]') == 4"));
     browser.close(late);
     live.post("/set", R"({"fluid.viscosity": 123})");
     for (const int page : {one, two}) {

@@ -1,12 +1,12 @@
 'use strict';
-// The page of a live run: everything it shows comes from /keys and /events, everything it does goes through /set and /control.
+// Page of a live run. It shows data of /keys, /events, /history and /stream; it changes the run through /set and /control.
 const $ = id => document.getElementById(id);
 const token = new URLSearchParams(location.search).get('token');
 const address = path => token ? path + (path.includes('?') ? '&' : '?') + 'token=' + encodeURIComponent(token) : path;
 let state = null, keys = null, plotted = -1, noticed = null, events = null, watching = new AbortController();
 const knobs = new Map();
 
-// --- talking ---------------------------------------------------------------------------------------------------------------------------
+// --- requests --------------------------------------------------------------------------------------------------------------------------
 async function post(path, body) {
   try {
     const reply = await fetch(address(path), {method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(body)});
@@ -22,7 +22,7 @@ async function control(order) {
   return reply;
 }
 
-// One request at a time; values set meanwhile are sent together, the last value of each key.
+// Sends changes, one request at a time. Changes made during a request are sent together in the next one, with the last value of each key.
 let waiting = {}, sending = null;
 function set(changes) {
   Object.assign(waiting, changes);
@@ -42,7 +42,7 @@ async function send() {
   }
 }
 
-// An answer replaces the error of the one before.
+// Shows the error of a reply; a reply without an error hides the previous error.
 function answered(reply) {
   if (!reply.ok) say(reply.error, true);
   else if ($('notice').className === 'bad') say('');
@@ -54,8 +54,8 @@ function say(text, bad) {
   $('notice').className = bad ? 'bad' : '';
 }
 
-// --- the picture -----------------------------------------------------------------------------------------------------------------------
-// The page reads the stream itself: an image element shows a picture only when it sees the next one's head, and does not know its time.
+// --- the image -------------------------------------------------------------------------------------------------------------------------
+// Reads the stream with fetch. An <img> would show each image only when the header of the next one arrives, and would not give its time.
 async function watch() {
   watching.abort();
   watching = new AbortController();
@@ -77,7 +77,7 @@ async function watch() {
       }
       if (newest) await paint(newest, ours);
     }
-  } catch (error) { /* its end, or no connection, which the pill shows */ }
+  } catch (error) { /* the stream ended, or there is no connection, which the pill shows */ }
 }
 async function paint(picture, ours) {
   const image = await createImageBitmap(new Blob([picture.jpeg], {type: 'image/jpeg'})), canvas = $('picture');
@@ -88,7 +88,7 @@ async function paint(picture, ours) {
   $('clock').textContent = fixed(picture.time, 2) + ' s of ' + (state ? Plots.short(state.end) : '–') + ' s · frame ' + picture.frame;
 }
 
-// --- the state, as it comes ------------------------------------------------------------------------------------------------------------
+// --- the state -------------------------------------------------------------------------------------------------------------------------
 function connect() {
   if (events) events.close();
   events = new EventSource(address('/events'));
@@ -97,11 +97,11 @@ function connect() {
   events.onmessage = message => show(JSON.parse(message.data));
 }
 document.addEventListener('visibilitychange', () => {
-  // A hidden page keeps no connection: browsers allow six to one address.
+  // A hidden page closes its connections, because browsers allow only six per address.
   if (document.hidden) { events.close(); watching.abort(); } else connect();
 });
 
-// What stays as it is costs nothing.
+// Sets a text only if it differs, so that an unchanged text costs nothing.
 const write = (element, text) => { if (element.textContent !== String(text)) element.textContent = text; };
 const fixed = (v, digits) => v === null || v === undefined ? '–' : Number(v).toFixed(digits);
 const grouped = v => v === null || v === undefined ? '–' : Number(v).toLocaleString('en');
@@ -119,7 +119,7 @@ function show(now) {
   $('undo').disabled = !now.can_undo;
   write($('pace'), now.state === 'ended' ? 'The scene ends at ' + Plots.short(now.end) + ' s: Again restarts it, a larger end (search for end) continues it.' :
     playing && now.pace ? now.pace + '.' : '');
-  // A problem is shown as long as the run has it, a notice once.
+  // A problem is shown as long as the state contains it, a notice once.
   $('problem').hidden = !now.problem;
   write($('problem'), now.problem);
   const number = now.notice ? now.notice.number : 0;
@@ -129,14 +129,14 @@ function show(now) {
   for (const [path, knob] of knobs) if (path in now.values) knob.show(now.values[path], false);
   if (now.frame !== plotted) plot(now, now.probe_plots), Plots.drawSoon(), plotted = now.frame;
 }
-// Which keys there are: another scene, kind of camera or look has others.
+// Text that differs if the set of keys differs (another scene, kind of camera or look).
 const structure = s => s && [s.scene, s.quality, ...Object.keys(s.values)].join();
 
 function facts(s) {
   const list = [
     ['particles', grouped(s.particles)], ['real time', s.simulated_per_wall_second > 0 ? fixed(100 * s.simulated_per_wall_second, 0) + ' %' : '–'],
-    ['frames a second', fixed(s.frames_per_second, 1)], ['frame', fixed(s.frame_ms, 0) + ' ms'], ['steps a frame', s.steps],
-    ['iterations a step', fixed(s.iterations, 1)], ['fastest', Plots.short(s.max_speed) + ' m/s'], ['memory', grouped(Math.round(s.memory_bytes / 1e6)) + ' MB'],
+    ['frames per second', fixed(s.frames_per_second, 1)], ['frame', fixed(s.frame_ms, 0) + ' ms'], ['steps per frame', s.steps],
+    ['iterations per step', fixed(s.iterations, 1)], ['maximum speed', Plots.short(s.max_speed) + ' m/s'], ['memory', grouped(Math.round(s.memory_bytes / 1e6)) + ' MB'],
     ['viewers', s.viewers], ['drawn by', (s.device || '').split(/[,(]/)[0]]];
   if ($('facts').children.length === 0) $('facts').replaceChildren(...list.map(([name]) => {
     const box = document.createElement('div'), dt = document.createElement('dt'), dd = document.createElement('dd');
@@ -156,15 +156,15 @@ function plot(s, described) {
       if (!probe.profile) Plots.add(where, named, s.time, values(s.probes[name]), dashed);
       else if (s.profiles) Plots.profile(where, named, probe, s.profiles[name][probe.along], values(s.profiles[name]), dashed);
     }
-  Plots.add(where, 'ms a frame, by stage', s.time, s.ms);
-  Plots.add(where, 'frames a second', s.time, {frames: s.frames_per_second || null});
-  Plots.add(where, 'iterations a step', s.time, {iterations: s.iterations, steps: s.steps});
+  Plots.add(where, 'ms per frame by stage', s.time, s.ms);
+  Plots.add(where, 'frames per second', s.time, {frames: s.frames_per_second || null});
+  Plots.add(where, 'iterations per step', s.time, {iterations: s.iterations, steps: s.steps});
   const energy = {kinetic: s.energy.kinetic};
   if (s.energy.spin) energy.spin = s.energy.spin;
-  Plots.add(where, 'energy of motion [J]', s.time, energy);
-  Plots.add(where, 'energy of height [J]', s.time, {potential: s.energy.potential});
+  Plots.add(where, 'kinetic energy [J]', s.time, energy);
+  Plots.add(where, 'potential energy [J]', s.time, {potential: s.energy.potential});
 }
-// Who comes late sees the curves from their beginning.
+// Loads the last 600 frames, so that a page that is opened late shows the earlier curves.
 async function loadHistory() {
   try {
     const [frames, now] = await Promise.all(['/history', '/state'].map(async path => (await fetch(address(path))).json()));
@@ -173,18 +173,18 @@ async function loadHistory() {
     frames.forEach(frame => plot(frame, now.probe_plots));
     plotted = frames[frames.length - 1].frame;
     Plots.draw();
-  } catch (error) { /* the next frame is plotted as it comes */ }
+  } catch (error) { /* no history: the curves begin with the next frame */ }
 }
 window.addEventListener('resize', () => Plots.draw());
 
-// --- knobs, from the scene's own description -------------------------------------------------------------------------------------------
+// --- knobs, made from the descriptions in /keys ----------------------------------------------------------------------------------------
 async function loadKeys() {
-  keys = keys || {revision: 0};  // on its way
+  keys = keys || {revision: 0};  // a request is under way
   try {
     const now = await (await fetch(address('/keys'))).json();
     if (now.revision >= keys.revision) showKeys(now);
   } catch (error) {
-    keys = null;  // tried again with the next state
+    keys = null;  // try again with the next state
   }
 }
 function showKeys(now) {
@@ -228,9 +228,9 @@ function showKeys(now) {
   filter();
 }
 
-// Sizes that keys at 0 may take, by unit.
+// Typical magnitudes by unit, for the range of a slider whose value is 0.
 const typical = {'N/m': 0.1, 'm^2/s': 1e-4, 'Pa s': 10, 'm/s': 10, Pa: 1000, s: 2, m: 0.05};
-// A slider's scale: logarithmic if the values are positive and may span decades.
+// Returns the scale of a slider: logarithmic if the values are positive and may span decades.
 function scaleOf(key, value) {
   let low = key.least, high = key.most;
   const positive = low !== null && low >= 0;
@@ -253,7 +253,7 @@ function makeKnob(key) {
   name.textContent = key.path.slice(key.path.lastIndexOf('.') + 1).replace(/_/g, ' ');
   unit.textContent = key.unit;
   name.append(unit);
-  why.textContent = key.meaning + (key.variables ? ' (a number, or of ' + key.variables + ')' : '');
+  why.textContent = key.meaning + (key.variables ? ' (a number, or an expression of ' + key.variables + ')' : '');
   const id = 'k_' + key.path.replace(/[^a-z0-9]+/gi, '_');
   name.htmlFor = id;
   row.append(name, fields, wrong, why);
@@ -266,9 +266,9 @@ function makeKnob(key) {
   };
   const knob = {row, wrong, key, refused: 0, put: () => {}, show(value, force) {
     const text = JSON.stringify(value);
-    // A state that was on its way when a value was refused is no new cause.
+    // Hide the error when the value changes, unless the value was refused less than a second ago: that state may be older than the refusal.
     if (text !== shown && !force && Date.now() - this.refused > 1000) wrong.textContent = '';
-    // What is just being moved or typed into is not pulled away.
+    // Do not overwrite a control that the user is moving or typing into.
     if (!force && (text === shown || Date.now() - held < 700 || (fields.contains(document.activeElement) && document.activeElement.type === 'text'))) return;
     shown = text;
     this.put(value);
@@ -284,7 +284,7 @@ function makeKnob(key) {
     input.value = value;
     return input;
   };
-  // "0.2" is a number, anything else a text: an expression, or "auto".
+  // Converts "0.2" to a number; keeps other texts (an expression, "auto").
   const typed = text => text.trim() !== '' && isFinite(Number(text)) ? Number(text) : text;
   const list = key.type.endsWith('s'), entry = text => ({true: true, false: false})[text.trim()] ?? typed(text.trim());
 
@@ -338,7 +338,7 @@ function makeKnob(key) {
   return knob;
 }
 
-// Every word has to be in a key's path, name or meaning.
+// Hides the knobs that lack a word of the search text in their path, name or meaning.
 function filter() {
   const words = $('find').value.toLowerCase().replace(/color/g, 'colour').split(/\s+/).filter(word => word);
   for (const knob of document.querySelectorAll('.knob')) {
@@ -354,7 +354,7 @@ function filter() {
 }
 $('find').oninput = filter;
 
-// Things worth trying, where the scene has the keys for them.
+// Fills the list of suggested changes with those whose keys the scene has.
 function tries() {
   const v = path => state ? state.values[path] : undefined;
   const scaled = (path, factor) => () => typeof v(path) === 'number' ? {[path]: rounded(v(path) * factor)} : null;
@@ -380,14 +380,14 @@ const actions = {
   play: () => control({do: !state || state.state === 'running' ? (state && state.playing ? 'pause' : 'play') : 'restart'}),
   step: () => control({do: 'step'}),
   restart: () => control({do: 'restart'}).then(reply => reply.ok && say('')),
-  undo: async () => { await sending; control({do: 'undo'}); },  // what has just been moved counts, too
+  undo: async () => { await sending; control({do: 'undo'}); },  // first send a change that is still waiting, so that it is undone
 };
 for (const [name, act] of Object.entries(actions)) $(name).onclick = act;
 const restart = more => control({do: 'restart', ...more}).then(loadKeys);
 $('apply').onclick = () => {
   const changes = {};
   for (const row of $('fixed').children) if (row.dataset.changed === '1') changes[row.dataset.path] = JSON.parse(row.dataset.value);
-  control({do: 'restart', set: changes}).then(reply => reply.ok && loadKeys());  // what is refused stays to be changed
+  control({do: 'restart', set: changes}).then(reply => reply.ok && loadKeys());  // if refused, the fields keep the values
 };
 $('forget').onclick = () => restart({forget: true});
 $('scene').onchange = () => restart({scene: $('scene').value});
@@ -396,7 +396,7 @@ for (const link of ['save', 'recording']) $(link).href = address($(link).getAttr
 
 document.addEventListener('keydown', event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  // Letters go where text is typed; a slider has no use for them. Space belongs to what it presses.
+  // A focused text field or list keeps all keys, a focused button or check box keeps Space; a slider leaves these keys to the page.
   const tag = event.target.tagName, kind = event.target.type;
   const types = tag === 'TEXTAREA' || tag === 'SELECT' || tag === 'INPUT' && kind !== 'range' && kind !== 'checkbox';
   const presses = event.key === ' ' && (['BUTTON', 'A', 'SUMMARY'].includes(tag) || kind === 'checkbox');
@@ -405,7 +405,7 @@ document.addEventListener('keydown', event => {
   if (name && !busy) { event.preventDefault(); actions[name](); }
 });
 
-// --- the camera: turning about what it looks at ----------------------------------------------------------------------------------------
+// --- the camera, which turns about its target ------------------------------------------------------------------------------------------
 const add = (a, b) => a.map((v, i) => v + b[i]), scale = (a, s) => a.map(v => v * s), minus = (a, b) => a.map((v, i) => v - b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0), length = a => Math.sqrt(dot(a, a));
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -414,7 +414,7 @@ const turned = (a, axis, angle) => add(add(scale(a, Math.cos(angle)), scale(cros
 let view = null, viewed = 0, home = null;
 
 function camera() {
-  // While it is moved, its own view counts; the state's is a little behind.
+  // Within 1.5 s of a movement, use the page's own view, because the view of the state lags behind.
   if (!view || Date.now() - viewed > 1500) view = state && state.view ? JSON.parse(JSON.stringify(state.view)) : null;
   if (view && !home) home = Object.fromEntries(Object.entries(state.values).filter(([k]) => k.startsWith('camera.')));
   return view;

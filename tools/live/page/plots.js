@@ -1,11 +1,11 @@
 'use strict';
-// Values on canvases: one plot a group, one line a name. Over time, the last points at the right, or over a coordinate at the current time.
-// Theory and experiments are dashed.
+// Plots on canvases: one plot per title, one line per name. A plot shows the last 600 values over time, or a profile over a coordinate at
+// the current time. Theory and experiments are dashed.
 const Plots = (() => {
   const kept = 600;
   const colours = ['#d9822b', '#2f8fd0', '#3fa45b', '#b565c9', '#d14c4c', '#7b8a97', '#c2a516', '#26a59a'];
   const plots = new Map();
-  // Curves are drawn where people see them, twice a second.
+  // Only visible plots are drawn, at most twice a second.
   const seen = new IntersectionObserver(changes => {
     for (const change of changes) for (const plot of plots.values()) if (plot.canvas === change.target) plot.seen = change.isIntersecting;
     drawSoon();
@@ -42,7 +42,7 @@ const Plots = (() => {
   const colour = k => colours[k % colours.length];
   const number = v => typeof v === 'number' && isFinite(v) ? v : null;
 
-  // Values at a time, under the last 600.
+  // Adds values at a time, and drops the oldest above 600.
   function add(parent, title, time, values, dashed = []) {
     if (!plots.has(title)) plots.set(title, make(parent, title));
     const plot = plots.get(title);
@@ -58,7 +58,7 @@ const Plots = (() => {
     }
   }
 
-  // Lists of values at places, in the place of those before.
+  // Replaces a profile by values at these positions.
   function profile(parent, title, {along, along_unit}, places, values, dashed) {
     if (!plots.has(title)) plots.set(title, make(parent, title, along));
     const plot = plots.get(title);
