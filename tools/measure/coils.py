@@ -82,7 +82,7 @@ def coils_laid_speed(m):
             coarse = excess(2e-3, 7)
             fine = percent(excess(1.25e-3, fine_turns[row]), 1) if row in fine_turns else ""
             rows.append([row, f"{slenderness:.2f}", percent(coarse, 1), fine, f"{coarse / slenderness**2:.1f}"])
-    return markdown("row | a/R | 2 pi R f over U1, less 1, at 2 mm | at 1.25 mm | over (a/R)^2, at 2 mm", rows)
+    return markdown("row | a/R | 2 pi R f/U1 - 1, 2 mm | 2 pi R f/U1 - 1, 1.25 mm | (2 pi R f/U1 - 1)/(a/R)^2, 2 mm", rows)
 
 
 @table("coils_on_heap", "a coil on its own heap on a sinking plate, by spacing", "4 minutes")
@@ -154,7 +154,7 @@ def falling_thread(m):
         a = math.sqrt(probe["mass"][steady].mean() / (1000 * math.pi * 0.02))
         link = max((theory.longest_link(x[x[:, 1] > -(mm + 10) / 1e3]) for x in clouds), default=math.nan) / 2e-3
         rows.append([f"{mm} mm", f"{draw:.2f}", f"{expected:.2f}", f"{a / (radius / math.sqrt(expected)):.3f}", f"{link:.1f} d"])
-    return markdown("below the nozzle | draw u/U | theory | radius over theory's | longest link", rows)
+    return markdown("below the nozzle | draw u/U | theory | radius over theory | longest link", rows)
 
 
 def sewing_patterns(m, ratios, spacing):
@@ -180,8 +180,8 @@ def sewing_patterns(m, ratios, spacing):
 
         expected = "coils" if ratio < 0.29 else "loops" if ratio < 0.54 else "meanders" if ratio < 1 else "straight"
         rows.append([f"{ratio:g}", expected, *attempt(measure)])
-    return markdown("V/Uc | expected | across [Hz] | along over across | swing across [mm] | swing along [mm] | runs back at [V] | "
-                    "pattern", rows)
+    return markdown("V/Uc | expected | frequency across [Hz] | frequency along over across | amplitude across [mm] | "
+                    "amplitude along [mm] | speed with the belt over V | pattern", rows)
 
 
 @table("sewing_machine", "the pattern of a thread on a belt, nine speeds", "20 minutes")

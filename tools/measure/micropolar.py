@@ -74,7 +74,7 @@ def towed_post(m):
 @table("spin_cost", "CPU ns per particle-step of 100,000 particles: with spin, without spin, without spin and viscosity", "1 minute")
 def spin_cost(m):
     rows = []
-    for words, panel in zip(("with spin (`notes`)", "without spin", "without viscosity, too"),
+    for words, panel in zip(("with spin (`notes`)", "without spin", "without spin and viscosity"),
                             m.render("scenes/studies/spin_cost.toml", "spin_cost", threads=2).panels):
         ns = {name: 1e9 * stage["cpu_seconds"] / panel["particle_steps"] for name, stage in panel["stages"].items() if name != "write"}
         parts = [ns.get("neighbours", 0), ns.get("density", 0), ns.get("pressure", 0), ns.get("viscosity", 0) + ns.get("micropolar", 0)]

@@ -24,7 +24,7 @@ def published_viscosity(m):
                 decay = math.log(d["kinetic_energy"][0] / d["kinetic_energy"][-1])
                 cells.append(f"{decay / (2 * nu * (2 * pi)**2 * d['time'][-1]):.3f}")
         rows.append([f"{support:g} d", *cells])
-    return markdown("support | uncorrected, 16 a wave | 32 | corrected gradients, 16 a wave | 32", rows)
+    return markdown("support | uncorrected, 16 per wavelength | 32 | corrected gradients, 16 per wavelength | 32", rows)
 
 
 @table("published_pressure", "water at rest with the density as source, by share of the correction and multigrid cycle", "3 minutes")
@@ -80,4 +80,4 @@ def gate(m):
         felt = lowest[np.argmax(fall < 0.98 * d["time"])]
         rest = np.mean([h[h < h[0] + 0.5].mean() for h in heights[-frames // 10:]])
         rows.append([words, f"{felt:.2f} d", f"{lowest.min():.2f} d", f"{rest:.2f} d", f"{d['max_speed'][-1]:.3f}"])
-    return markdown("pressure, floor | felt from | lowest | rests at | largest speed at 1 s [m/s]", rows)
+    return markdown("pressure, floor | height of onset | lowest height | height at rest | largest speed at 1 s [m/s]", rows)

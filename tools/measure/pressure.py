@@ -25,7 +25,7 @@ def preconditioners(m, cases):
             rows.append([form, particles, factor, f"{number(residual):.1e}", *cells, milliseconds(last["set_up_seconds"]), last["levels"],
                          f"{number(last['bytes']):.0f}", f"{number(found['diagonal']['seconds']) / number(last['seconds']):.1f}"])
     return markdown("form | particles | step over CFL 0.4 | residual | " + " | ".join(f"{name} | ms | error %" for name in names) +
-                    " | of it set-up | levels | bytes per particle | times faster", rows)
+                    " | set-up ms | levels | bytes per particle | times faster", rows)
 
 
 @table("pressure_preconditioners", "pressure solves by preconditioner: iterations, time, error; 1e3 to 1e5 particles", "3 minutes")
@@ -80,7 +80,7 @@ def dam_break_threads(m):
         runs = [[dam_break(m, spacing, 0.1, threads, words=f"-{k}").report for threads in (1, 2)] for k in range(3)]
         gains = [one["wall_seconds"] / two["wall_seconds"] for one, two in runs]
         rows.append([f"{runs[0][0]['particles']:.0f}", f"{min(gains):.2f}", f"{max(gains):.2f}"])
-    return markdown("particles | two threads over one, smallest | largest", rows)
+    return markdown("particles | speed-up by two threads, smallest | largest", rows)
 
 
 @table("dam_break_density", "density errors of dam breaks 10 and 16 particles wide", "2 minutes")

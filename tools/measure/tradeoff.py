@@ -295,7 +295,7 @@ def live_speed(m):
     settings, rows = [], []
     for k, (words, more) in enumerate((
             ("none", ["surface.voxel=0.5", "time.cfl=0.4", "pressure.tolerance=1e-3"]),
-            ("surface of one voxel a spacing (`surface.voxel = 1`)", ["surface.voxel=1"]),
+            ("surface of one voxel per spacing (`surface.voxel = 1`)", ["surface.voxel=1"]),
             ("steps of up to 1.6 spacings (`time.cfl = 1.6`)", ["time.cfl=1.6"]),
             ("a looser solve (`pressure.tolerance = 3e-3`)", ["pressure.tolerance=3e-3"]),
             ("`pressure.tolerance = 1e-2` (not the draft's)", ["pressure.tolerance=1e-2"]))):
@@ -310,4 +310,4 @@ def live_speed(m):
         rows.append([words, f"{(time[-1] - time[0]) / (wall[-1] - wall[0]):.2f}", f"{1e3 * simulate / run.report['frames']:.0f}",
                      f"{iterations[1:].sum() / (steps[-1] - steps[0]):.0f}", f"{(steps[-1] - steps[0]) / (len(steps) - 1):.0f}",
                      *(f"{ms:.0f}" for ms in pictures)])
-    return markdown("lever | of real time | simulate ms | iterations per step | steps per image | draw ms | surface ms", rows)
+    return markdown("change | fraction of real time | simulate ms | iterations per step | steps per image | draw ms | surface ms", rows)

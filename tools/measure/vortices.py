@@ -107,7 +107,7 @@ def orders_in_time(m):
         changes = np.abs(np.diff(energies))
         rows.append([f"Re {reynolds}", *(f"{energy:.5f}" for energy in energies), *(f"{order(*pair):.2f}" for pair in zip(changes, changes[1:])),
                      f"{order(changes[0], changes[-1], 4):.2f}"])
-    return markdown("case | energy over theory with 10 steps | 20 | 40 | 80 | order of 10, 20, 40 | of 20, 40, 80 | in the mean", rows)
+    return markdown("case | energy over theory with 10 steps | 20 | 40 | 80 | order from 10, 20, 40 | from 20, 40, 80 | mean order", rows)
 
 
 @table("equal_error", "cost of Taylor-Green vortices by error, with the projection and weakly compressible", "1 minute")
@@ -348,4 +348,4 @@ def martin_moyce(m):
         early = experiment["T"][0] - np.interp(experiment["Z"][0], fronts, times)  # in the experiment a membrane has to burst first
         found = np.interp(experiment["T"] - early, times, fronts)
         rows.append([f"{layers} layers", "5 %", percent(np.abs(found / experiment["Z"] - 1).max(), 1), f"{early:.2f}", *cost(run)])
-    return markdown("case | bound | largest distance from the front | earlier by, in T | steps | CPU s", rows)
+    return markdown("case | bound | largest distance from the front | time shift [T] | steps | CPU s", rows)
