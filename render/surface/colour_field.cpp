@@ -21,7 +21,7 @@ struct Around {
             z.insert(z.end(), p.z.begin() + begin, p.z.begin() + end);
         });
     }
-    // sum_k (1 - r_ik^2 / R^2)^3 with two R at once; written without a branch, so that the compiler vectorises it.
+    // sum_k (1 - r_ik^2 / R^2)^3 for two R in one loop, written without a branch so that the compiler vectorises it.
     std::array<float, 2> sums(const Vec3f& at, float first_R, float second_R) const {
         const float first_inverse = 1 / (first_R * first_R), second_inverse = 1 / (second_R * second_R);
         const float ax = at.x(), ay = at.y(), az = at.z();
@@ -37,16 +37,16 @@ struct Around {
     }
 };
 
-// Ratio of a lone particle's kernel to the usual one. With a smaller `few`, droplets of a few particles come out too thick; with a larger
+// Kernel radius of a lone particle over the usual one. With a smaller `few`, droplets of a few particles come out too thick; with a larger
 // one, threads of radius 3 d that are 1 d apart merge.
 constexpr float lone_factor = 1.2f;
 // Sum of the wide kernels about a particle: below `few` the particle's own kernel is wide, above `many` it is not. The sum is 8.8 inside a
 // fluid, 5.3 at a flat surface and 2.2 in a single file.
 constexpr float few = 3.0f, many = 4.7f;
 
-// A lone particle with its wide kernel is a drop of 1.8 d^3, but spray is finer than the spacing. Beyond a distance of `apart` kernels from
-// all others the drop shrinks. From `alone` kernels on its kernel is smaller by `spray_factor`: 0.6 d^3 after the mesh's smoothing. A
-// particle nearer than `apart` may belong to a thread.
+// A lone particle with its wide kernel is a drop of 1.8 d^3, but spray is finer than the spacing. So the kernel shrinks with the distance
+// to the nearest other particle, from a factor of 1 at `apart` kernel radii to `spray_factor` at `alone` kernel radii. This gives a drop of
+// 0.6 d^3 after the smoothing of the mesh. A particle nearer than `apart` may belong to a thread.
 constexpr float apart = 1.04f, alone = 1.9f, spray_factor = 0.85f;
 
 // Distance to the nearest other particle, at most `most`.

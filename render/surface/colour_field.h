@@ -1,7 +1,7 @@
 #pragma once
 /// Colour field of a fluid given by particles: near 1 inside and 0 outside, for any local distance between the particles.
 ///
-///     c(x) = sum_j V_j W_j(|x - x_j|),    V_j = m/rho_j = 1 / sum_k W_j(|x_j - x_k|),    W_j(r) = (1 - r^2/R_j^2)^3 (its norm drops out)
+///     c(x) = sum_j V_j W_j(|x - x_j|),    V_j = m/rho_j = 1 / sum_k W_j(|x_j - x_k|),    W_j(r) = (1 - r^2/R_j^2)^3 (its norm cancels)
 ///
 /// With equal volumes V_j round surfaces would shrink by sigma^2/r (sigma: the kernel's width) and single particles would vanish. After
 /// this normalisation a flat surface is at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c =
@@ -25,7 +25,7 @@ public:
     float reach() const { return reach_; }  ///< the largest R [m]
     /// R_j [m], in sorted order.
     const std::vector<float>& radius() const { return radius_; }
-    /// V_j in sorted order: height of the particle's bump.
+    /// V_j in sorted order, factor of the particle's kernel.
     const std::vector<float>& height() const { return height_; }
 
 private:

@@ -115,7 +115,8 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
         const Vec3f low = block.low(voxel), middle = block.middle(voxel);
         const float radius = ColourBlock::radius(voxel);
         const Cut near = cut.near(middle, radius, field.reach());
-        if (near.any() && near.at(middle).inside(middle) < -radius - voxel) {  // wholly beyond the cut: no cell of the surface ends here
+        if (near.any() &&
+            near.at(middle).inside(middle) < -radius - voxel) {  // wholly beyond the cut, so no cell of the surface reaches it
             std::fill(block.value, block.value + block_nodes, 0.0f);
             block.least = block.most = 0;
             return;

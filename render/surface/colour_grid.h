@@ -27,12 +27,12 @@ struct ColourBlock {
     static float radius(float voxel) { return 0.87f * voxel * block_edge; }
     /// Position of value[n] relative to the first node [voxels].
     static Vec3f node(int n) { return Vec3f(static_cast<float>(n >> 6), static_cast<float>(n >> 3 & 7), static_cast<float>(n & 7)); }
-    std::array<Index, 8> ahead;  ///< index 4 a + 2 b + c: the block at origin + 8 (a, b, c), first itself; -1: no block, all zero
+    std::array<Index, 8> ahead;  ///< index 4 a + 2 b + c: the block at origin + 8 (a, b, c); ahead[0]: itself; -1: none, all zero
 };
 
 class ColourGrid {
 public:
-    /// Blocks that lie wholly inside the fluid are set to 1 without evaluation. At the sides of `cut` the colour falls through `iso`.
+    /// Blocks that lie wholly inside the fluid are set to 1 without evaluation. The colour is at most cut_colour().
     ColourGrid(const ColourField& field, float voxel, const Cut& cut = {}, float iso = 0);
     ~ColourGrid();
 

@@ -76,7 +76,7 @@ Volume extent_of(const TriangleMesh& mesh, float voxel) {
     }
 }
 
-// Triangles by the slabs of voxels along z that they come near.
+// Lists of the triangles within a margin of each slab (consecutive planes of voxels along z).
 class Slabs {
 public:
     static constexpr int thickness = 4;
@@ -120,10 +120,10 @@ public:
             inward_[m] = normal.cross(side_[m]);
         }
     }
-    // Signed height of a row's voxels above the triangle's plane. @param p the first @param step from voxel to voxel along x
+    // Signed height of a row's voxels above the triangle's plane [m]. @param p the row's first voxel @param step edge of a voxel [m]
     Lanes above(const Vec3f& p, float step) const { return normal_.dot(p) + counted * (step * normal_.x()); }
 
-    // @param p the row's first voxel @param step from voxel to voxel along x
+    // @param p the row's first voxel @param step edge of a voxel [m]
     Row nearest(const Vec3f& p, float step) const {
         const Lanes x = p.x() + counted * step, none = x - x;
         Row row{none, none, none, none + std::numeric_limits<float>::max(), above(p, step)};
@@ -160,18 +160,19 @@ private:
 
 // Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of the surface a voxel is.
 // If several triangles share the nearest point (on an edge or a corner), the one that faces the voxel most squarely decides. Voxels without
-// a near triangle are on the side of those before them in their row; all rows begin outside.
-// @param side of each voxel: -1 inside
+// a near triangle are on the same side as the voxel before them in their row. Each row begins outside.
+// @param side set for each voxel: -1 inside, 1 outside
 void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Closest& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
-    // Squared distances that differ by less are equal up to rounding, which grows with the triangles.
+    // Squared distances that differ by less than this [m^2] count as equal, because of rounding errors.
     const float tie = 1e-6f * e.voxel * (e.at(e.nx, e.ny, e.nz) - e.origin).norm();
     const float margin2 = margin * margin;
     constexpr float rounding = 1e-4f;
     parallel_tasks(slabs.count(), [&](Index slab) {
         const int k_begin = slab * Slabs::thickness, k_end = std::min(e.nz, k_begin + Slabs::thickness);
         closest.clear(k_begin, k_end);
-        std::vector<float> above(closest.plane() * Slabs::thickness + lanes, 0.0f);  // height above the plane of the deciding triangle
+        std::vector<float> above(closest.plane() * Slabs::thickness + lanes,
+                                 0.0f);  // height above the plane of the triangle that decides on the side
         for (std::uint32_t t : slabs.triangles(slab)) {
             const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]],
                         &c = mesh.position[mesh.triangle[t][2]];
@@ -298,16 +299,16 @@ private:
     // Results of the previous plane, from its first voxel on.
     struct Known {
         const float *x, *y, *z;
-        std::size_t row;  // from one row of them to the next
+        std::size_t row;  // number of floats from one row to the next
     };
 
-    // The voxels of a block that lie in the plane.
+    // Updates the voxels of a block that lie in the plane.
     void block(const std::array<int, 3>& b, int plane, int direction) const {
         std::array<int, 3> first{}, end{};
         for (int a = 0; a < 3; ++a) first[a] = b[a] * Band::edge, end[a] = std::min(size_[a], first[a] + Band::edge);
         first[axis_] = plane, end[axis_] = plane + 1;
         if (axis_ == 0) return across_rows(first, end, direction);
-        const int v = 3 - axis_;  // rows follow each other along this axis
+        const int v = 3 - axis_;  // axis along which rows are stacked
         std::array<int, 3> at = first;
         for (; at[v] < end[v]; ++at[v]) {
             const std::size_t here = closest_.index(at[0], at[1], at[2]), from = before(here, direction);
@@ -320,7 +321,7 @@ private:
         }
     }
 
-    // A plane across the rows: copies its voxels and those of the plane before side by side along y first.
+    // Updates a plane across the rows. First copies its voxels and those of the plane before, so that voxels along y are contiguous.
     void across_rows(const std::array<int, 3>& first, const std::array<int, 3>& end, int direction) const {
         constexpr int edge = Band::edge, wide = 2 * lanes;
         const int count_y = end[1] - first[1], count_z = end[2] - first[2];
@@ -362,9 +363,9 @@ private:
 
     std::size_t before(std::size_t here, int direction) const { return direction > 0 ? here - stride_[axis_] : here + stride_[axis_]; }
 
-    // Consecutive voxels try the points of the voxels before them and of the eight around those. @param from2 results of the voxels before
-    // them
-    // @param to x, y, z and the squared distance @return whether any voxel tried
+    // Consecutive voxels try the closest points of the voxel before each and of the eight around that one.
+    // @param from2 squared distances of the voxels before @param to x, y, z and squared distance of each voxel, updated
+    // @return whether any voxel tried
     bool ask(const std::array<Lanes, 3>& voxel, const Lanes& from2, bool has_row_before, bool has_row_after, const Known& known,
              float* const (&to)[4]) const {
         Lanes best = load(to[3]);

@@ -10,7 +10,7 @@ namespace whorl {
 namespace {
 
 /// Planes of a convex mesh's triangles; empty if the mesh is not convex.
-/// @param flat m: facets of a round wall that a plane follows as closely as this are one side
+/// @param flat triangles within this distance [m] of a plane count as one side, such as facets of a round wall
 std::vector<Cut::Side> walls_of(const TriangleMesh& mesh, float flat) {
     std::vector<Cut::Side> walls;
     float size = 0;
@@ -42,7 +42,7 @@ Ghosted with_ghosts(const Frame& frame, float margin) {
     for (std::size_t i = 0; i < all.original.size(); ++i) all.original[i] = static_cast<Index>(i);
     for (int a = 0; a < 3; ++a) {
         const float period = frame.domain_max[a] - frame.domain_min[a];
-        if (!frame.periodic[a] || !(period > 0)) continue;  // a plane has no depth
+        if (!frame.periodic[a] || !(period > 0)) continue;  // a 2D domain has no depth
         const std::size_t count = all.position.size();      // copies along earlier axes are copied too, which fills the corners
         // A domain narrower than the margin is repeated until the copies cover the margin.
         for (int times = 1; static_cast<float>(times - 1) * period < margin; ++times)
@@ -89,7 +89,7 @@ Cut Cut::near(const Vec3f& x, float radius, float reach) const {
     std::sort(found.begin(), found.end());
     Cut some;
     for (const auto& [inside, side] : found) {
-        // The difference between the distances to two sides changes by no more than their normals differ.
+        // Over a path of length r, the difference between the distances to two sides changes by at most r |n_1 - n_2|.
         const bool is_hidden = std::any_of(some.sides_.begin(), some.sides_.end(), [&, way = inside, far = side](const Side& nearer) {
             return !are_across(nearer, *far) && way - nearer.inside(x) > radius * (far->inward - nearer.inward).norm();
         });

@@ -14,15 +14,15 @@ struct Ghosted {
 };
 Ghosted with_ghosts(const Frame& frame, float margin);
 
-/// The planes at which the fluid is cut off: the sides of a periodic domain and the walls of convex containers. A container whose wall has
-/// a hollow or a bulge has no planes; the fluid ends there with its particles.
+/// The planes at which the fluid is cut off: the sides of a periodic domain and the walls of convex containers. A container that is not
+/// convex has no planes; in it the surface is that of the particles alone.
 class Cut {
 public:
     struct Side {
-        Vec3f inward;                                                          ///< its normal
-        float offset;                                                          ///< m: inward.x of its points
-        bool is_wall;                                                          ///< of a container
-        float inside(const Vec3f& x) const { return inward.dot(x) - offset; }  ///< m from the side, negative beyond it
+        Vec3f inward;                                                          ///< unit normal, towards the fluid
+        float offset;                                                          ///< m, inward . x of its points
+        bool is_wall;                                                          ///< wall of a container; false: side of a periodic domain
+        float inside(const Vec3f& x) const { return inward.dot(x) - offset; }  ///< distance from the side [m], negative beyond it
     };
     Cut() = default;
     explicit Cut(const Frame& frame);
@@ -30,17 +30,17 @@ public:
     bool any() const { return !sides_.empty(); }
     /// Side with the least inside(x). There must be a side.
     const Side& at(const Vec3f& x) const;
-    /// How many sides, up to three across each other, are nearer than `reach`.
+    /// Number of sides nearer than `reach` [m] that are across each other, at most three.
     int count_at(const Vec3f& x, float reach) const { return corner_at(x, reach).count; }
-    /// The sides that any point within `radius` of x can have within `reach` or beyond them. Sides that others hide there, such as the
-    /// facets of a round wall, are left out.
+    /// The sides that are nearer than `reach` to some point within `radius` of x, or have such a point beyond them [m]. Omits sides that
+    /// other sides hide from all these points, such as further facets of a round wall.
     Cut near(const Vec3f& x, float radius, float reach) const;
-    /// Mirror images of the particles within `margin` of the walls, also at corners, so that water fills its glass.
+    /// Mirror images of the particles within `margin` [m] of the walls, also at corners. With them the surface reaches the walls.
     std::vector<Vec3f> images(const std::vector<Vec3f>& position, float margin) const;
-    /// x moved onto the walls that are nearer than `reach`, so that the edge between two walls is sharp.
+    /// x, moved onto the walls nearer than `reach` [m], so that the edge between two walls is sharp.
     Vec3f onto_walls(const Vec3f& x, float reach) const;
-    /// Corrects a vertex on sides after smoothing moved it: on periodic sides it returns to its position, so that both ends of a period fit
-    /// together; on walls it may move along them.
+    /// Corrected position of a vertex that smoothing moved. A vertex on a periodic side (within `tolerance` [m]) returns to `original`, so
+    /// that both ends of a period fit together. A vertex on a wall may only slide along it.
     Vec3f held(const Vec3f& original, const Vec3f& moved, float tolerance) const;
 
 private:
@@ -55,7 +55,7 @@ private:
 
     std::vector<Side> sides_;
 };
-/// Upper bound of the colour at a distance `inside` from the cut: iso on the cut.
+/// Upper bound of the colour at a distance `inside` [m] from the cut. On the cut it is iso.
 inline float cut_colour(float inside, float iso, float reach) { return iso + inside / reach; }
 
 }  // namespace whorl

@@ -26,7 +26,7 @@ struct Tile {
     Vec3f cut(int i, int j, int k, int axis, float iso) const {
         const float here = at(i, j, k), there = ahead(i, j, k, axis);
         Vec3f point(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-        // Kept off the ends, so that vertices of neighbouring edges stay apart.
+        // The point keeps off the ends, so that vertices of neighbouring edges do not coincide.
         point[axis] += std::clamp((iso - here) / (there - here), 0.02f, 0.98f);
         return point;
     }
@@ -109,7 +109,7 @@ void add_triangles(const Tile& tile, float iso, const ColourBlock& block, const 
     });
 }
 
-// Blocks whose cells may be cut, in rising order. A block that owns edges of another block's cut cells has them in its own cells as well.
+// Blocks whose cells may be cut, in ascending order. If a block owns an edge of another block's cut cell, one of its own cells has it too.
 std::vector<Index> cut_blocks(const std::vector<ColourBlock>& blocks, float iso) {
     std::vector<Index> cut;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -166,7 +166,7 @@ MarchedMesh march(const ColourGrid& grid, float iso) {
 
 namespace {
 
-constexpr float lone_company = 2.7f, bulk_company = 5.4f;  // LocalField::Sample::company at drops of radius 1.5 d; beyond a flat surface
+constexpr float lone_company = 2.7f, bulk_company = 5.4f;  // LocalField::Sample::company at bulk 0 (a drop of radius 1.5 d) and 1
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace whorl {
 struct CubeEdge {
     int corner, axis;
 };
-/// The twelve edges, with number 4 axis + (index of the corner among the four).
+/// The twelve edges of a cell. Edge 4 axis + n starts at the n-th of the four corners from which an edge runs along the axis.
 const std::array<CubeEdge, 12>& cube_edges();
 
 /// A polygon through cut edges, counter-clockwise seen from outside.
@@ -34,14 +34,14 @@ const CubeCase& cube_case(unsigned inside);
 struct MarchedMesh {
     TriangleMesh mesh;
     std::vector<Index> block;        ///< blocks with vertices, rising
-    std::vector<Index> block_begin;  ///< of block[n] are the vertices block_begin[n] .. block_begin[n + 1]
-    std::vector<float> bulk;         ///< of each vertex after project(): 0 at a drop of radius 1.5 d, 0.6 at a flat surface
+    std::vector<Index> block_begin;  ///< block[n] has the vertices block_begin[n] .. block_begin[n + 1] - 1
+    std::vector<float> bulk;         ///< per vertex, set by project(): 0 at a drop of radius 1.5 d, 0.6 at a flat surface
 };
 
 /// The surface c = iso by marching cubes, always closed and manifold: every edge belongs to two triangles, every vertex to one fan.
 MarchedMesh march(const ColourGrid& grid, float iso);
 
-/// Moves every vertex onto c = iso of the field itself, which the grid only samples, and sets the normals from its gradient. Vertices on
+/// Moves every vertex from the grid's approximation onto c = iso of the exact field, and sets the normals from its gradient. Vertices on
 /// the cut stay there.
 void project(const ColourField& field, float iso, float voxel, const ColourGrid& grid, const Cut& cut, MarchedMesh& marched);
 

@@ -28,7 +28,7 @@ public:
             }
     }
 
-    /// Calls f(i, r) for each particle nearer to `place` than `reach` [m]; r: vector from there to the particle [m].
+    /// Calls f(i, r) for each particle nearer to `place` than `reach` [m]; r: vector from `place` to the particle [m].
     template <class F>
     void near(const Vec3f& place, float reach, F&& f) const {
         runs(place.array() - reach, place.array() + reach, [&](Index begin, Index end) {

@@ -67,7 +67,7 @@ struct EvenRing {
 
 constexpr float lambda = 0.63f;  // strength of one blur step
 
-// Steps of the one blur that takes out as much as a further rounds - 1 would, within 10 %.
+// Number of steps of a single blur that removes as much as rounds - 1 further rounds would, within 10 %.
 int blur_as_rounds(int rounds, int steps) { return static_cast<int>(std::lround(std::sqrt(static_cast<double>(rounds - 1)) * steps)); }
 
 std::vector<float> lambdas(std::size_t vertices, const std::vector<float>& bulk) {
@@ -76,7 +76,7 @@ std::vector<float> lambdas(std::size_t vertices, const std::vector<float>& bulk)
     return each;
 }
 
-// Places with a fourth number that means nothing, so that they are read and added at once; and one at the end that stays 0.
+// Positions with an unused fourth component, so that one instruction reads or adds all. An extra position at the end stays 0.
 using Padded = Eigen::Vector4f;
 using PaddedPlaces = std::vector<Padded>;
 
@@ -86,7 +86,8 @@ PaddedPlaces padded(const std::vector<Vec3f>& position) {
     return places;
 }
 
-// (1 - lambda k)^steps of each component of the shape with eigenvalue k of the umbrella operator. @param each vertex's lambda
+// Blurs the positions: multiplies each component of the shape, of eigenvalue k of the umbrella operator, by (1 - lambda k)^steps.
+// @param each lambda per vertex
 void blur(const EvenRing& ring, const std::vector<float>& each, PaddedPlaces& position, PaddedPlaces& scratch, int steps) {
     const auto vertices = static_cast<Index>(ring.share.size());
     constexpr Index block = 8192;  // waking a thread takes as long as a few thousand vertices
@@ -108,8 +109,9 @@ void blur(const EvenRing& ring, const std::vector<float>& each, PaddedPlaces& po
 
 }  // namespace
 
-// With S the blur, x <- S x + S (1 - S) x + S (1 - S)^2 x: what passes is 1 - (1 - S)^3. A blur alone shrinks a sphere in proportion to its
-// curvature; handing back the blurred loss twice leaves the third power of that, and still takes out what the blur takes out well.
+// With S the blur, x <- S x + S (1 - S) x + S (1 - S)^2 x = (1 - (1 - S)^3) x. A blur alone shrinks a sphere by the share
+// 1 - S, which is proportional to its curvature. Adding the blurred loss back twice leaves the third power of that share, and still removes
+// the bumps that the blur removes well.
 void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk, const std::vector<char>& sides) {
     constexpr int order = 3;
     const EvenRing ring{Ring(mesh), sides};

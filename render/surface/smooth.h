@@ -8,14 +8,15 @@
 namespace whorl {
 
 /// Removes bumps as small as the distance between particles.
-/// @param steps of each blur: 10 where edges are half a spacing long, more in proportion to the inverse square of their length
-/// @param bulk of each vertex, 0 .. 1: rounds after the first move it by that share, so that drops and thin threads keep their size
-/// (Loeschner et al. 2023 weight by the number of particles); empty: all rounds move vertices fully
-/// @param sides how many walls each vertex is on: the line where the surface meets walls is smoothed along itself; empty: none
+/// @param steps per blur: 10 if edges are half a spacing long, otherwise in proportion to the inverse square of their length
+/// @param bulk per vertex, 0 .. 1, factor on its movement in all rounds after the first, so that drops and thin threads keep their size
+/// (Loeschner et al. 2023 weight by the number of particles); empty: 1
+/// @param sides per vertex, number of sides that it is on; empty: 0. Vertices on the line where the surface meets walls move only along it.
 void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk = {}, const std::vector<char>& sides = {});
 
-/// Area-weighted normals of the mesh after a blur of `steps` steps (0: of the mesh itself), for clean edges of reflections. The mesh keeps
-/// its outline, and the shrinking by the blur does not affect the normals. @param further steps, weighted by `bulk`
+/// Area-weighted normals of the mesh after a blur of `steps` steps (0: of the mesh itself), for clean edges of reflections. The
+/// positions do not change, and the shrinking by the blur does not affect the normals. @param further number of further steps, weighted by
+/// `bulk`
 void set_smooth_normals(TriangleMesh& mesh, int steps, int further = 0, const std::vector<float>& bulk = {},
                         const std::vector<char>& sides = {});
 

@@ -17,8 +17,8 @@ namespace {
 constexpr float touch = 0.02f;   // distance from the cut below which a vertex is on it [voxels]
 constexpr float edge_reach = 6;  // distance from an edge between walls within which normals change [voxels]
 
-/// Restores the wall's normal near an edge between two walls: smooth normals round off that edge, and the water would bend light that it
-/// does not. Normals that differ little stay, so that the facets of a round wall do not show.
+/// Restores the wall's normal near an edge between two walls, because smooth normals would round off that edge and refract light wrongly.
+/// Normals that differ little stay, so that the facets of a round wall are not visible.
 /// @return whether the vertex is on a wall and near such an edge
 bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
     const Cut::Side& side = cut.at(x);
@@ -29,8 +29,8 @@ bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal)
     return true;
 }
 
-/// Vertices on edges between walls, and where the surface meets walls: triangles of both are there.
-/// @param on_wall of each vertex, whether set_wall_normal() found it so @param sides that it is on
+/// Vertices on edges between walls, and on lines where the free surface meets a wall. Their triangles lie on both faces.
+/// @param on_wall per vertex, result of set_wall_normal() @param sides per vertex, number of sides that it is on
 std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>& on_wall, const std::vector<char>& sides) {
     std::vector<char> is_edge(mesh.position.size(), 0);
     for (const auto& t : mesh.triangle) {
@@ -48,7 +48,7 @@ std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>&
     return edge;
 }
 
-/// Calls f(v, sides near v) for the vertices with sides within the reach of an edge.
+/// Calls f(v, near) in parallel for each vertex v of the blocks that sides are near. near: these sides.
 template <class F>
 void for_vertices_at(const Cut& cut, const ColourGrid& grid, const MarchedMesh& marched, F&& f) {
     const float voxel = grid.voxel(), radius = ColourBlock::radius(voxel) + voxel;  // plus the distance that smoothing may move a vertex
@@ -60,12 +60,14 @@ void for_vertices_at(const Cut& cut, const ColourGrid& grid, const MarchedMesh& 
 }
 
 KeyTable make_surface_keys() {
-    KeyTableOf<SurfaceOptions> t("how particles become a surface");
+    KeyTableOf<SurfaceOptions> t("surface of the fluid, computed from the particles");
     t.key("voxel", &SurfaceOptions::voxel, "spacings", "edge of a voxel").at_least(0.1).at_most(2);
     t.key("radius", &SurfaceOptions::radius, "spacings", "kernel radius").at_least(1).at_most(6);
-    t.key("iso", &SurfaceOptions::iso, "", "the smoothed colour on the surface: 1 inside, 0 outside").above(0).at_most(0.99);
-    t.key("smoothing", &SurfaceOptions::smoothing, "", "passes over the mesh").at_least(0).at_most(50);
-    t.key("distance", &SurfaceOptions::distance, "", "make the distance volume that refraction needs");
+    t.key("iso", &SurfaceOptions::iso, "", "value of the colour field on the surface; the field is near 1 inside, 0 outside")
+        .above(0)
+        .at_most(0.99);
+    t.key("smoothing", &SurfaceOptions::smoothing, "", "rounds of smoothing of the mesh; 0: none").at_least(0).at_most(50);
+    t.key("distance", &SurfaceOptions::distance, "", "compute the distance volume, which refraction needs");
     t.all_live();
     return t;
 }
@@ -109,7 +111,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             Vec3f& x = surface.mesh.position[v];
             x = near.held(sharp[v], x, touch * voxel);
-            // Along a facet of a round wall it may have come beyond the next one.
+            // A vertex that slid along a facet of a round wall may be beyond the next facet.
             if (const Cut::Side& side = near.at(x); side.is_wall && side.inside(x) < 0) x -= side.inside(x) * side.inward;
         });
         set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk, sides);

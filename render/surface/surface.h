@@ -37,7 +37,7 @@ struct Volume {
 
 struct Surface {
     TriangleMesh mesh;              ///< closed, manifold, outward normals
-    std::vector<Index> edge;        ///< vertices where two walls meet, so that the normal is not unique; in rising order
+    std::vector<Index> edge;        ///< vertices without a unique normal, where two walls or surface and wall meet; ascending
     std::vector<float> age;         ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
     std::vector<Vec3f> velocity;    ///< m/s, one per vertex; empty if not requested
     std::vector<CrustPlace> crust;  ///< one per vertex; empty if the frame has no ages or no particle identities
@@ -47,14 +47,15 @@ struct Surface {
 /// Builds the surface of the frame's fluid, bit-identical for any number of threads. An empty frame gives an empty surface.
 Surface build_surface(const Frame& frame, const SurfaceOptions& options);
 
-/// The mesh without slivers (triangles of nearly no area) and coincident vertices, which arise where the mesh is drawn flat onto an edge
-/// between walls: a sliver's shortest edge becomes its earlier vertex. Closed and manifold as before. `mesh.scalar` must be empty.
+/// The mesh without slivers (triangles of nearly zero area) and coincident vertices. They arise where vertices are moved onto an edge
+/// between walls. The shortest edge of a sliver collapses to its vertex of lower index. The mesh stays closed and manifold. `mesh.scalar`
+/// must be empty.
 TriangleMesh without_slivers(TriangleMesh mesh);
 
 /// Signed distance to a closed mesh, negative inside, clamped to +-`band` voxels. Exact within 1.75 voxels of the surface. Farther away it
-/// is the distance to a point of the surface at or near the closest one: an upper bound, good to 0.15 of a voxel. The volume covers the
-/// mesh and two voxels around it, with larger voxels if that would be more than 16 million of them. (openvdb::tools::meshToVolume takes
-/// five to eight times as long on the mesh of a coil, and is wrong by up to 0.6 of a voxel.)
+/// is the distance to a point of the surface at or near the closest one, so it is at most 0.15 voxel too large. The volume covers the mesh
+/// and two voxels around it. Voxels are larger than requested if there would be more than 16 million. (openvdb::tools::meshToVolume needs
+/// five to eight times as long for the mesh of a coil, with errors of up to 0.6 voxel.)
 Volume distance_volume(const TriangleMesh& mesh, float voxel, int band);
 
 }  // namespace whorl

@@ -9,10 +9,10 @@ namespace whorl {
 
 /// Fields on the nodes of a grid; index i runs fastest.
 struct GridFields {
-    Vec3f origin = Vec3f::Zero();  ///< m, of the first node
+    Vec3f origin = Vec3f::Zero();  ///< m, position of the first node
     Vec3f cell = Vec3f::Ones();    ///< m, distance between nodes
     std::array<int, 3> n{0, 0, 0};
-    Span<const float> cover;     ///< 0: no fluid near, the file omits the node
+    Span<const float> cover;     ///< 0 .. 1; the file omits nodes with at most 0.02
     Span<const Vec3f> velocity;  ///< m/s
     Span<const float> density;   ///< density of the cloud; empty: no such grid in the file
 };
@@ -20,7 +20,7 @@ struct GridFields {
 struct VdbFile {
     int frame = 0;
     double time = 0;  ///< s
-    float voxel = 0;  ///< m, of the level set
+    float voxel = 0;  ///< m, requested voxel of the level set
 };
 
 /// Writes the level set "surface" [m] and, on the grid's nodes, the vectors "velocity" [m/s] (not staggered, half precision) and the fog

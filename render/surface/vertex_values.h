@@ -1,5 +1,5 @@
 #pragma once
-/// Particle values on the surface.
+/// Values of the particles at points on the surface.
 #include <array>
 #include <map>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace whorl {
 
-/// Mean of the particles' values about each vertex, with weights that fall from 1 to 0 at `reach` [m]; 0 if no particle is that near.
+/// Mean of the particles' values around each vertex. Weights fall from 1 to 0 at `reach` [m]; 0 if no particle is within reach.
 std::vector<float> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const float> value, float reach);
 std::vector<Vec3f> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const Vec3f> value, float reach);
 
@@ -30,10 +30,10 @@ VertexFields carried_at(Span<const Vec3f> point, const Frame& frame, float reach
 /// and a number that varies from particle to particle (both 0 to 1).
 using CrustPlace = std::array<float, 4>;
 
-/// Plates of the crust. The particles' grains choose some of them as middles of plates, and a vertex belongs to the plate of the nearest
-/// middle (Voronoi cells, about seven and three spacings wide). The same particles are chosen in every frame, so a plate moves and deforms
-/// with the fluid.
-/// @param vertex, particle positions [m] @param grain of each particle, 0 to 1 @param spacing m
+/// Place of each vertex in the plates of the crust. Some particles, chosen by their grain, are the middles of plates. A vertex belongs to
+/// the plate of the nearest middle (Voronoi cells, about seven spacings wide for large plates and three for small ones). The same particles
+/// are chosen in every frame, so a plate moves and deforms with the fluid.
+/// @param vertex, particle positions [m] @param grain random number per particle, 0 to 1 @param spacing m
 std::vector<CrustPlace> crust_places(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const float> grain, float spacing);
 
 }  // namespace whorl
