@@ -12,23 +12,28 @@ namespace {
 
 /// Sums over the particles near a marker, r = x_j - x_m.
 struct LinearFit {
-    Real weight = 0;
+    Real weight = 0, path_square = 0;
     Vec3 r = Vec3::Zero(), path = Vec3::Zero(), ink = Vec3::Zero();
     Mat3 rr = Mat3::Zero(), path_r = Mat3::Zero();
 
     void add(Real w, const Vec3& to, const Vec3& displacement, const Vec3& c) {
         weight += w, r += w * to, path += w * displacement, ink += w * c;
         rr += w * to * to.transpose(), path_r += w * displacement * to.transpose();
+        path_square += w * displacement.squaredNorm();
     }
     /// Value at the marker of the linear function that fits the displacements; along directions without particles, their mean.
-    Vec3 displacement(bool flat) const {
+    /// @param least_spread squared length, below which differences between the particles' places are round-off [m^2]
+    Vec3 displacement(bool flat, Real least_spread) const {
         const Vec3 middle = r / weight, mean = path / weight;
         Mat3 spread = rr / weight - middle * middle.transpose();
-        const Real size = spread.trace();
-        if (!(size > 0)) return mean;
-        spread.diagonal().array() += Real(1e-3) * size;
-        if (flat) spread(2, 2) = size;
-        return mean - (path_r / weight - mean * middle.transpose()) * spread.inverse() * middle;
+        const Real size = std::max(spread.trace(), least_spread);
+        spread /= size;  // the inverse of square metres would leave the range of floats
+        spread.diagonal().array() += Real(1e-3);
+        if (flat) spread(2, 2) = 1;
+        const Vec3 correction = -(path_r / weight - mean * middle.transpose()) * (spread.inverse() * middle) / size;
+        // Few particles do not determine a gradient: the correction stays within twice the deviation of their displacements.
+        const Real most = 2 * std::sqrt(std::max(path_square / weight - mean.squaredNorm(), Real(0))), length = correction.norm();
+        return mean + (length > most ? most / length : 1) * correction;
     }
 };
 
@@ -78,6 +83,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     const double wave = std::numbers::pi / static_cast<double>(step.spacing);
     const Real mixed = static_cast<Real>(-std::expm1(-diffusion * wave * wave * markers.waiting));
     const bool flat = step.dimensions() == 2;
+    const Real least_spread = Real(0.1) * step.spacing * step.spacing;
     Pairs pairs;
     const auto fit_at = [&](Index i, Span<const Vec3> displacement) {
         LinearFit fit;
@@ -93,7 +99,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     parallel_for(pairs.size(), [&](Index i) {
         LinearFit fit = fit_at(i, path.values);
         fit.add(1, Vec3::Zero(), path[i], c[i]);
-        sharp[i] = 2 * path[i] - fit.displacement(flat);
+        sharp[i] = 2 * path[i] - fit.displacement(flat, least_spread);
     });
     std::vector<char> alone(place.size(), 0);
     // In pieces, so that the rows of neighbours take as much memory as those of the particles.
@@ -104,10 +110,10 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
         parallel_for(pairs.size(), [&](Index m) {
             const LinearFit fit = fit_at(m, sharp);
             const std::size_t k = begin + static_cast<std::size_t>(m);
-            alone[k] = !(fit.weight > 0);
+            alone[k] = !(fit.weight > Real(1e-6));  // nearer to the edge of the reach, positions would be lost to round-off
             if (alone[k]) return;
             ink[k] += mixed * (fit.ink / fit.weight - ink[k]);
-            part[m] = step.domain.wrapped(part[m] + fit.displacement(flat));
+            part[m] = step.domain.wrapped(part[m] + fit.displacement(flat, least_spread));
         });
     }
     std::vector<Index> kept;

@@ -176,4 +176,23 @@ TEST_CASE("ink markers follow a vortex over half a turn within .03 spacings in t
     CHECK(error.largest < 0.2);  // .15 measured
 }
 
+TEST_CASE("ink markers of particles that fly apart keep finite positions near a particle", "[ink]") {
+    Carried run(3);
+    RandomNumbers random(7);
+    const auto astray = [&](const Vec3& x) -> Vec3 {
+        const auto along = [&] { return static_cast<Real>(1.5 * d * (2 * random() - 1)); };
+        return x + Vec3(along(), along(), along());
+    };
+    for (int k = 0; k < 30; ++k) run.step(true, astray);
+    const auto x = run.w.column<field::position>();
+    double farthest = 0;  // a marker with a single particle in reach moves like it, others by a fit to few particles
+    for (const Vec3& place : run.w.world.ink_markers.store.column<field::position>()) {
+        REQUIRE(place.allFinite());
+        Real nearest = std::numeric_limits<Real>::max();
+        for (const Vec3& one : x) nearest = std::min(nearest, (one - place).norm());
+        farthest = std::max(farthest, static_cast<double>(nearest) / d);
+    }
+    CHECK(farthest < 3.5);  // 1.75 spacings of reach, and as much by a fit to differing displacements
+}
+
 }  // namespace ink_test
