@@ -1,5 +1,4 @@
-/// Limits of the machine, as a reference for the kernels' times: bytes per second from memory, multiply-adds per second in
-/// registers.
+/// Limits of the machine, as a reference for the other benchmarks: bytes per second from memory, operations per second in registers.
 #include <benchmark/benchmark.h>
 
 #include "engine/core/column.h"
@@ -9,7 +8,7 @@ using namespace whorl;
 
 namespace {
 
-/// Sums a column of the given size [MB]: 1 stays in a core's cache, 256 comes from memory.
+/// Sums a column of a given size [MB]. One of 1 MB stays in the cache of a core, one of 256 MB is read from memory.
 void read_memory(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     const Column<Real> values(static_cast<std::size_t>(state.range(0)) * (1 << 20) / sizeof(Real), Real(1));
@@ -28,8 +27,8 @@ void read_memory(benchmark::State& state) {
                                                 benchmark::Counter::kIsRate);
 }
 
-/// Multiply-adds that wait for nothing: 16 sums side by side, each as wide as the widest register. One operation is a multiplication or an
-/// addition of one Real.
+/// Independent multiply-adds in 16 sums, each as wide as the widest register (64 bytes). One operation is a multiplication or an addition
+/// of one Real.
 void multiply_add(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(0)));
     using Wide = Real __attribute__((vector_size(64)));
@@ -54,6 +53,6 @@ void multiply_add(benchmark::State& state) {
 
 }  // namespace
 
-// Megabytes, threads; threads.
+// Arguments of read_memory: megabytes, threads; of multiply_add: threads.
 BENCHMARK(read_memory)->ArgsProduct({{1, 256}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(multiply_add)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);

@@ -1,5 +1,5 @@
-/// ns per particle of a product with the operator of each implicit solve. A block of fluid on a floor, in the order of the curve, as in a
-/// run; of the coupled solve a thread.
+/// Time [ns] per particle of a product with the operator of each implicit solve, on a block of fluid on a floor. The coupled solve uses a
+/// thread instead. Particles are sorted along the space-filling curve, as in a run.
 #include <benchmark/benchmark.h>
 
 #include <numbers>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double d = 2e-3;
 
-/// About n particles, a twentieth of the spacing off their lattice, under gravity.
+/// About n particles under gravity, displaced from a lattice by up to a twentieth of the spacing along each axis.
 struct Block : test::TestWorld {
     Real factor = continued_lattice_factor(KernelKind::cubic, Real(2 * d), Real(d));
 
@@ -95,7 +95,7 @@ void pressure_product(benchmark::State& state) {
     report(state, block);
 }
 
-/// A product with D and with its transpose: an iteration of the constraint.
+/// A product with D's transpose and one with D, as in an iteration of the constraint.
 void constraint_product(benchmark::State& state) {
     set_threads(static_cast<int>(state.range(1)));
     Block block(static_cast<Index>(state.range(0)));
@@ -131,7 +131,7 @@ void coupled_product(benchmark::State& state) {
 
 }  // namespace
 
-// Particles, threads.
+// Arguments: particles, threads.
 BENCHMARK(viscous_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(constraint_product)->ArgsProduct({{3000, 30000, 200000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(pressure_product)->ArgsProduct({{3000, 30000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);

@@ -1,5 +1,4 @@
-/// ns a particle of the loops that every model needs: neighbour search, sort, density. Items are particles; threads as --benchmark_context
-/// says.
+/// Time [ns] per particle of the loops that every model needs: neighbour search, sort, density.
 #include <benchmark/benchmark.h>
 
 #include "engine/core/parallel.h"
@@ -12,7 +11,7 @@ using namespace whorl;
 
 namespace {
 
-/// A jittered block of about n particles, in the order of the curve, as in a run.
+/// A jittered block of about n particles, sorted along the space-filling curve, as in a run.
 struct Block {
     static constexpr Real d = Real(2e-3);
     std::vector<Vec3> x;
@@ -78,7 +77,7 @@ void density(benchmark::State& state) {
 
 }  // namespace
 
-// Particles, support over spacing times ten, threads.
+// Arguments: particles, ten times support over spacing (not for sort), threads.
 BENCHMARK(search)->ArgsProduct({{3000, 30000, 300000}, {20, 30}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(sort)->ArgsProduct({{3000, 30000, 300000}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(density, KernelKind::cubic)

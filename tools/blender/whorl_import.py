@@ -1,10 +1,10 @@
-"""Opens a run of Whorl in Blender (3.4 and later): File > Import > Whorl run. Without a window, too:
+"""Opens a run of Whorl in Blender (3.4 and later): File > Import > Whorl run. Or without a window:
 
     blender --background --python whorl_import.py -- RUN_FOLDER [--save FILE.blend] [--render FILE.png] [--frame N] [--samples N] [--size WxH]
 
-The run needs exports: whorl render SCENE --export mesh,scene (and vdb for volumes; points where there is no surface). The fluid follows the
-timeline: frame n of Blender shows frame n of the run. The text stays in the .blend file; install it as an add-on (Edit > Preferences >
-Add-ons > Install) so that saved files keep following the timeline.
+The run needs exports: whorl render SCENE --export mesh,scene (add vdb for volumes; replace mesh by points if the run has no surface). The
+fluid follows the timeline: frame n of Blender shows frame n of the run. Install this file as an add-on (Edit > Preferences > Add-ons >
+Install), so that saved .blend files keep following the timeline.
 """
 bl_info = {
     "name": "Import a Whorl run",
@@ -28,23 +28,23 @@ import numpy
 from bpy.app.handlers import persistent
 from mathutils import Matrix, Vector
 
-Y_UP = Matrix.Rotation(math.pi / 2, 4, "X")  # Whorl's y is up, Blender's z
+Y_UP = Matrix.Rotation(math.pi / 2, 4, "X")  # from Whorl, where y is up, to Blender, where z is up
 
 
 class NotARun(Exception):
-    """Error with the step that a user has to take before the run can be opened."""
+    """Raised if a run cannot be opened; the message names the cause and, if there is one, the fix."""
 
 
 # The files of a run --------------------------------------------------------------------------------------------------------------------
 
 
 def read_ply(path):
-    """A PLY file of Whorl: its columns by name (numpy arrays) and its triangles, n x 3."""
+    """Reads a PLY file of Whorl. Returns {name: column (numpy array)} and the triangles, n x 3."""
     with open(path, "rb") as file:
         columns, counts, element = [], {}, None
         for line in iter(file.readline, b"end_header\n"):
             if not line:
-                raise NotARun(f"{path} is no PLY file")
+                raise NotARun(f"{path} is not a PLY file")
             words = line.decode().split()
             if words[0] == "element":
                 element, counts[words[1]] = words[1], int(words[2])
@@ -56,13 +56,13 @@ def read_ply(path):
 
 
 def vectors(columns, ends, name):
-    """The columns name_x, ... as rows; None if they do not exist."""
+    """The columns name + end, for all ends, as an array with one column each; None if one of them does not exist."""
     names = [name + end for end in ends]
     return numpy.stack([columns[n] for n in names], axis=1) if all(n in columns for n in names) else None
 
 
 def read_scene(path):
-    """The extras under "whorl" in the .glb of a run."""
+    """Name of the scene in the .glb of a run, and its extras under "whorl"."""
     with open(path, "rb") as file:
         header = struct.unpack("<4sIIII", file.read(20))
         if header[0] != b"glTF":
@@ -72,7 +72,7 @@ def read_scene(path):
 
 
 def sequence(folder, kind, name, suffix):
-    """{frame: file} of the run's files of a kind."""
+    """{frame: file} of the files folder/kind/name.NUMBER.suffix."""
     files = {}
     for path in (folder / kind).glob(f"{name}.*.{suffix}"):
         number = path.name[len(name) + 1:-len(suffix) - 1]
@@ -91,7 +91,7 @@ def linear(colour):
 
 
 def inked(body, inks, amounts):
-    """Linear colours of a body with inks in it, amounts n x 3, mixed as pigments: K/S = (1 - R)^2/(2 R) adds up (Kubelka and Munk)."""
+    """Linear colours of a body with inks, for amounts n x 3. K/S = (1 - R)^2/(2 R) of pigments adds up (Kubelka and Munk)."""
 
     def ratio(reflected):
         kept = numpy.clip(reflected, 0.005, 0.98)
@@ -104,7 +104,7 @@ def inked(body, inks, amounts):
 
 
 def fill(mesh, path, about):
-    """Puts a frame's file into a mesh. about: the fluid object's "whorl"."""
+    """Replaces the content of a mesh by a PLY file. about: the property "whorl" of the fluid object."""
     columns, triangles = read_ply(path)
     count = len(columns["x"])
     mesh.clear_geometry()
@@ -125,7 +125,8 @@ def fill(mesh, path, about):
 
     velocity, ink = vectors(columns, ("_x", "_y", "_z"), "velocity"), vectors(columns, ("_1", "_2", "_3"), "ink")
     if velocity is not None:
-        attribute("velocity", "FLOAT_VECTOR", "vector", velocity * about["slow"])  # Cycles blurs by this name, m a second of film
+        # In m per second of the video. Cycles uses this name for motion blur.
+        attribute("velocity", "FLOAT_VECTOR", "vector", velocity * about["slow"])
     if ink is not None:
         attribute("ink", "FLOAT_VECTOR", "vector", ink)
         colour = inked(about["body"], about["inks"].split(), ink)
@@ -140,7 +141,7 @@ def fill(mesh, path, about):
 
 
 def show_frame(thing, frame):
-    """The run's frame in a fluid object; the nearest existing one."""
+    """Shows a frame of the run in a fluid object. Before the first and after the last frame, shows that one."""
     about = thing["whorl"]
     folder = Path(bpy.path.abspath(about["folder"]))
     number = min(max(frame, about["first"]), about["last"])
@@ -169,7 +170,7 @@ def follow_from_now_on():
 
 
 def put(node, values):
-    """Sets the inputs of a node by the first of their names that it has: they were renamed in Blender 4."""
+    """Sets inputs of a node. values: (names, value) per input; uses the first name that the node has, as Blender 4 renamed some."""
     for names, value in values:
         for name in names:
             if name in node.inputs:
@@ -178,7 +179,7 @@ def put(node, values):
 
 
 def body_of(fluid):
-    """Colour of the surface itself; none for transparent materials."""
+    """Colour of the surface; white for transparent materials, which get their colour from absorption."""
     return [1.0, 1.0, 1.0] if fluid["refracts"] else list(fluid["colour"])
 
 
@@ -215,7 +216,7 @@ def fluid_material(fluid, has_ink):
 
 
 def cloud_material(size):
-    """Density of the volume: an optical depth of about one through its middle."""
+    """Material of a volume with an optical depth of about one through its middle. size: diagonal of the scene [m]."""
     material = bpy.data.materials.new("Whorl volume")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -233,11 +234,11 @@ def light_world(scene, about):
     background = next(node for node in nodes if node.type == "BACKGROUND")
     if "environment" in about:
         if not Path(about["environment"]).exists():
-            print(f"Whorl: {about['environment']} is missing: the world stays grey")
+            print(f"Whorl: {about['environment']} is missing, so the world stays grey")
             return
         picture = nodes.new("ShaderNodeTexEnvironment")
         picture.image = bpy.data.images.load(about["environment"])
-        # The middle of the panorama looks along Whorl's -z, which is Blender's y; Blender's convention is x.
+        # The middle of the panorama is at Whorl's -z, which is Blender's y. Blender expects it at x.
         place, turn = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeMapping")
         turn.inputs["Rotation"].default_value = (0, 0, math.pi / 2)
         links.new(place.outputs["Generated"], turn.inputs["Vector"])
@@ -248,7 +249,7 @@ def light_world(scene, about):
 
 
 def add_soft_boxes(collection, about, studio, centre, distance):
-    """The studio's boxes as distant area lights: their reflections are right; they do not light matt surfaces."""
+    """Adds the studio's soft boxes as distant area lights. They are visible in reflections, but do not light matt surfaces."""
     for number, box in enumerate(about.get("studio", {}).get("soft_boxes", [])):
         light = bpy.data.lights.new(f"soft box {number}", "AREA")
         light.shape, light.size, light.size_y = "RECTANGLE", 2 * distance * box["size"][0], 2 * distance * box["size"][1]
@@ -277,7 +278,7 @@ def set_camera(scene, camera, about):
 
 
 def find_run(path):
-    """The run folder of a path: the folder itself, or that of a file in it."""
+    """The run folder that is or contains the path."""
     path = Path(path).absolute()
     for folder in (path, *path.parents[:2]):
         if (folder / "run.json").exists():
@@ -286,7 +287,7 @@ def find_run(path):
 
 
 def add_fluid(scene, folder, name, about):
-    """A mesh, or points if the run has no mesh, that follow the timeline. None if the run exported neither."""
+    """Adds an object that follows the timeline: the mesh, or points if the run has no mesh. Returns None without either."""
     for kind in ("mesh", "points"):
         files = sequence(folder, kind, name, "ply")
         if not files:
@@ -316,7 +317,7 @@ def add_volume(scene, folder, name):
 
 
 def import_run(context, path):
-    """Imports a run into the scene of the context. Returns the fluid's object, or the volume's. Raises NotARun."""
+    """Imports a run into the scene of the context. Returns the object of the fluid or its volume. Raises NotARun."""
     folder, scene = find_run(path), context.scene
     scenes = sorted((folder / "scene").glob("*.glb"))
     if not scenes:
@@ -329,7 +330,7 @@ def import_run(context, path):
 
     before = set(bpy.data.objects)
     if not hasattr(numpy, "bool"):
-        numpy.bool = bool  # Blender 3.4's glTF importer uses the old name, which Debian 12's numpy lacks
+        numpy.bool = bool  # Blender 3.4's glTF importer uses this name, which Debian 12's numpy lacks
     bpy.ops.import_scene.gltf(filepath=str(scenes[0]))
     things = {thing.name.split(".")[0]: thing for thing in set(bpy.data.objects) - before}
     for thing in things.values():
@@ -355,14 +356,14 @@ def import_run(context, path):
 
 
 def fluid_extent(fluid, things):
-    """Middle and size [m] of the scene without the ground, which is recognised by its size."""
+    """Middle and diagonal [m] of the bounding box of the fluid and all meshes."""
     corners = [thing.matrix_world @ Vector(corner) for thing in things.values() if thing.type == "MESH" for corner in thing.bound_box]
     corners += [fluid.matrix_world @ Vector(corner) for corner in fluid.bound_box]
     low, high = (Vector(pick(c[a] for c in corners) for a in range(3)) for pick in (min, max))
     return (low + high) / 2, max((high - low).length, 1e-3)
 
 
-# Blender's side ------------------------------------------------------------------------------------------------------------------------
+# Add-on and command line --------------------------------------------------------------------------------------------------------------
 
 
 class WHORL_OT_import(bpy.types.Operator):
@@ -413,11 +414,11 @@ def set_cycles(scene, samples):
 def main(words):
     options = argparse.ArgumentParser(prog="whorl_import.py --", description="Opens a run of Whorl in Blender.")
     options.add_argument("run", help="the run folder, as in out/honey_coil")
-    options.add_argument("--save", metavar="FILE.blend", help="save it")
+    options.add_argument("--save", metavar="FILE.blend", help="save the imported run")
     options.add_argument("--render", metavar="FILE.png", help="draw a frame with Cycles")
-    options.add_argument("--frame", type=int, help="which (default: the last)")
-    options.add_argument("--samples", type=int, default=64, help="a pixel")
-    options.add_argument("--size", help="pixels, as in 640x360 (default: the film's)")
+    options.add_argument("--frame", type=int, help="frame to draw (default: the last)")
+    options.add_argument("--samples", type=int, default=64, help="samples per pixel (default: 64)")
+    options.add_argument("--size", help="size of the image in pixels, as in 640x360 (default: the run's)")
     options = options.parse_args(words)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     register()

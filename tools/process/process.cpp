@@ -34,16 +34,16 @@ int run_guarded(const std::function<int()>& job) {
         fmt::print(stderr, "whorl: interrupted before the first frame\n");
         return exit_interrupted;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "whorl: memory ran out\n  remedy: free some, or allow more (ulimit -v), or take a larger fluid.spacing\n");
+        fmt::print(stderr, "whorl: memory ran out\n  remedy: free memory, allow more (ulimit -v), or use a larger fluid.spacing\n");
         return exit_failed;
     } catch (const std::system_error& e) {
         const bool thread = e.code() == std::errc::resource_unavailable_try_again;
         if (thread)
-            fmt::print(stderr, "whorl: a thread cannot be started: {}\n  remedy: allow more memory (ulimit -v) or threads (ulimit -u)\n",
+            fmt::print(stderr, "whorl: cannot start a thread: {}\n  remedy: allow more memory (ulimit -v) or threads (ulimit -u)\n",
                        e.what());
         else fmt::print(stderr, "whorl: {}\n", e.what());
         return exit_failed;
-    } catch (const std::exception& e) {  // EnvironmentError, most of all
+    } catch (const std::exception& e) {  // usually an EnvironmentError
         fmt::print(stderr, "whorl: {}\n", e.what());
         return exit_failed;
     }
@@ -51,7 +51,7 @@ int run_guarded(const std::function<int()>& job) {
 
 namespace {
 
-/// The signal may come to any thread.
+/// Set by the signal handler, which may run in any thread.
 std::atomic<bool> received = false;
 std::atomic<int> guards = 0;
 static_assert(std::atomic<bool>::is_always_lock_free);
@@ -105,8 +105,8 @@ fs::path program_path() {
     return file;
 }
 
-std::string slurm_job(const std::string& said) {
-    std::istringstream in(said);
+std::string slurm_job(const std::string& output) {
+    std::istringstream in(output);
     for (std::string line; std::getline(in, line);) {
         const std::string number = line.substr(0, line.find(';'));
         if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return number;
@@ -139,8 +139,8 @@ void name_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 std::map<std::string, double> cpu_by_thread_name() {
     std::map<std::string, double> seconds;
-    std::error_code gone;  // threads may end while we look
-    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", gone)) {
+    std::error_code ended;  // a thread may end during the iteration
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", ended)) {
         std::string name;
         double nanoseconds = 0;
         std::getline(std::ifstream(task.path() / "comm"), name);

@@ -1,5 +1,5 @@
 #pragma once
-/// The program as a process: how it ends, interrupts, its own file, jobs of Slurm, its use of the machine.
+/// The process of the program: exit codes, interrupts, the path of its file, child programs, Slurm jobs, CPU time and memory.
 #include <sys/types.h>
 
 #include <cstdint>
@@ -14,17 +14,18 @@ namespace whorl {
 enum ExitCode : int {
     exit_done = 0,
     exit_failed = 1,        ///< the run failed: diverged, disk full, no EGL device; finished files are kept
-    exit_bad_input = 2,     ///< the user's mistake; nothing was written
+    exit_bad_input = 2,     ///< invalid input; nothing was written
     exit_interrupted = 130  ///< SIGINT or SIGTERM; the state is saved
 };
 
-/// SIGINT or SIGTERM came before anything was made.
+/// Exception: SIGINT or SIGTERM arrived before the first frame.
 struct Interrupted {};
 
-/// Runs the job; prints whatever it throws on standard error ("whorl: ..."), one line a problem, and returns the exit code.
+/// Runs the job and returns its exit code. If it throws, prints each problem of the input, or "whorl: ..." for
+/// another exception, on standard error, and returns the exit code for that kind of failure.
 int run_guarded(const std::function<int()>& job);
 
-/// While one lives, the first SIGINT or SIGTERM only sets a flag; the second ends the program at once.
+/// While an InterruptGuard exists, the first SIGINT or SIGTERM only sets a flag. The second one ends the program immediately.
 class InterruptGuard {
 public:
     InterruptGuard();
@@ -37,35 +38,36 @@ public:
 /// Path of this program (/proc/self/exe). @throws EnvironmentError without /proc
 std::filesystem::path program_path();
 
-/// Starts a program in a new process group, which the terminal's interrupt does not reach.
-/// @param output file for what it writes, and it is killed when this program ends; empty: it writes where this program writes
+/// Starts a program in a new process group, so that Ctrl-C in the terminal does not interrupt it.
+/// @param words the program and its arguments
+/// @param output file for its standard output and error; the program is then killed when this one ends. Empty: it inherits both.
 /// @throws EnvironmentError
 pid_t start_program(const std::vector<std::string>& words, const std::filesystem::path& output = {});
 
-/// The number of the job that sbatch made. @param said output of `sbatch --parsable`: the number, in some places with the cluster's name
-/// ("7;north"), among notices of the place's own @return "" where it made none
-std::string slurm_job(const std::string& said);
+/// Number of the job that sbatch submitted; "" if the output contains none.
+/// @param output of `sbatch --parsable`: a line with the number, on some clusters with a name ("7;north"), among notices of the cluster
+std::string slurm_job(const std::string& output);
 
-/// Whether one of the jobs ("7,8") waits or runs. False without Slurm, or if it has forgotten them.
+/// Whether one of the jobs ("7,8") is waiting or running. False without Slurm, or if Slurm no longer lists them.
 bool slurm_jobs_live(const std::string& jobs);
 
-/// Gives the calling thread a name. Threads that it starts from then on (OpenMP's, TBB's) inherit it, so that their CPU time counts with
-/// it.
+/// Names the calling thread. Threads that it starts afterwards (OpenMP's, TBB's) inherit the name, so their CPU time is counted under it.
 void name_thread(const char* name);
-/// CPU seconds used by the living threads, by thread name. Mesa's own ("llvmpipe-0", ...) count as "draw".
+/// CPU seconds of the running threads, by thread name. Threads of Mesa ("llvmpipe-0", ...) count as "draw".
 std::map<std::string, double> cpu_by_thread_name();
 /// CPU seconds of the child processes that have ended (the encoder).
 double children_cpu_seconds();
-/// CPU seconds used by the program with its encoders; and by its threads except those that make images ("surface", "draw",
-/// "export", "write").
+/// CPU seconds of the program and its ended child processes.
 double process_cpu_seconds();
+/// CPU seconds of the running threads except those of images and files ("surface", "draw", "export", "write").
 double simulation_cpu_seconds();
-/// The process's peak resident memory [bytes].
+/// Peak resident memory of the process [bytes].
 std::uint64_t peak_memory();
-/// The process's resident memory now [bytes].
+/// Current resident memory of the process [bytes].
 std::uint64_t resident_memory();
-/// "AMD EPYC ...", and the machine's memory [bytes].
+/// Model of the processor, "AMD EPYC ..."; "" if unknown.
 std::string processor_name();
+/// Memory of the machine [bytes].
 std::uint64_t total_memory();
 
 }  // namespace whorl
