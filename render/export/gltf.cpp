@@ -84,7 +84,7 @@ struct SceneExport::Document {
     const SceneExport& of;
     Json root;
     std::string binary;                                                 ///< begins with the tracks: solids, camera, studio
-    std::map<const Track*, std::size_t> offsets;                        ///< of each track in the binary
+    std::map<const Track*, std::size_t> offsets;                        ///< byte offset of each track in the binary
     int time_accessor = -1;                                             ///< accessor of the times of the key frames
     std::map<std::pair<const TriangleMesh*, std::string>, int> meshes;  ///< index of each mesh with its material
     std::map<std::string, int> materials;

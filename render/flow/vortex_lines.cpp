@@ -211,7 +211,7 @@ VortexLines vortex_lines(const Frame& frame, const FlowGrid& grid, const LineSha
 
 namespace {
 
-constexpr int pieces = 6;  ///< of a trail
+constexpr int pieces = 6;  ///< number of steps of a trail
 
 }  // namespace
 

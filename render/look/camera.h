@@ -14,9 +14,9 @@ struct CameraKey {
     float fov = 30;  ///< degrees, vertical
 };
 
-/// kind "fixed": position, target. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from `start_angle`.
-/// "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): shows the whole box from `min` to `max`, from 25 degrees to the right of
-/// +z and 14 degrees above the horizon; a domain without depth from +z.
+/// kind "fixed": from `position` towards `target`. "orbit": turns about `target` at `distance`, `height`, `degrees_per_second`, from
+/// `start_angle`. "keys": smooth (Catmull-Rom) through `keys`. "auto" (default): shows the whole box from `min` to `max`, from 25 degrees
+/// to the right of +z and 14 degrees above the horizon. A domain without depth is shown from +z.
 struct CameraOptions {
     std::string kind = "auto";
     Vec3f position = Vec3f(0, 0.1f, 0.4f), target = Vec3f::Zero(), up = Vec3f(0, 1, 0);

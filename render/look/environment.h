@@ -18,7 +18,7 @@ struct Studio {
     Vec3f backdrop_low, backdrop_high, backdrop_glow;
     Vec3f key, window, rim, fill;  ///< the soft boxes; the window is the shadow light
     Vec3f sky;                     ///< ambient light, from all directions
-    Vec3f sun;                     ///< light of the shadow light on a white surface that faces it
+    Vec3f sun;                     ///< illumination of a white surface that faces the shadow light
 };
 /// studio | dark | white; transparent and any other name: studio.
 Studio studio_of(const std::string& background);

@@ -90,7 +90,7 @@ KeyTable make_look_keys() {
           "liquid: refracting surface; opaque: painted surface; coloured by a field: particles, a slice through the flow, a transparent "
           "volume, tubes or ribbons along vortex lines")
         .one_of({"liquid", "opaque", "particles", "slice", "volume", "tubes", "ribbons"});
-    t.key("material", &L::material, "", "preset that the keys below start from").one_of(material_names());
+    t.key("material", &L::material, "", "preset, whose values the keys below override").one_of(material_names());
     t.key("absorption", &L::absorption, "1/m", "Beer-Lambert coefficient of red, green and blue" + preset).only_with("style", {"liquid"});
     t.key("colour", &L::colour, "", "linear red, green, blue of an opaque material, or \"#rrggbb\" (sRGB)" + preset)
         .at_most(1)

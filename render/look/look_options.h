@@ -26,10 +26,10 @@ struct LookOptions {
     /// Surfaces: liquid (refracting) | opaque (paint, lava). Coloured by a field: particles | slice (a plane through the flow) | volume
     /// (a cloud) | tubes | ribbons (along vortex lines).
     std::string style = "liquid";
-    std::string material = "honey";        ///< preset that the keys below start from: honey | water | paint | chocolate | lava | clay
+    std::string material = "honey";  ///< preset, whose values the keys below override: honey | water | paint | chocolate | lava | clay
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert coefficient per channel (linear RGB); negative: the preset's
     Colour colour = {-1, -1, -1};          ///< linear RGB of an opaque material; negative: the preset's
-    float refraction = -1;                 ///< index; negative: the preset's
+    float refraction = -1;                 ///< index of refraction; negative: the preset's
     float roughness = -1;                  ///< 0 mirror .. 1 matt; negative: the preset's
     /// Age [s] at which lava has lost most of its glow, if its viscosity depends on age; 0: never; negative: the preset's.
     float cooling = -1;
@@ -42,10 +42,11 @@ struct LookOptions {
     std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | q_criterion | spin_difference | ink
     std::string colour_map = "viridis";
     InkColours inks;
-    std::array<float, 2> range{0, 0};  ///< of the colour map; equal: chosen at the start of the run, or for a single image from its frame
-    float trail = 0;                   ///< s, flow time that the trail behind each particle covers; 0: no trail
-    std::string slice_axis = "z";      ///< x | y | z, normal of the slice
-    std::optional<float> slice_position;  ///< m on that axis; none: the middle of the fluid
+    /// Values of the first and last colour of the map; equal: chosen at the start of the run, or for a single image from its frame.
+    std::array<float, 2> range{0, 0};
+    float trail = 0;                      ///< s, flow time that the trail behind each particle covers; 0: no trail
+    std::string slice_axis = "z";         ///< x | y | z, normal of the slice
+    std::optional<float> slice_position;  ///< m, position of the slice on its axis; none: the middle of the fluid
     bool streaks = true;                  ///< slice: streaks along the flow (line integral convolution)
     float streak_time = 0;                ///< s, flow time that a streak or arrow covers upstream and downstream; 0: chosen like `range`
     int arrows = 0;                       ///< slice: number of arrows along its longer side

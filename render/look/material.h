@@ -49,18 +49,19 @@ struct Material {
 };
 
 /// The look's preset, with the keys that the scene sets.
-/// A preset's absorption is real up to the size of a table. In a larger scene it decreases as 1/size, or honey would be black. Absorption
-/// that the scene sets is used unchanged.
+/// A preset's absorption is realistic in scenes up to the size of a table (0.4 m). In a larger scene it decreases as 1/size, or honey would
+/// be black. Absorption that the scene sets is used unchanged.
 /// @param size diagonal of the scene [m]
 Material fluid_material(const LookOptions& look, float size);
-/// Fraction of the surrounding light that a body of fluid blocks from objects inside it: 1 for paint, near 0 for clear water.
+/// Fraction of the surrounding light that a body of fluid blocks from objects inside it: 1 for paint, at most 0.75 for honey,
+/// near 0 for clear water.
 /// @param size diagonal of the scene [m]; the body is assumed to be an eighth of it thick
 float hides(const Material& material, float size);
 std::vector<std::string> material_names();
 
 /// Radiance of a glowing body, yellower the hotter it is. @param heat 0 cold .. 1 hottest. Duplicated in opaque.frag.
 Vec3f glow_of(const Vec3f& emission, float heat);
-/// Heat (0 .. 1) of a crust, whose cracks stay hot for longer. @param age over the time of cooling
+/// Heat (0 .. 1) of a crust, whose cracks stay hot for longer. @param age in units of Material::cooling
 float heat_of_crust(float age);
 
 /// Textures of solids and of the ground, numbered as in textures.glsl. paper: the ground continues the backdrop.

@@ -46,7 +46,7 @@ struct EvenRing {
 
     EvenRing(const Ring& ring, const std::vector<char>& sides) : neighbour(usual * (ring.begin.size() - 1)), share(ring.begin.size() - 1) {
         const auto nowhere = static_cast<std::uint32_t>(share.size());
-        std::vector<char> is_line(sides.size(), 0);  // where the surface meets walls
+        std::vector<char> is_line(sides.size(), 0);  // vertices where the surface meets walls
         for (std::size_t v = 0; v < sides.size(); ++v)
             for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) is_line[v] |= sides[v] > 0 && sides[ring.neighbour[n]] == 0 ? 1 : 0;
         std::vector<std::uint32_t> with;
