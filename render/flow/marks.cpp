@@ -14,7 +14,7 @@ using Point = Eigen::Vector2f;
 
 int longer_side(const PlaneField& field) { return std::max(field.width, field.height); }
 
-/// Slope of value/|range| [1/pixel], from neighbours with fluid. A descending range reverses colours, not slopes.
+/// Slope of the value over the width of the range [1/pixel], from neighbours with fluid. A descending range reverses colours, not slopes.
 Point slope_at(const PlaneField& field, const std::vector<float>& value, const std::array<float, 2>& range, int x, int y) {
     const auto difference = [&](int x0, int y0, int x1, int y1) {
         x0 = std::max(x0, 0), y0 = std::max(y0, 0), x1 = std::min(x1, field.width - 1), y1 = std::min(y1, field.height - 1);

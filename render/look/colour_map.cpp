@@ -54,7 +54,7 @@ Vec3f from_polar(const Vec3f& msh) {
     return srgb(msh.x() * Vec3f(std::cos(msh.y()), std::sin(msh.y()) * std::cos(msh.z()), std::sin(msh.y()) * std::sin(msh.z())));
 }
 
-/// Hue of the saturated colour `end` after its rotation towards the unsaturated middle, which has magnitude `middle`.
+/// Hue that the saturated colour `end` approaches towards the unsaturated middle of the map, which has magnitude `middle`.
 float turned_hue(const Vec3f& end, float middle) {
     if (end.x() >= middle) return end.z();
     const float spin = end.y() * std::sqrt(middle * middle - end.x() * end.x()) / (end.x() * std::sin(end.y()));

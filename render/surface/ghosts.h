@@ -32,8 +32,8 @@ public:
     const Side& at(const Vec3f& x) const;
     /// Number of sides nearer than `reach` [m] that are across each other, at most three.
     int count_at(const Vec3f& x, float reach) const { return corner_at(x, reach).count; }
-    /// The sides that are nearer than `reach` to some point within `radius` of x, or have such a point beyond them [m]. Omits sides that
-    /// other sides hide from all these points, such as further facets of a round wall.
+    /// The sides that matter to points within `radius` [m] of x: such a point is nearer to the side than `reach` [m], or beyond it. Omits
+    /// sides that other sides hide from all these points, such as further facets of a round wall.
     Cut near(const Vec3f& x, float radius, float reach) const;
     /// Mirror images of the particles within `margin` [m] of the walls, also at corners. With them the surface reaches the walls.
     std::vector<Vec3f> images(const std::vector<Vec3f>& position, float margin) const;
