@@ -97,7 +97,7 @@ TEST_CASE("an invalid number is reported with its range, an unknown scene with t
              {"render a --until 2s", "whorl render: --until must be a number [s], not \"2s\"; see"},
              {"farm a --jobs 0", "whorl farm: --jobs must be a whole number, at least 1, not \"0\"; see"},
              {"video a --fps -1", "whorl video: --fps must be a number above 0, not \"-1\"; see"},
-             {"live a --token 'a&b'", "--token: is a part of the page's address; allowed: letters, digits and - . _ ~\n"},
+             {"live a --token 'a&b'", "--token: has characters that an address cannot contain; allowed: letters, digits and - . _ ~\n"},
              {"render 'my scene'", "my scene: no such scene file; did you mean \"my scene.toml\"?; allowed: a path"},
              {"render 'my_scene.toml'", "my_scene.toml: no such scene file; allowed: a path"},
              {"render scenes/lava.toml", "scenes/lava.toml: no such scene file; did you mean \"lava\"?; allowed: a path"},

@@ -116,7 +116,7 @@ TEST_CASE("a transparent run keeps its alpha in PNG, MOV and WebM, and MP4 shows
         CHECK(sum / static_cast<double>(frame.alpha.size()) < mean);
     }
     const Outcome mp4 = done({"video", scratch.run()});
-    CHECK_THAT(mp4.err, Catch::Contains(".mp4 has no alpha: the pictures are laid over grey"));
+    CHECK_THAT(mp4.err, Catch::Contains(".mp4 has no alpha: the images are drawn over grey"));
     const Image grey = first_frame(scratch / "run/little_honey.mp4", scratch / "grey.png");
     CHECK(std::abs(grey.rgb[0] - 118) <= 3);
 }

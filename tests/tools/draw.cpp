@@ -142,8 +142,8 @@ TEST_CASE("a run with gaps gets its video and contact sheet, and existing files 
     CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "1"}).err, Catch::EndsWith("missing frames 1 to 1; 2 to 3\n"));
     const std::string nowhere = (folder / "none/a.mp4").string();
     for (const auto& [option, value, why] : std::vector<std::array<std::string, 3>>{
-             {"--out", nowhere, "--out: folder not found: \"" + (folder / "none").string() + "\"; make it first"},
-             {"--fps", "1e-9", "--fps: 1e-09 frames a second are too few for a video; allowed: at least 0.0001"}}) {
+             {"--out", nowhere, "--out: folder not found: \"" + (folder / "none").string() + "\"; create it first"},
+             {"--fps", "1e-9", "--fps: 1e-09 frames per second are too few for a video; allowed: at least 0.0001"}}) {
         const Outcome refused = test::whorl({"video", run.string(), option, value});
         CHECK(refused.code == 2);
         CHECK_THAT(refused.err, Catch::Contains(why));
@@ -257,9 +257,10 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
     fs::rename(run / "frames/000002.png", folder / "second.png");
     const Outcome part = test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()});
     CHECK(part.code == 0);
-    CHECK(part.err == "the run has pictures of 1 of its 2 frames: the video is of these\n");
+    CHECK(part.err == "the run has images of 1 of its 2 frames; the video contains only these\n");
     refused({"--frames", "3-4"}, "missing frames 3 to 4; 1 to 2");
-    for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"}) refused({"--frames", frames}, "names no frames");
+    for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"})
+        refused({"--frames", frames}, "is not a frame or a range of frames");
     fs::rename(run / "raw/000002.frame", run / "raw/000003.frame");
     fs::copy(run / "raw/000001.frame", run / "raw/000002.frame");
     refused({}, "000002.frame: contains frame 1, not 2");

@@ -158,7 +158,7 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
         INFO(c.what << again.err << again.out);
         CHECK(again.code == 0);
         int kept = 0;
-        for (std::size_t at = 0; (at = again.out.find("kept from before", at)) != std::string::npos; ++at) ++kept;
+        for (std::size_t at = 0; (at = again.out.find("kept from an earlier sweep", at)) != std::string::npos; ++at) ++kept;
         CHECK(kept == c.kept);
     }
     // `whorl render` accepts the overlay.

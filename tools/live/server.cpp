@@ -23,8 +23,8 @@ using Json = nlohmann::ordered_json;
 using httplib::Request;
 using httplib::Response;
 
-/// Number of connections that are answered in parallel, and of viewers of /stream and of /events. A viewer keeps its connection, so most
-/// viewers are far fewer than workers.
+/// Number of connections that are answered in parallel, and of viewers of /stream and of /events. A viewer keeps its connection:
+/// 12 of each leave 16 connections for other requests.
 constexpr int workers = 40, most_streams = 12;
 constexpr std::size_t longest_body = 64 * 1024;
 constexpr double wake_up = 0.25;  ///< interval at which a waiting thread checks whether the server ends [s]
@@ -244,8 +244,7 @@ void LiveServer::Http::get_events(const Request&, Response& response) {
         "text/event-stream",
         [this, place, sent, orders](std::size_t, httplib::DataSink& sink) {
             constexpr auto look = std::chrono::milliseconds(80);
-            constexpr int looks = 3,
-                          many = 60;  // checks between two states; checks until an unchanged state is sent to test the connection
+            constexpr int looks = 3, many = 60;  // checks between two states; until an unchanged one is sent to test the connection
             for (int quiet = 1;; ++quiet) {
                 if (!sent->state.empty()) std::this_thread::sleep_for(look);
                 if (ending || !sink.is_writable()) return false;

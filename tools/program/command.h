@@ -1,8 +1,9 @@
 #pragma once
-/// How a subcommand joins the program: one file a subcommand, one add_NAME() in it, one line in main.cpp.
+/// Subcommands of the program. Each has a file with one add_NAME(), and a line in main.cpp.
 ///
-/// add_NAME() adds a CLI11 subcommand with its options (tools/scene_file/options.h), sets a callback that stores what to run in `chosen`,
-/// and returns. main() parses, then calls `chosen` inside run_guarded(), which alone turns exceptions into messages and exit codes.
+/// add_NAME() adds a CLI11 subcommand with its options (tools/scene_file/options.h), and sets a callback that stores the command's
+/// action in `chosen`. main() parses the command line, then calls `chosen` inside run_guarded(), which turns exceptions into messages and
+/// exit codes.
 #include <functional>
 #include <string>
 
@@ -31,9 +32,9 @@ void add_stability(CLI::App& program, Job& chosen);
 void add_manual(CLI::App& program, Job& chosen);
 void add_schema(CLI::App& program, Job& chosen);
 
-/// whorl(1) in roff's man macros.
+/// Manual page whorl(1) in roff, with the macros of man.
 std::string man_page(const CLI::App& program);
-/// A script for bash-completion: subcommands, their options, names of shipped scenes, files.
+/// Script for bash-completion of subcommands, their options, names of shipped scenes, files.
 std::string bash_completion(const CLI::App& program);
 
 }  // namespace whorl

@@ -24,21 +24,21 @@ struct Findings {
     std::string encoder;
     unsigned cores = 0;
     int threads = 0;
-    double memory = 0, free = 0;        ///< bytes
-    double picture = 0;                 ///< s, wall
-    std::vector<std::string> packages;  ///< to install
+    double memory = 0, free = 0;        ///< total and available memory, bytes
+    double picture = 0;                 ///< wall time to draw an image [s]
+    std::vector<std::string> packages;  ///< missing packages
     bool draws() const {
         return std::any_of(devices.begin(), devices.end(), [](const DeviceAttempt& d) { return d.works; });
     }
 };
 
-/// Seconds that a picture of 1280x720 takes, of a ball of honey that is about a fifth of it high. The first one, which compiles, is not
-/// counted.
+/// Wall time to draw an image of 1280x720 of a ball of honey, about a fifth as high as the image [s]. The first drawing, which compiles
+/// shaders, is not timed.
 double seconds_of_picture() {
     Frame frame;
     frame.spacing = 0.002f;
     frame.domain_min = Vec3f::Constant(-0.1f), frame.domain_max = Vec3f::Constant(0.1f);
-    constexpr int across = 10;  // spacings from its middle
+    constexpr int across = 10;  // radius of the ball in spacings
     for (int k = -across; k <= across; ++k)
         for (int j = -across; j <= across; ++j)
             for (int i = -across; i <= across; ++i)
@@ -73,15 +73,15 @@ std::string remedy(const Findings& f) { return fmt::format("apt-get install {}",
 
 void print_text(const Findings& f) {
     fmt::print("whorl {}, {} precision\n\n", WHORL_VERSION, sizeof(Real) == 4 ? "float" : "double");
-    fmt::print("drawing   {}\n", f.draws() ? "works, with the first that does of:" : "does not work; tried:");
+    fmt::print("drawing   {}\n", f.draws() ? "works with the first working device of:" : "does not work; tried:");
     for (const DeviceAttempt& d : f.devices)
         fmt::print("          {:<6} {}{}: {}\n", d.works ? "works" : "fails", d.name, d.hardware ? " (hardware)" : "", d.outcome);
-    if (f.draws()) fmt::print("          a picture of honey, 1280x720, takes {:.2g} s\n", f.picture);
+    if (f.draws()) fmt::print("          an image of honey, 1280x720, takes {:.2g} s\n", f.picture);
     fmt::print("video     {}\n", f.encoder.empty() ? "does not work: no ffmpeg program found" : f.encoder);
     fmt::print("threads   {} of {} cores\n", f.threads, f.cores);
     fmt::print("memory    {:.1f} of {:.1f} GB free\n", f.free / 1e9, f.memory / 1e9);
-    if (f.packages.empty()) fmt::print("\nEverything that a render needs is there.\n");
-    else fmt::print("\nTo install what is missing (as root):\n  {}\n", remedy(f));
+    if (f.packages.empty()) fmt::print("\nEverything that whorl render needs is installed.\n");
+    else fmt::print("\nTo install the missing packages (as root):\n  {}\n", remedy(f));
 }
 
 void print_json(const Findings& f) {
@@ -104,10 +104,9 @@ void print_json(const Findings& f) {
 
 void add_doctor(CLI::App& program, Job& chosen) {
     const auto json = std::make_shared<bool>(false);
-    CLI::App* app =
-        program.add_subcommand("doctor", "what was found to draw, encode and compute with, and what to install if something is missing");
+    CLI::App* app = program.add_subcommand("doctor", "check drawing, video encoding, threads and memory, and name missing packages");
     app->add_flag("--json", *json, "machine-readable");
-    app->footer("Example:\n  whorl doctor                exit code 0 where a render can be drawn and encoded, else 1");
+    app->footer("Example:\n  whorl doctor                exit code 0 if drawing and encoding work, otherwise 1");
     app->callback([json, &chosen] {
         chosen = [json] {
             const Findings f = look_around();

@@ -22,7 +22,7 @@ struct DrawOptions {
     std::string frames;  ///< "12", "1-100"
 };
 
-/// "12" is frame 12 alone, "1-100" all of these. @throws InputError
+/// Reads --frames: "12" is frame 12, "1-100" the frames 1 to 100. @throws InputError
 void read_frames(const std::string& text, RedrawRequest& request) {
     if (text.empty()) return;
     int first = 0, last = 0;
@@ -31,15 +31,16 @@ void read_frames(const std::string& text, RedrawRequest& request) {
     last = first;
     if (number.ec == std::errc() && number.ptr != end && *number.ptr == '-') number = std::from_chars(number.ptr + 1, end, last);
     if (number.ec != std::errc() || number.ptr != end || first < 1 || last < first)
-        throw InputError({"--frames", 0, 0}, "\"" + text + "\" names no frames", "", "one number, or two as in 1-100");
+        throw InputError({"--frames", 0, 0}, "\"" + text + "\" is not a frame or a range of frames", "",
+                         "allowed: a number, or a range as in 1-100");
     request.first = first, request.last = last;
 }
 
-/// The change that decides the simulation, as it was given; "--set" where it takes several.
+/// The first change that affects the simulation by itself, as the user gave it; "--set" if only several together do.
 std::string deciding(const SceneFile& before, const std::vector<KeyValue>& changes) {
     for (const KeyValue& change : changes) try {
             if (decides(before, changed(before, {change}))) return change.value.place.file;
-        } catch (const InputError&) {  // it needs another key as well
+        } catch (const InputError&) {  // valid only together with another change
         }
     return "--set";
 }
@@ -47,7 +48,7 @@ std::string deciding(const SceneFile& before, const std::vector<KeyValue>& chang
 int draw(const DrawOptions& options) {
     set_threads(options.shared.threads);
     const std::filesystem::path& folder = options.shared.folder;
-    // Ranges may be drawn at the same time, and other looks of one run into other folders.
+    // Several processes may draw ranges of frames into the run's folder at the same time, or other looks into other folders.
     std::error_code none;
     const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, folder, none);
     const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
@@ -71,18 +72,18 @@ int draw(const DrawOptions& options) {
     for (const std::string& text : options.shared.set) changes.push_back(parse_change(text));
     request.file = changed(read_scene_file(own), changes);
     if (!request.file.scene.panels.empty())
-        throw InputError({folder.string(), 0, 0}, "this is a film of several panels",
-                         "draw each of them, as in whorl draw " + (folder / "panels/1").string() +
-                             ", then put them together: whorl resume " + folder.string());
+        throw InputError(
+            {folder.string(), 0, 0}, "the run has several panels",
+            "draw each panel, as in whorl draw " + (folder / "panels/1").string() + ", then combine them: whorl resume " + folder.string());
     if (decides(before, request.file))
-        throw InputError({deciding(before, changes), 0, 0}, "only what the pictures show can be changed, the simulation is over",
-                         "render the scene again", "keys of [look], [camera], [surface] and [output]");
+        throw InputError({deciding(before, changes), 0, 0}, "the change affects the simulation, which is over", "render the scene again",
+                         "allowed: keys of [look], [camera], [surface] and [output]");
     request.run = folder;
     request.out = elsewhere ? options.shared.out : folder;
     if (!elsewhere) request.made = before.scene.output.exports;
     request.goes_on = goes_on, request.overwrite = options.shared.overwrite, request.quiet = options.shared.quiet;
     read_frames(options.frames, request);
-    request.file.scene.output.images = true;  // also of a run that made none
+    request.file.scene.output.images = true;  // even if the run made none
     if (!request.quiet)
         for (const std::string& warning : camera_warnings(request.file)) std::fprintf(stderr, "warning: %s\n", warning.c_str());
     return redraw(request);
@@ -92,15 +93,14 @@ int draw(const DrawOptions& options) {
 
 void add_draw(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<DrawOptions>();
-    CLI::App* app =
-        program.add_subcommand("draw", "draw a run's pictures again from the frames it exported (--export raw), without simulating");
+    CLI::App* app = program.add_subcommand("draw", "draw a run's images again from its exported frames (--export raw), without simulating");
     app->add_option("--frames", options->frames, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
     add_options(
         *app, options->shared,
         {Option::folder, Option::set, Option::out, Option::overwrite, Option::size, Option::no_video, Option::threads, Option::quiet});
-    app->get_option("--out")->description("folder for the pictures (default: the run's own, where they replace the old ones)");
+    app->get_option("--out")->description("folder for the images (default: the run's folder, where they replace the old images)");
     app->footer(
-        "Keys of the look, the camera and the surface may be others than the run's.\n"
+        "--set may change keys of [look], [camera], [surface] and [output].\n"
         "Examples:\n"
         "  whorl render honey_coil --export raw\n"
         "  whorl draw out/honey_coil --set look.material=chocolate --out out/chocolate_coil\n"

@@ -36,9 +36,9 @@ int farm(FarmCommand command) {
     const bool here = options.on == "local";
     options.threads = o.threads > 0 ? o.threads : here ? static_cast<int>(std::max(1U, std::thread::hardware_concurrency())) : 1;
     options.quiet = o.quiet;
-    set_threads(options.threads);  // threads of a task: the time limits depend on it
+    set_threads(options.threads);  // predicted times, and so the time limits of jobs, depend on it
     std::vector<SceneFile> files;
-    std::vector<fs::path> folders;  // as they are printed
+    std::vector<fs::path> folders;  // relative, for messages
     for (const std::string& scene : command.scenes) {
         Options own = o;
         own.scene = scene;
@@ -46,22 +46,22 @@ int farm(FarmCommand command) {
         const std::string name = files.back().scene.name;
         fs::path folder = o.out.empty() ? fs::path("out") / name : command.scenes.size() == 1 ? o.out : o.out / name;
         if (std::find(folders.begin(), folders.end(), folder) != folders.end())
-            throw InputError({scene, 0, 0}, "two of the films have the name " + name, "give one of them another name");
-        RunFolder::check_fresh(folder, o.overwrite);  // of all of them, before one is touched
+            throw InputError({scene, 0, 0}, "two of the scenes have the name " + name, "rename one of them");
+        RunFolder::check_fresh(folder, o.overwrite);  // check all folders before any of them is changed
         folders.push_back(std::move(folder));
     }
     const auto wants_video = [](const SceneFile& file) { return file.scene.output.images && file.scene.output.video; };
     for (const SceneFile& file : files)
         if (wants_video(file)) check_video(file.scene, here);
     std::vector<FarmFilm> films;
-    for (std::size_t k = 0; k < files.size(); ++k) {  // an impossible scene ends here, before anything is written
-        // Its tasks run quietly.
+    for (std::size_t k = 0; k < files.size(); ++k) {  // throws for an impossible scene, before anything is written
+        // Warnings are printed here, because the tasks are quiet.
         const std::string whose = files.size() > 1 ? files[k].scene.name + ": " : "";
         if (!options.quiet)
             for (const std::string& warning : warnings_of(files[k])) fmt::print(stderr, "warning: {}{}\n", whose, warning);
         films.push_back(farm_film(files[k], folders[k], options));
     }
-    std::vector<RunFolder> held;  // no other farm begins in these folders meanwhile; the tasks hold the runs themselves
+    std::vector<RunFolder> held;  // keep other farms out of these folders; the tasks themselves hold the run folders
     for (const FarmFilm& film : films) {
         RunFolder::fresh(film.folder, o.overwrite);
         held.push_back(RunFolder::any(film.folder / "farm"));
@@ -86,27 +86,28 @@ int farm(FarmCommand command) {
 
 void add_farm(CLI::App& program, Job& chosen) {
     const auto command = std::make_shared<FarmCommand>();
-    CLI::App* app =
-        program.add_subcommand("farm", "make films on several machines: the runs of panels, or the pictures of one run, as jobs");
-    app->add_option("scenes", command->scenes, "scene files, or names of scenes that ship")->required()->type_name("SCENE");
+    CLI::App* app = program.add_subcommand("farm", "render scenes as jobs on several machines: one job per panel, or per range of frames");
+    app->add_option("scenes", command->scenes, "scene files, or names of shipped scenes")->required()->type_name("SCENE");
     add_slurm_options(*app, command->farm.on, command->farm.sbatch);
-    app->add_option("--jobs", command->farm.jobs, "slurm: tasks of a stage at the same time (default: no limit)")
+    app->add_option("--jobs", command->farm.jobs, "slurm: most tasks of a stage at the same time (default: no limit)")
         ->type_name("N")
         ->check(whole_number(1));
-    app->add_option("--pieces", command->farm.pieces, "pieces that a film is drawn in (default: 8, or fewer of ten frames each)")
+    app->add_option("--pieces", command->farm.pieces,
+                    "number of ranges that the frames are drawn in (default: 8, or fewer with at least ten frames each)")
         ->type_name("N")
         ->check(whole_number(1));
     add_options(*app, command->shared,
                 {Option::set, Option::with, Option::out, Option::overwrite, Option::until, Option::size, Option::fps, Option::quality,
                  Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});
-    app->get_option("--out")->description("run folder (default: out/<scene name>); of several scenes, the folder of their folders");
+    app->get_option("--out")->description(
+        "run folder (default: out/<scene name>); for several scenes, the folder that contains their run folders");
     app->footer(
-        "A film of panels: a job for each panel, and one that puts them side by side. Any other film: one job simulates and keeps its "
-        "frames,\n"
-        "others draw ranges of them, a last one encodes. Limits of time and memory come from the plan. A job whose machine fails is "
-        "restarted\n"
-        "and continues from its checkpoint. A film that fails does not stop the others.  The folder of the run must be one that all "
-        "machines see.\n"
+        "A scene with panels has a job per panel, and a last job that puts them side by side. For any other scene, one job simulates and "
+        "exports\n"
+        "frames, several draw ranges of them, and a last one encodes the video. Limits of time and memory come from the plan. A job whose "
+        "machine\n"
+        "fails is restarted and continues from its checkpoint. A scene that fails does not stop the others. All machines must see the run "
+        "folder.\n"
         "Examples:\n"
         "  whorl farm towed_post --on slurm --threads 8\n"
         "  whorl farm honey_coil lava dam_break --on slurm --sbatch=--partition=short --out runs\n"

@@ -19,14 +19,14 @@ struct ImportOptions {
     fs::path file, out;
 };
 
-/// Errors that prevent a plan of the scene; without errors, the plan's warnings.
+/// Errors of the scene, or the warnings of its plan if it has no errors.
 std::vector<std::string> remarks_on(const fs::path& scene) try {
     std::vector<std::string> lines;
     for (const std::string& warning : make_plan(read_scene_file(scene)).warnings) lines.push_back("warning: " + warning);
     return lines;
 } catch (const InputError& error) {
     std::vector<std::string> lines;
-    for (const Problem& problem : error.problems()) lines.push_back("before it runs: " + problem.message());
+    for (const Problem& problem : error.problems()) lines.push_back("to be fixed first: " + problem.message());
     return lines;
 }
 
@@ -36,13 +36,13 @@ int import_scene(const ImportOptions& options) {
     std::vector<fs::path> files{out};
     for (const auto& [name, mesh] : made.meshes) files.push_back(out.parent_path() / name);
     for (const fs::path& file : files)
-        if (fs::exists(file)) throw InputError({file.string(), 0, 0}, "already exists", "move it away, or choose another name with --out");
+        if (fs::exists(file)) throw InputError({file.string(), 0, 0}, "already exists", "move the file, or choose another name with --out");
     for (const auto& [name, mesh] : made.meshes) write_obj_mesh(out.parent_path() / name, mesh);
     write_text(out, made.toml);
 
     for (const Problem& note : made.notes) fmt::print("{}\n", note.message());
     for (const std::string& line : remarks_on(out)) fmt::print("{}\n", line);
-    fmt::print("{} lines to look at; the scene: {}\n", made.notes.size(), out.string());
+    fmt::print("{} notes to check; the scene: {}\n", made.notes.size(), out.string());
     return exit_done;
 }
 
@@ -50,12 +50,12 @@ int import_scene(const ImportOptions& options) {
 
 void add_import(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<ImportOptions>();
-    CLI::App* app = program.add_subcommand("import", "make a scene of one for SPlisHSPlasH (JSON), and say what has no equivalent");
-    app->add_option("file", options->file, "the other program's scene")->required()->type_name("FILE.json");
+    CLI::App* app = program.add_subcommand("import", "convert a SPlisHSPlasH scene (JSON), and report keys that have no equivalent");
+    app->add_option("file", options->file, "the SPlisHSPlasH scene")->required()->type_name("FILE.json");
     app->add_option("--out", options->out, "the scene file (default: FILE.toml in this folder); meshes go to the same folder")
         ->type_name("FILE.toml");
     app->footer(
-        "Every line that it prints names a place in the other program's file.\n"
+        "Each note names a line of the SPlisHSPlasH scene.\n"
         "Examples:\n"
         "  whorl import DamBreak.json\n"
         "  whorl import scenes/DamBreak.json --out my_scenes/dam.toml");

@@ -41,7 +41,7 @@ Size size_of(const std::string& text) {
     return size;
 }
 
-/// out/thick_coil_live, or with a number behind it: recordings of earlier runs stay.
+/// A new run folder, as in out/thick_coil_live or out/thick_coil_live_2: recordings of earlier runs are kept.
 fs::path free_folder(const std::string& scene) {
     for (int k = 1;; ++k) {
         const fs::path folder = fs::path("out") / (scene + "_live" + (k > 1 ? "_" + std::to_string(k) : ""));
@@ -52,7 +52,7 @@ fs::path free_folder(const std::string& scene) {
 void check_server(ServerOptions& server) {
     const auto stands_in_address = [](unsigned char c) { return std::isalnum(c) || std::strchr("-._~", c); };
     if (!std::all_of(server.token.begin(), server.token.end(), stands_in_address))
-        throw InputError({"--token", 0, 0}, "is a part of the page's address", "", "allowed: letters, digits and - . _ ~");
+        throw InputError({"--token", 0, 0}, "has characters that an address cannot contain", "", "allowed: letters, digits and - . _ ~");
     if (!is_loopback(server.host) && server.token.empty()) server.token = random_token();
 }
 
@@ -66,11 +66,11 @@ int live(LiveOptions options) {
     set_threads(options.shared.threads);
     check_server(options.server);
     const Size size = size_of(options.shared.size);
-    options.shared.size.clear();  // of the page's pictures, not of a film of the recording
+    options.shared.size.clear();  // it is the size of the page's images, not of the recording's video
     Controls controls(options.shared);
     if (options.paused) controls.pause();
     const std::size_t recorded = read_scene_file(options.shared).scene.changes.size();
-    if (recorded > 0) controls.tell(false, fmt::format("{} recorded changes are left out: whorl render repeats them", recorded));
+    if (recorded > 0) controls.tell(false, fmt::format("{} recorded changes are ignored; whorl render repeats them", recorded));
 
     InterruptGuard interrupt;
     LiveRenderer live_renderer(size.width, size.height, 1 / controls.file().scene.time.fps);
@@ -94,39 +94,39 @@ int live(LiveOptions options) {
 
     std::printf("%s\n", server.url().c_str());
     std::fflush(stdout);
-    if (!options.shared.quiet)
-        fmt::print(stderr, "whorl: live in a browser at the address above, where it begins when it is opened; Ctrl-C ends it\n");
+    if (!options.shared.quiet) fmt::print(stderr, "whorl: open the address above in a browser; the run starts then, and Ctrl-C ends it\n");
     loop.run([&] { return interrupt.interrupted(); });
 
     server.stop();
     live_renderer.close();
     write_report(folder.path(), loop.simulation(), "done");
     if (!options.shared.quiet)
-        fmt::print(stderr, "whorl: recorded; to repeat it as a film: whorl render {} --quality {}\n", recording.file().string(),
+        fmt::print(stderr, "whorl: recorded; to repeat the run as a video: whorl render {} --quality {}\n", recording.file().string(),
                    controls.options().quality);
     return exit_done;
 }
 
 const char* const endpoints =
     "The first line on standard output is the page's address. The run waits at its first frame for a viewer (the page, /stream, /events,\n"
-    "/frame.png) or for play or step, and ends at time.end. The scene file is watched: what is saved acts at once, where it can.\n"
-    "Every change is recorded with its time: whorl render RUN_FOLDER/recording.toml repeats the run, frame for frame, at any quality.\n"
-    "With another --host than 127.0.0.1, every request needs the token that the address shows (?token=..., or Authorization: Bearer ...).\n"
+    "/frame.png) or for play or step, and ends at time.end. When the scene file is saved, the changes that are possible during the run\n"
+    "are applied. Every change is recorded with its time. whorl render RUN_FOLDER/recording.toml repeats the run, frame for frame, at any\n"
+    "quality. If --host is not this machine, every request needs the token of the address (?token=..., or Authorization: Bearer ...).\n"
     "\n"
     "For programs (JSON):\n"
-    "  GET  /state           time, frame, particles, every live key's value, ms by stage, energies, iterations, probes and their plots\n"
-    "  GET  /keys            every key with unit, range and meaning; whether it may change during the run; the models and why\n"
-    "  POST /set             {\"fluid.viscosity\": 500, \"emitter[0].speed\": \"0.2+0.1*sin(6*t)\"}: all or nothing; 400 with the reason\n"
+    "  GET  /state           time, frame, particles, values of live keys, ms by stage, energies, iterations, probes and their plots\n"
+    "  GET  /keys            every key with unit, range, meaning, and whether it may change during the run; the models with reasons\n"
+    "  POST /set             {\"fluid.viscosity\": 500, \"emitter[0].speed\": \"0.2+0.1*sin(6*t)\"}: all are applied, or none (400, with "
+    "the reason)\n"
     "  POST /control         {\"do\": \"pause\"}, play, step, undo, restart\n"
-    "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}: "
-    "all but \"do\" optional\n"
+    "                        {\"do\": \"restart\", \"scene\": \"dam_break\", \"quality\": \"draft\", \"set\": {...}, \"forget\": true}; "
+    "only \"do\" is required\n"
     "  GET  /history         time, frame, ms by stage, energies, iterations and probes of the last 600 frames, oldest first\n"
     "  GET  /frame.png       the latest image (X-Time, X-Frame)\n"
-    "  GET  /stream          MJPEG; a slow viewer misses images and blocks no other; each comes twice, as browsers need it, but with "
-    "?once=1\n"
+    "  GET  /stream          MJPEG; a slow viewer misses images and blocks no other; ?once=1: no image is sent twice (browsers need "
+    "that)\n"
     "  GET  /events          server-sent events: the state whenever it changes\n"
-    "  GET  /scene.toml      the scene with the present values\n"
-    "  GET  /recording.toml  the scene and every change until now\n"
+    "  GET  /scene.toml      the scene with the current values\n"
+    "  GET  /recording.toml  the scene and every change so far\n"
     "\n"
     "Examples:\n"
     "  whorl live thick_coil\n"
@@ -141,21 +141,21 @@ void add_live(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<LiveOptions>();
     options->shared.quality = "draft";
     options->shared.size = "640x360";
-    CLI::App* app = program.add_subcommand("live", "the same loop in a browser: watch it pour, turn the knobs, keep what you like");
+    CLI::App* app = program.add_subcommand("live", "run a scene in a browser: watch it, change its values, save the scene or a recording");
     add_options(*app, options->shared,
                 {Option::scene, Option::set, Option::out, Option::overwrite, Option::size, Option::quality, Option::threads, Option::seed,
                  Option::quiet});
     app->get_option("--out")->description(
         "run folder (default: out/<scene name>_live, or the first of _live_2, _live_3, ... that is free)");
     app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
-    app->add_option("--port", options->server.port, "port (default: 8080; 0: any that is free)")
+    app->add_option("--port", options->server.port, "port (default: 8080; 0: any free port)")
         ->type_name("N")
         ->check(whole_number(0, 65535));
     app->add_option("--token", options->server.token,
-                    "what every request must bring (default: a random one where --host is not this machine)")
+                    "token that every request needs (default: none; a random one if --host is not this machine)")
         ->type_name("TEXT");
-    app->add_flag("--paused", options->paused, "do not play at once");
-    app->add_flag("--unpaced", options->unpaced, "as fast as it goes, not in real time");
+    app->add_flag("--paused", options->paused, "start paused");
+    app->add_flag("--unpaced", options->unpaced, "run as fast as possible, not in real time");
     app->footer(endpoints);
     app->callback([options, &chosen] { chosen = [options] { return live(*options); }; });
 }

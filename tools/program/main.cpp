@@ -18,16 +18,16 @@ namespace {
 
 const char* const examples =
     "Examples:\n"
-    "  whorl render honey_coil                       frames, video and diagnostics in out/honey_coil\n"
+    "  whorl render honey_coil                       write images, video and diagnostics to out/honey_coil\n"
     "  whorl render honey_coil --quality draft --until 1 --set fluid.viscosity=300\n"
     "  whorl render my_scene.toml --out runs/a --size 1920x1080 --export mesh\n"
-    "  whorl live thick_coil                         a run in a browser, while it pours\n"
-    "  whorl plan my_scene.toml                      what would be modelled, why, and what it costs\n"
+    "  whorl live thick_coil                         watch and change a run in a browser\n"
+    "  whorl plan my_scene.toml                      print models, reasons and predicted cost\n"
     "  whorl resume runs/a                           continue after an interruption\n"
-    "  whorl tradeoff coil_frequency --budget 10min  what accuracy costs: sweep, Pareto front\n"
-    "  whorl help render                             what a command does, its options and examples\n";
+    "  whorl tradeoff coil_frequency --budget 10min  measure the cost of accuracy: sweep, Pareto front\n"
+    "  whorl help render                             print a command's options and examples\n";
 
-/// The nearest subcommand or option to a word that was not expected.
+/// Hint with the subcommand or option nearest to an unexpected word; empty if none is near.
 std::string meant(const CLI::App& at, const std::string& word) {
     std::vector<std::string> names;
     for (const CLI::App* sub : at.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
@@ -37,7 +37,7 @@ std::string meant(const CLI::App& at, const std::string& word) {
     return near.empty() ? "" : "; did you mean \"" + near + "\"?";
 }
 
-/// Instruction sets that the build requires of a processor: none are chosen at run time.
+/// Instruction sets that this build requires of the processor. None is chosen at run time.
 std::string processor_text() {
     std::string uses = "SSE2";
 #ifdef __AVX2__
@@ -49,12 +49,12 @@ std::string processor_text() {
 #ifdef __AVX512F__
     uses += ", AVX-512";
 #endif
-    if (WHORL_NATIVE) return "made for the one it was built on and those that can do the same; uses " + uses;
+    if (WHORL_NATIVE) return "the one it was built on, or one with the same instruction sets; uses " + uses;
     return "any x86-64; uses " + uses;
 }
 
 std::string version_text() {
-    std::string gl = "none that works; whorl doctor shows why";
+    std::string gl = "no working device; whorl doctor shows why";
     for (const whorl::DeviceAttempt& device : whorl::probe_devices())
         if (device.works) {
             gl = device.outcome;
@@ -81,7 +81,8 @@ std::size_t columns() {
     return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
-/// Breaks longer lines between words. The rest begins where the line's last column does, or below its first word.
+/// Breaks lines longer than `width` between words. Continuation lines are indented to the text of the right column, or to the line's first
+/// word if there is one column.
 std::string wrapped(const std::string& text, std::size_t width) {
     if (width < 20) return text;
     std::string out;
@@ -100,7 +101,7 @@ std::string wrapped(const std::string& text, std::size_t width) {
     return out;
 }
 
-/// Bad input of any kind ends with 2.
+/// Prints help, version or the error. @return an ExitCode; 2 for every error of the command line
 int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vector<std::string>& words) {
     if (e.get_exit_code() == 0) {  // --help, --version
         std::ostringstream text;
@@ -127,16 +128,17 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
 }  // namespace
 
 int main(int argc, char** argv) {
-    signal(SIGCHLD, SIG_DFL);  // who started this may ignore it, and then no child could be waited for
+    signal(SIGCHLD, SIG_DFL);  // the parent may have ignored it, which is inherited and prevents waiting for children
     whorl::wait_passively(argv);
 #ifdef __GLIBC__
-    // Long columns go back to the system when they are freed; glibc would keep up to 32 MB of each to itself. 200,000 particles of water
-    // take a sixth less. Short ones stay: a step of few particles would fetch them from the system again and again.
+    // Return blocks above 1 MB to the system when they are freed, which saves a sixth of the memory for 200,000 particles of water. By
+    // default glibc keeps freed blocks of up to 32 MB each. Smaller blocks are kept, because a step with few particles would otherwise
+    // request them from the system again and again.
     mallopt(M_MMAP_THRESHOLD, 1 << 20);
     mallopt(M_TRIM_THRESHOLD, 1 << 22);
 #endif
     CLI::App program("Whorl: viscous coils and micropolar vortices, from a scene file to a video", "whorl");
-    program.set_version_flag("--version", version_text, "print version, build, what processor it needs, precision and what draws");
+    program.set_version_flag("--version", version_text, "print version, compiler, required processor, precision and GL device");
     program.footer(examples);
     program.require_subcommand(1);
 

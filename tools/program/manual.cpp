@@ -11,7 +11,7 @@
 namespace whorl {
 namespace {
 
-/// Text that roff prints as it is.
+/// Escapes text for roff.
 std::string roff(const std::string& text) {
     std::string out;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -49,7 +49,7 @@ std::string footer_of(const CLI::App& app) { return app.get_footer().empty() ? "
 
 std::string man_page(const CLI::App& program) {
     std::string text = fmt::format(".TH WHORL 1 \"\" \"whorl {}\" \"User Commands\"\n.SH NAME\nwhorl \\- {}\n", WHORL_VERSION,
-                                   roff("films of viscous fluids and vortices, from a scene file to a video"));
+                                   roff("videos of viscous fluids and vortices from a scene file"));
     text += ".SH SYNOPSIS\n.B whorl\n.I COMMAND\n.RI [ OPTIONS ]\n.SH DESCRIPTION\n" + roff(program.get_description()) + ".\n" +
             footer_of(program);
     text += ".SH OPTIONS\n" + options_of(program) + ".SH COMMANDS\n";
@@ -57,8 +57,8 @@ std::string man_page(const CLI::App& program) {
         text += fmt::format(".SS whorl {}\n{}\n{}{}", roff(command->get_name()), roff(command->get_description()), options_of(*command),
                             footer_of(*command));
     text +=
-        ".SH EXIT STATUS\n.TP\n.B 0\ndone\n.TP\n.B 1\nthe machine or the run failed\n.TP\n.B 2\nsomething in the scene or on the command "
-        "line is wrong; nothing was written\n.TP\n.B 130\nstopped by Ctrl\\-C; the state is saved\n";
+        ".SH EXIT STATUS\n.TP\n.B 0\ndone\n.TP\n.B 1\nthe machine or the run failed\n.TP\n.B 2\ninvalid scene or command line; "
+        "nothing was written\n.TP\n.B 130\nstopped by Ctrl\\-C; the state is saved\n";
     return text;
 }
 
@@ -101,9 +101,9 @@ complete -o filenames -F _whorl whorl
 
 void add_manual(CLI::App& program, Job& chosen) {
     const auto completion = std::make_shared<bool>(false);
-    CLI::App* app = program.add_subcommand("manual", "print the manual page (man -l reads it), or with --bash a completion script");
-    app->group("");  // for packages: people have --help
-    app->add_flag("--bash", *completion, "the script for bash-completion");
+    CLI::App* app = program.add_subcommand("manual", "print the manual page, for man -l, or with --bash a completion script");
+    app->group("");  // hidden in --help: it serves the makers of packages
+    app->add_flag("--bash", *completion, "print the script for bash-completion");
     app->callback([&program, completion, &chosen] {
         chosen = [&program, completion] {
             fmt::print("{}", *completion ? bash_completion(program) : man_page(program));

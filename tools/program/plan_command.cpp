@@ -17,7 +17,7 @@
 namespace whorl {
 namespace {
 
-/// Estimates of each panel, which are run one after the other, or of the scene.
+/// Adds the estimate of the scene. If it has panels, which run one after the other, adds their times and takes their largest memory.
 void add_cost(Preview& preview, const Watch& watch) {
     const SceneFile& file = preview.file;
     for (const SceneFile& run : file.scene.panels.empty() ? std::vector{file} : panel_scenes(file)) {
@@ -40,7 +40,7 @@ int plan(const Options& options) {
     check_probes(simulation);
     Preview preview{file, plan, simulation};
     add_cost(preview, watch_coarse_run(options.json));
-    if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // of the panels' runs
+    if (!file.scene.panels.empty()) plan.warnings = warnings_of(file);  // warnings of the panels' runs
     if (const std::string warning = memory_warning(preview.cost, available_memory()); !warning.empty()) plan.warnings.push_back(warning);
     print_preview(preview, options.json);
     return exit_done;
@@ -50,7 +50,8 @@ int plan(const Options& options) {
 
 void add_plan(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
-    CLI::App* app = program.add_subcommand("plan", "what would be modelled, why, and what it costs; the scene is not run");
+    CLI::App* app =
+        program.add_subcommand("plan", "print models with reasons, fields, stages and predicted cost, without running the scene");
     using O = Option;
     add_options(
         *app, *options,
@@ -58,7 +59,7 @@ void add_plan(CLI::App& program, Job& chosen) {
     app->footer(
         "Examples:\n"
         "  whorl plan honey_coil\n"
-        "  whorl plan honey_coil --set fluid.viscosity=0.001        what changes when honey becomes water\n");
+        "  whorl plan honey_coil --set fluid.viscosity=0.001        the models for water instead of honey\n");
     app->callback([options, &chosen] { chosen = [options] { return plan(*options); }; });
 }
 

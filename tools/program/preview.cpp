@@ -23,12 +23,13 @@ std::size_t bytes_a_particle(const ParticleStore& fluid) {
 
 const char* name_of(Access access) { return access == Access::read ? "reads" : access == Access::write ? "writes" : "updates"; }
 
-/// The step limit of the scene at its start [s]; infinite if it does not bind.
+/// Time step that a limit allows at the start [s]; infinite if it does not apply.
 double at_start(const StepLimit& limit, const World& world) {
     const double dt = limit.dt(world, largest_speed(world));
     return dt > 0 ? dt : std::numeric_limits<double>::infinity();
 }
 
+/// Limit with the smallest time step at the start; null without limits.
 const StepLimit* binding(const Simulation& simulation) {
     const World& world = simulation.world();
     const StepLimit* least = nullptr;
@@ -37,7 +38,7 @@ const StepLimit* binding(const Simulation& simulation) {
     return least;
 }
 
-/// At the end of the run. Without emitters none are added to those of the start, which are counted.
+/// Number of particles at the end of the run. Without emitters it is the number at the start.
 double expected_particles(const Preview& p) {
     const double at_start = p.simulation.world().fluid.size();
     return p.file.scene.emitters.empty() ? at_start : std::max(at_start, p.plan.estimated_particles);
@@ -46,20 +47,20 @@ double expected_particles(const Preview& p) {
 void print_cost(const Preview& p) {
     const CoarseRun& run = *p.coarse;
     const Estimate& e = p.cost;
-    fmt::print("\ncost on this machine with {} threads, from a run {} that took {:.2g} s, {}\n", threads(),
-               run.coarser > 1 ? fmt::format("with {} times the spacing", run.coarser) : "of its beginning", run.seconds,
+    fmt::print("\ncost on this machine with {} threads, predicted from a run {} that took {:.2g} s ({})\n", threads(),
+               run.coarser > 1 ? fmt::format("with {} times the spacing", run.coarser) : "of the scene's beginning", run.seconds,
                run.kept ? "made earlier" : "made now");
-    fmt::print("  iterations             about {:.0f} a step\n", e.iterations);
-    fmt::print("  steps                  about {:.0f} a frame, of {:.3g} s\n", e.steps_a_frame, e.step);
-    fmt::print("  the last frame         {:.0f} ms: simulate {:.0f}", 1e3 * e.frame, 1e3 * e.simulate);
+    fmt::print("  iterations             about {:.0f} per step\n", e.iterations);
+    fmt::print("  steps                  about {:.0f} of {:.3g} s per frame\n", e.steps_a_frame, e.step);
+    fmt::print("  last frame             {:.0f} ms: simulate {:.0f}", 1e3 * e.frame, 1e3 * e.simulate);
     std::string parts;
     for (const auto& [name, seconds] : e.stages)
         if (seconds > 0.02 * e.simulate) parts += fmt::format("{}{} {:.0f}", parts.empty() ? "" : ", ", name, 1e3 * seconds);
     fmt::print(" ({})", parts);
-    if (e.drawn) fmt::print("; CPU ms of surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
-    fmt::print("\n  the whole film         {} for {} frames{}{}\n", duration(e.film), e.frames,
-               p.file.scene.panels.empty() ? "" : " of every panel", e.drawn ? "" : ", without pictures");
-    fmt::print("  memory                 {:.0f} MB, {:.0f} bytes a particle with neighbours and matrices\n", 1e-6 * e.memory,
+    if (e.drawn) fmt::print("; CPU ms: surface {:.0f}, draw {:.0f}, write {:.0f}", 1e3 * e.surface, 1e3 * e.draw, 1e3 * e.write);
+    fmt::print("\n  whole run              {} for {} frames{}{}\n", duration(e.film), e.frames,
+               p.file.scene.panels.empty() ? "" : " of every panel", e.drawn ? "" : ", without images");
+    fmt::print("  memory                 {:.0f} MB, {:.0f} bytes per particle with neighbours and matrices\n", 1e-6 * e.memory,
                run.bytes_a_particle);
 }
 
@@ -87,7 +88,7 @@ void print_models(const Preview& p) {
 }
 
 void print_fields(const ParticleStore& fluid) {
-    fmt::print("\nfields, {} bytes a particle\n", bytes_a_particle(fluid));
+    fmt::print("\nfields, {} bytes per particle\n", bytes_a_particle(fluid));
     for (const ParticleStore::Entry* e : fluid.entries())
         fmt::print("  {:<22} {:>3} B  {:<8} {}{}\n", e->info->name, e->info->bytes, e->lasting ? "lasting" : "scratch", e->info->meaning,
                    e->info->unit.empty() ? "" : fmt::format(" [{}]", e->info->unit));
@@ -124,7 +125,7 @@ void print_text(const Preview& p) {
         print_stages(p.simulation.assembly().stages);
         print_limits(p.simulation);
     }
-    fmt::print("\nparticles                {} at the start, about {:.0f} at the end; fastest expected {:.3g} m/s\n",
+    fmt::print("\nparticles                {} at the start, about {:.0f} at the end; expected speed up to {:.3g} m/s\n",
                p.simulation.world().fluid.size(), expected_particles(p), p.plan.expected_speed);
     if (p.coarse) print_cost(p);
     for (const std::string& warning : p.plan.warnings) fmt::print("warning: {}\n", warning);

@@ -9,17 +9,17 @@
 
 namespace whorl {
 
-/// A scene at its start, and the limits of its first step.
+/// Data to print about a scene at its start.
 struct Preview {
     const SceneFile& file;
     const Plan& plan;
     const Simulation& simulation;
-    // Of `whorl plan`:
-    std::optional<CoarseRun> coarse = {};  ///< of the last panel
-    Estimate cost = {};                    ///< of the last panel, but the time and the memory of all, which run one after the other
-    // Of `whorl render --dry-run`:
+    // Only for `whorl plan`:
+    std::optional<CoarseRun> coarse = {};  ///< of the scene or its last panel
+    Estimate cost = {};                    ///< of the scene or its last panel; with panels, film times are sums and memory is the maximum
+    // Only for `whorl render --dry-run`:
     int frames = 0;
-    std::filesystem::path folder = {};
+    std::filesystem::path folder = {};  ///< run folder
 };
 
 void print_preview(const Preview& preview, bool json);

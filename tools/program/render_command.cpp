@@ -16,7 +16,7 @@
 namespace whorl {
 namespace {
 
-/// Prints the run without running it.
+/// Prints what the run would do, without simulating.
 int dry_run(const RunRequest& request) {
     Plan plan = make_plan(request.file);
     plan.warnings = warnings_of(request.file);
@@ -47,13 +47,13 @@ int render(const Options& options) {
 
 void add_render(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
-    CLI::App* app = program.add_subcommand("render", "simulate a scene and film it: frames, video and diagnostics in a run folder");
+    CLI::App* app = program.add_subcommand("render", "simulate and draw a scene: images, video and diagnostics in a run folder");
     add_options(*app, *options,
                 {Option::scene, Option::set, Option::with, Option::out, Option::overwrite, Option::until, Option::frames, Option::size,
                  Option::fps, Option::quality, Option::no_video, Option::no_images, Option::no_draw, Option::exports, Option::threads,
                  Option::seed, Option::dry_run, Option::quiet, Option::json});
     app->footer(
-        "A folder that holds a run is refused unless --overwrite is given, a folder of other files always. Ctrl-C saves the state.\n"
+        "A folder with a run is refused unless --overwrite is given; a folder with other files is always refused. Ctrl-C saves the state.\n"
         "Examples:\n"
         "  whorl render honey_coil\n"
         "  whorl render honey_coil --quality draft --until 1 --size 640x360 --out runs/try\n"

@@ -12,12 +12,12 @@
 namespace whorl {
 namespace {
 
-/// When the run is to end now [s]; nothing if it keeps its end. @throws InputError
+/// New end of the run from --until or --frames [s]; empty if neither is given. @throws InputError
 std::optional<double> wanted_end(const Options& options, const Scene& scene) {
     if (options.until && options.frames)
-        throw InputError({"--frames", 0, 0}, "--until and --frames both say when the run ends", "give one of them");
+        throw InputError({"--frames", 0, 0}, "--until and --frames both set the end of the run", "use only one of them");
     if (!options.frames) return options.until;
-    if (*options.frames < 2) throw InputError({"--frames", 0, 0}, "a resumed run has a second frame", "", "allowed: at least 2");
+    if (*options.frames < 2) throw InputError({"--frames", 0, 0}, "a resumed run has at least 2 frames", "", "allowed: at least 2");
     return frame_time(scene, *options.frames);
 }
 
@@ -46,17 +46,18 @@ int resume(const Options& options) {
 
 void add_resume(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<Options>();
-    CLI::App* app = program.add_subcommand("resume", "continue a run from its last checkpoint, to the same result as without a stop");
+    CLI::App* app =
+        program.add_subcommand("resume", "continue a run from its last checkpoint, with the same result as an uninterrupted run");
     add_options(*app, *options,
                 {Option::folder, Option::until, Option::frames, Option::force, Option::no_video, Option::no_draw, Option::threads,
                  Option::quiet, Option::json});
     app->footer(
-        "With --until or --frames a run ends later (or earlier) than it was to, also one that is done. scene.resolved.toml says so then, "
-        "and\n"
-        "rendering that file makes the same film.\n"
+        "--until or --frames set a new end, also for a finished run. The new end is stored in scene.resolved.toml; rendering that file "
+        "gives\n"
+        "the same run.\n"
         "Examples:\n"
         "  whorl resume out/honey_coil\n"
-        "  whorl resume out/honey_coil --until 8         a longer film");
+        "  whorl resume out/honey_coil --until 8         continue until 8 s");
     app->callback([options, &chosen] { chosen = [options] { return resume(*options); }; });
 }
 

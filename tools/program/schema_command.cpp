@@ -13,8 +13,8 @@ namespace whorl {
 void add_schema(CLI::App& program, Job& chosen) {
     const auto markdown = std::make_shared<bool>(false);
     CLI::App* app = program.add_subcommand("schema", "print the JSON Schema of scene files, for editors");
-    app->add_flag("--markdown", *markdown, "print a page of all keys instead");
-    app->footer("Example:\n  whorl schema > scene.schema.json       then, on top of a scene:  #:schema scene.schema.json");
+    app->add_flag("--markdown", *markdown, "print a page of all keys in Markdown instead");
+    app->footer("Example:\n  whorl schema > scene.schema.json       then add as first line of a scene:  #:schema scene.schema.json");
     app->callback([markdown, &chosen] {
         chosen = [markdown] {
             fmt::print("{}", *markdown ? markdown_reference(known_sections()) : json_schema(known_sections()));

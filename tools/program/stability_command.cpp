@@ -22,11 +22,12 @@ constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
 
 struct Cell {
     Verdict verdict;
-    double largest_stable = not_measured;  ///< of the bisected key; NaN: none was, or nothing is stable
-    std::map<std::string, double> limits;  ///< s, the time steps that the models allow at the start, from the plan
+    double largest_stable = not_measured;  ///< largest stable value of the bisected key; NaN: no key is bisected, or no value is stable
+    std::map<std::string, double> limits;  ///< time steps that the models allow at the start [s], by name of the limit
 };
 
-/// One scene of a study, swept over two knobs (one: a map of one row), a map for each value of a third.
+/// Stability map of one scene of a study over two knobs. With one knob the map has one row; with three there is a map per value of the
+/// third.
 class StabilityMap {
 public:
     explicit StabilityMap(const Sweep& sweep)
@@ -48,7 +49,7 @@ public:
             };
         });
         if (started < cells_.size())
-            sweep_.say(fmt::format("the budget of {} is spent; the same command continues from here", sweep_.options.budget));
+            sweep_.say(fmt::format("the budget of {} is used up; repeat the command to continue", sweep_.options.budget));
         write();
     }
 
@@ -59,7 +60,7 @@ private:
     }
     bool bisects() const { return !study_.stability.bisect.empty(); }
 
-    /// Cells lie along the first knob, then the second, then the third.
+    /// Settings of cell k. The first knob varies fastest, the third slowest.
     std::vector<std::string> settings(std::size_t k) const {
         GridPoint p{static_cast<int>(k % nx_)};
         if (study_.knobs.size() > 1) p.push_back(static_cast<int>(k / nx_ % ny_));
@@ -69,7 +70,7 @@ private:
 
     std::string note(const Cell& cell) const {
         if (!bisects() || cell.verdict.state == "refused") return cell.verdict.state;
-        return std::isfinite(cell.largest_stable) ? fmt::format("to {:.3g}", cell.largest_stable) : "nowhere stable";
+        return std::isfinite(cell.largest_stable) ? fmt::format("to {:.3g}", cell.largest_stable) : "never stable";
     }
 
     void report(std::size_t k, std::size_t done, double left) const {
@@ -78,7 +79,7 @@ private:
                                note(cells_[k]), v.why.empty() ? "" : ": " + v.why, duration(left)));
     }
 
-    /// Step limits of the models at the start. @throws InputError if the plan refuses the scene
+    /// Time steps that the models allow at the start [s]. @throws InputError if the plan refuses the scene
     std::map<std::string, double> limits_of(const std::vector<std::string>& settings) const {
         const Scene scene = read_scene_file(point_call(study_, sweep_.scene, settings).options).scene;
         const Simulation simulation(scene, make_plan(scene));
@@ -97,7 +98,8 @@ private:
         try {
             empty.limits = limits_of(all);
         } catch (const InputError& error) {
-            // Another program may accept what this one refuses: one of double precision reaches farther from the origin.
+            // If the point runs another program, that one may accept the scene: positions in double precision reach
+            // farther from the origin.
             if (point_call(study_, sweep_.scene, all).program.empty()) {
                 empty.verdict = {"refused", error.what(), 0, 0};
                 return [empty] { return empty; };
@@ -114,7 +116,7 @@ private:
         return cell;
     }
 
-    /// The largest value of the bisected key that is stable, on a logarithmic scale.
+    /// Cell with the largest stable value of the bisected key, found by bisection on a logarithmic scale.
     Cell bisected(const std::vector<std::string>& settings, const Cell& empty) const {
         const StabilityKeys& s = study_.stability;
         const auto at = [&](double value) {
@@ -152,7 +154,7 @@ private:
         return not_measured;
     }
 
-    /// Lines of the plan's limits, where the second knob is the time step itself, and of those that the study predicts.
+    /// Lines of the limits that the study predicts, and of the models' limits if the second knob is the time step.
     std::vector<MapLimit> predicted(std::size_t panel) const {
         std::map<std::string, MapLimit> found;
         const auto add = [&](const std::string& name, std::size_t i, double value) {
@@ -222,10 +224,8 @@ private:
 int run_stability(const SweepOptions& options) {
     const Study study = read_study(options.study);
     if (study.knobs.empty() || study.knobs.size() > 3)
-        throw InputError(
-            {options.study, 0, 0},
-            fmt::format("a map has one knob or two, and may be drawn for each value of a third; this study has {}", study.knobs.size()),
-            "search for a further one with stability.bisect");
+        throw InputError({options.study, 0, 0}, fmt::format("a stability map has 1 to 3 knobs; this study has {}", study.knobs.size()),
+                         "remove a knob, or set stability.bisect to search for its largest stable value");
     return run_sweeps(study, options, false, [](const Sweep& sweep) { StabilityMap(sweep).run(); });
 }
 
@@ -233,13 +233,13 @@ int run_stability(const SweepOptions& options) {
 
 void add_stability(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();
-    CLI::App* app = program.add_subcommand(
-        "stability", "push settings to the extremes and draw the map of what stays stable, with the predicted limits on it");
+    CLI::App* app = program.add_subcommand("stability",
+                                           "run a scene with extreme settings and draw a map of the stable ones with the predicted limits");
     add_sweep_options(*app, *options);
     app->footer(
-        "Each cell is a run in its own process and is kept: calling a stopped map again continues it.\n"
+        "Each cell is a run in a separate process. Finished cells are kept: repeat the command to continue a stopped map.\n"
         "Cells that failed, or whose scene was edited since, are run again.\n"
-        "time.fixed_step sets the time step and ignores what the models allow: the map shows whether they are right.\n"
+        "time.fixed_step overrides the limits of the models, so a map over it tests these limits.\n"
         "Examples:\n"
         "  whorl stability viscous_steps\n"
         "  whorl stability my_map.toml --budget 20min --out maps/mine\n"

@@ -22,26 +22,27 @@ namespace whorl {
 namespace fs = std::filesystem;
 
 void add_slurm_options(CLI::App& app, std::string& on, std::vector<std::string>& sbatch) {
-    app.add_option("--on", on, "slurm: as jobs of the Slurm that sbatch reaches; local: on this machine")
+    app.add_option("--on", on, "slurm: run as Slurm jobs, submitted with sbatch; local: run on this machine")
         ->capture_default_str()
         ->type_name("PLACE");
-    app.add_option("--sbatch", sbatch, "one more option for sbatch: --sbatch=--partition=short (repeatable)")
+    app.add_option("--sbatch", sbatch, "additional option for sbatch, as in --sbatch=--partition=short (repeatable)")
         ->type_name("OPTION")
         ->allow_extra_args(false);
 }
 
 void add_sweep_options(CLI::App& app, SweepOptions& o) {
-    app.add_option("study", o.study, "study file, or the name of a study that ships")->required()->type_name("STUDY");
+    app.add_option("study", o.study, "study file, or the name of a shipped study")->required()->type_name("STUDY");
     app.add_option("--out", o.out, "folder of the results (default: out/<study name>)")->type_name("DIR")->check(not_empty);
     add_slurm_options(app, o.on, o.sbatch);
-    app.add_option("--threads", o.threads, "threads of each run (default: local: what the runs at the same time leave each, slurm: 1)")
+    app.add_option("--threads", o.threads, "threads of each run (default: local: cores divided by --jobs, slurm: 1)")
         ->type_name("N")
         ->check(whole_number(0, 1024));
-    app.add_option("--jobs", o.jobs, "runs at the same time (default: local: as many as do not disturb what is measured, slurm: 8)")
+    app.add_option("--jobs", o.jobs,
+                   "runs at the same time (default: local: 1 if time is measured, otherwise as many as the cores allow; slurm: 8)")
         ->type_name("N")
         ->check(whole_number(0, 1024));
-    app.add_option("--budget", o.budget, "stop after that much wall time: 90s, 10min, 1h")->type_name("TIME");
-    app.add_flag("--json", o.json, "the result as JSON on standard output");
+    app.add_option("--budget", o.budget, "start no run after this wall time, as in 90s, 10min, 1h")->type_name("TIME");
+    app.add_flag("--json", o.json, "print the result as JSON");
 }
 
 void Sweep::say(const std::string& text) const {
@@ -81,7 +82,7 @@ void Sweep::run(const std::function<Task(double)>& next) const {
 
 namespace {
 
-/// A value of a row as a cell: numbers with six digits, an unknown one empty, an object as "name value; name value".
+/// Text of a CSV cell: numbers with six digits, unknown values empty, objects as "name value; name value".
 std::string cell_of(const nlohmann::ordered_json& value) {
     if (value.is_string()) return csv_cell(value.get<std::string>());
     if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
@@ -130,7 +131,7 @@ int run_sweeps(const Study& study, SweepOptions o, bool timed, const std::functi
             sweep(Sweep{study, o, scene, own, {study, own, o.threads, o.on == "slurm", o.sbatch}});
         }
     } catch (const StudyInterrupted&) {
-        fmt::print(stderr, "whorl: interrupted; points that are done are kept, the same command continues\n");
+        fmt::print(stderr, "whorl: interrupted; finished points are kept, repeat the command to continue\n");
         return exit_interrupted;
     }
     return exit_done;

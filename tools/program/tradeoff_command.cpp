@@ -42,8 +42,8 @@ public:
         });
         if (!options_.budget.empty() && rows_.size() < search_.size() && !search_.next(measured(false)).empty())
             sweep_.say(
-                fmt::format("the budget of {} is spent, or what is left does not suffice for the rest of the front; the same command "
-                            "with a larger budget continues from here",
+                fmt::format("the budget of {} is used up, or too small for the next point of the front; repeat the command "
+                            "with a larger budget to continue",
                             options_.budget));
         front_ = pareto_front(measured(false));
         write();
@@ -56,7 +56,7 @@ private:
         Measured measured;
         std::vector<std::string> settings;
         std::optional<PointResult> result;  ///< empty while it runs
-        std::vector<double> costs;          ///< of each timing, sorted
+        std::vector<double> costs;          ///< cost of each timing, sorted
     };
 
     static std::vector<int> levels_of(const Study& study) {
@@ -65,7 +65,8 @@ private:
         return levels;
     }
 
-    /// The points that were measured. @param expected also those that run, as they are expected, so that no two ask the same question
+    /// Measured points. @param expected whether to add the running points with their expected values, so that the search does not choose
+    /// two points for the same purpose
     std::vector<Measured> measured(bool expected) const {
         std::vector<Measured> done;
         for (const Row& row : rows_)
@@ -76,7 +77,7 @@ private:
         return all;
     }
 
-    /// Wall seconds of a point (all its timings) over its cost, from those that were run; 0 before the first.
+    /// Mean ratio of a point's wall seconds (of all its timings) to its cost, over the finished points; 0 before the first.
     double wall_over_cost() const {
         double wall = 0, cost = 0;
         for (const Row& row : rows_) {
@@ -87,7 +88,7 @@ private:
         return cost > 0 ? wall / cost : 0;
     }
 
-    /// Wall seconds that all points not yet run would take: the search stops earlier.
+    /// Upper bound of the remaining wall seconds: that all other points are run. The search usually ends earlier.
     double most_left() const {
         const std::vector<Measured> done = measured(false);
         double cost = 0;
@@ -100,9 +101,9 @@ private:
     void find_reference() {
         const AccuracyKeys& accuracy = study_.accuracy;
         if (accuracy.of != AccuracyKind::reference && accuracy.of != AccuracyKind::picture) return;
-        sweep_.say(fmt::format("the run that counts as true: {}", joined_settings(accuracy.reference)));
+        sweep_.say(fmt::format("the reference run: {}", joined_settings(accuracy.reference)));
         const PointResult truth = sweep_.runner.run(sweep_.scene, accuracy.reference, 1, draws());
-        if (!truth.done()) throw EnvironmentError(fmt::format("the run that counts as true ended as {}: {}", truth.status, truth.message));
+        if (!truth.done()) throw EnvironmentError(fmt::format("the reference run ended as {}: {}", truth.status, truth.message));
         reference_ = truth.folder;
     }
 
@@ -121,7 +122,8 @@ private:
         sweep_.say(fmt::format("point {} of {} {}: {}: {}, {}{} ({} {} left)", measured(false).size(), options_.all ? "the" : "at most",
                                search_.size(), joined_settings(row.settings), cost_text(m.cost),
                                result.done() ? "error " + error_text(m.error) : result.status + " (" + result.message + ")",
-                               result.kept ? ", kept from before" : "", options_.all ? "about" : "at most", duration(most_left())));
+                               result.kept ? ", kept from an earlier sweep" : "", options_.all ? "about" : "at most",
+                               duration(most_left())));
     }
 
     std::string cost_text(double cost) const {
@@ -136,7 +138,7 @@ private:
         return study_.accuracy.of == AccuracyKind::picture ? fmt::format("{:.3g} dE", error) : fmt::format("{:.3g} %", 100 * error);
     }
 
-    /// The plot gets the points of the front first, then the others that ended well.
+    /// Writes table and plot. The plot contains the points of the front, then the other finished ones.
     void write() const {
         Json rows = Json::array();
         std::vector<PlotPoint> points, others;
@@ -174,7 +176,7 @@ private:
 
     /// Prints change, cost and benefit of each step along the front.
     void print_front() const {
-        sweep_.say(fmt::format("\n{:>14}  {:>10}  settings on the front, from cheap to dear", cost_name(), "error"));
+        sweep_.say(fmt::format("\n{:>14}  {:>10}  settings on the front, cheapest first", cost_name(), "error"));
         for (const std::size_t i : front_)
             sweep_.say(fmt::format("{:>14}  {:>10}  {}", cost_text(rows_[i].measured.cost), error_text(rows_[i].measured.error),
                                    joined_settings(rows_[i].settings)));
@@ -188,7 +190,7 @@ private:
                                    study_.cost.of == CostKind::memory ? "memory" : "time", error_text(a.error), error_text(b.error)));
         }
         const auto failed = std::count_if(rows_.begin(), rows_.end(), [](const Row& r) { return !r.result->done(); });
-        if (failed > 0) sweep_.say(fmt::format("{} of {} points did not end well; tradeoff.csv says how", failed, rows_.size()));
+        if (failed > 0) sweep_.say(fmt::format("{} of {} points failed; see the column message of tradeoff.csv", failed, rows_.size()));
         sweep_.say(fmt::format("{0}/tradeoff.csv, {0}/tradeoff.png, {0}/tradeoff.svg", sweep_.folder.string()));
     }
 
@@ -198,10 +200,11 @@ private:
         for (const Row& row : rows_) {
             const Measured& m = row.measured;
             if (!std::isfinite(m.error) || !goal.holds(m.cost, m.error, row.result->fps())) continue;
-            // The cheapest that is accurate enough, or the most accurate that is cheap enough.
+            // For a goal of accuracy take the cheapest point that reaches it, otherwise the most accurate.
             if (!best || (goal.of == Goal::Of::error ? m.cost < best->measured.cost : m.error < best->measured.error)) best = &row;
         }
-        if (!best) throw EnvironmentError(fmt::format("no point of the study reaches {}", goal.text), "", "widen the knobs' values");
+        if (!best)
+            throw EnvironmentError(fmt::format("no point of the study reaches the goal {}", goal.text), "", "add values to the knobs");
         const PointCall call = point_call(study_, sweep_.scene, best->settings);
         std::string options = call.options.quality == Options().quality ? "" : " --quality " + call.options.quality;
         const std::string found = fmt::format("{}, error {}", cost_text(best->measured.cost), error_text(best->measured.error));
@@ -210,14 +213,14 @@ private:
         if (!call.program.empty()) overlay += "# with the program " + call.program + "\n";
         if (!call.threads.empty()) options += " --threads " + call.threads;
         for (const std::string& setting : call.options.set) {
-            if (std::find(study_.set.begin(), study_.set.end(), setting) != study_.set.end()) continue;  // the study's, of all points
+            if (std::find(study_.set.begin(), study_.set.end(), setting) != study_.set.end()) continue;  // the study sets it at every point
             const std::string key = setting.substr(0, setting.find('='));
-            const std::string quote = key.find('[') == std::string::npos ? "" : "\"";  // it names an entry of a list
+            const std::string quote = key.find('[') == std::string::npos ? "" : "\"";  // quotes for a key with an index
             overlay += quote + key + quote + " = " + parse_change(setting).value.toml() + "\n";
         }
         const fs::path file = sweep_.folder / "recommended.toml";
         write_text(file, overlay);
-        sweep_.say(fmt::format("\nfor {}: {} ({}); {} holds them:\n  whorl render {} --with {}{}", goal.text,
+        sweep_.say(fmt::format("\nfor {}: {} ({}). To render with these settings, from {}:\n  whorl render {} --with {}{}", goal.text,
                                joined_settings(best->settings), found, file.string(), call.options.scene, file.string(), options));
     }
 
@@ -226,15 +229,15 @@ private:
     const SweepOptions& options_;
     const ParetoSearch search_;
     fs::path reference_;
-    std::deque<Row> rows_;            ///< in the order of their start
-    std::vector<std::size_t> front_;  ///< rows
+    std::deque<Row> rows_;            ///< in the order in which they were started
+    std::vector<std::size_t> front_;  ///< indices of rows, cheapest first
 };
 
 int run_tradeoff(const SweepOptions& options) {
     const Study study = read_study(options.study);
     if (study.knobs.empty()) throw InputError({options.study, 0, 0}, "the study has no knob", "add a [[knob]] with key and values");
     if (study.accuracy.column.empty() && study.accuracy.of != AccuracyKind::picture)
-        throw InputError({options.study, 0, 0}, "accuracy.column is missing", "it names a column of accuracy.table");
+        throw InputError({options.study, 0, 0}, "accuracy.column is missing", "set it to a column of accuracy.table");
     if (!options.recommend.empty()) parse_goal(options.recommend);
     return run_sweeps(study, options, study.cost.of != CostKind::memory, [](const Sweep& sweep) { Tradeoff(sweep).run(); });
 }
@@ -243,15 +246,14 @@ int run_tradeoff(const SweepOptions& options) {
 
 void add_tradeoff(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<SweepOptions>();
-    CLI::App* app =
-        program.add_subcommand("tradeoff", "sweep settings, measure what accuracy they buy and what they cost, draw the Pareto front");
+    CLI::App* app = program.add_subcommand("tradeoff", "sweep settings, measure cost and error of each, draw the Pareto front");
     add_sweep_options(*app, *options);
-    app->add_flag("--all", options->all, "run the whole grid, not only what the front may need");
+    app->add_flag("--all", options->all, "run the whole grid, not only the points that may lie on the front");
     app->add_option("--recommend", options->recommend,
-                    "print the cheapest settings that reach it and write them as an overlay: \"error<2%\", \"fps>24\"")
+                    "print the best settings that reach this goal and write them to recommended.toml: \"error<2%\", \"fps>24\"")
         ->type_name("GOAL");
     app->footer(
-        "Each point is a run in its own process and is kept: calling a stopped study again continues it.\n"
+        "Each point is a run in a separate process. Finished points are kept: repeat the command to continue a stopped study.\n"
         "Points that failed, or whose scene was edited since, are run again.\n"
         "Examples:\n"
         "  whorl tradeoff coil_frequency --budget 10min\n"

@@ -24,32 +24,33 @@ struct EncodeOptions {
     int crf = 18;
 };
 
-/// Encodes every picture of frames/, in the order of their names.
+/// Encodes every image of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
     const std::filesystem::path &folder = options.shared.folder, &out = options.shared.out;
     const std::optional<double> given_fps = options.shared.fps;
     const RunFolder held = RunFolder::existing(folder, out.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
     const std::filesystem::path frames = folder / "frames", scene_file = folder / "scene.resolved.toml";
-    std::map<std::filesystem::path, std::filesystem::path> pictures;  // by their names without suffix
+    std::map<std::filesystem::path, std::filesystem::path> pictures;  // images by file name without suffix
     std::error_code missing;
     for (const auto& entry : std::filesystem::directory_iterator(frames, missing))
         if ((entry.path().extension() == ".png" || entry.path().extension() == ".exr") && entry.path().stem().extension().empty())
             pictures[entry.path().stem()] = entry.path();
-    if (pictures.empty()) throw InputError({frames.string(), 0, 0}, "no images to encode", "", "the folder of a run, as in out/honey_coil");
+    if (pictures.empty())
+        throw InputError({frames.string(), 0, 0}, "no images to encode", "give a run folder that has images, as in out/honey_coil");
 
     const Scene scene = read_scene_file(scene_file).scene;
     const std::filesystem::path video = out.empty() ? folder / (scene.name + ".mp4") : out;
     const auto& known = video_suffixes();
     if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
-        throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" has the suffix of no video that this program writes", "",
-                         fmt::format("{}", fmt::join(known, ", ")));
+        throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" is not the name of a supported video file", "",
+                         fmt::format("allowed suffixes: {}", fmt::join(known, ", ")));
     if (const std::filesystem::path around = video.parent_path(); !around.empty() && !std::filesystem::is_directory(around))
-        throw InputError({"--out", 0, 0}, "folder not found: \"" + around.string() + "\"", "make it first");
+        throw InputError({"--out", 0, 0}, "folder not found: \"" + around.string() + "\"", "create it first");
     const double fps = given_fps.value_or(scene.time.fps);
     if (fps < least_video_fps)
         throw InputError(given_fps ? FileLocation{"--fps", 0, 0} : scene.place("time.fps"),
-                         fmt::format("{:g} frames a second are too few for a video", fps), given_fps ? "" : "give more with --fps",
-                         fmt::format("allowed: at least {:g}", least_video_fps));
+                         fmt::format("{:g} frames per second are too few for a video", fps),
+                         given_fps ? "" : "set a higher rate with --fps", fmt::format("allowed: at least {:g}", least_video_fps));
     check_encoder();
     const Image first = read_picture(pictures.begin()->second);
     if (first.width < 2 || first.height < 2)
@@ -57,18 +58,18 @@ int encode(const EncodeOptions& options) {
                          "a video needs at least 2x2 pixels");
     const bool alpha = !first.alpha.empty();
     if (alpha && !video_has_alpha(video))
-        fmt::print(stderr, "{} has no alpha: the pictures are laid over grey (.mov and .webm have it)\n", video.extension().string());
+        fmt::print(stderr, "{} has no alpha: the images are drawn over grey (.mov and .webm keep alpha)\n", video.extension().string());
     VideoEncoder encoder(video, first.width, first.height, {fps, options.crf, alpha});
     for (const auto& [name, picture] : pictures) {
         const Image image = read_picture(picture);
         if (image.width != first.width || image.height != first.height)
             throw InputError({picture.string(), 0, 0},
-                             fmt::format("is {}x{}, the pictures before it {}x{}", image.width, image.height, first.width, first.height));
+                             fmt::format("is {}x{}, but earlier images are {}x{}", image.width, image.height, first.width, first.height));
         encoder.add(image);
     }
     encoder.finish();
     if (const std::size_t planned = report_of(folder).value("frames_planned", std::size_t{0}); pictures.size() < planned)
-        fmt::print(stderr, "the run has pictures of {} of its {} frames: the video is of these\n", pictures.size(), planned);
+        fmt::print(stderr, "the run has images of {} of its {} frames; the video contains only these\n", pictures.size(), planned);
     if (out.empty()) {
         std::vector<std::filesystem::path> files;
         for (const auto& [name, picture] : pictures) files.push_back(picture);
@@ -82,14 +83,14 @@ int encode(const EncodeOptions& options) {
 
 void add_video(CLI::App& program, Job& chosen) {
     const auto options = std::make_shared<EncodeOptions>();
-    CLI::App* app = program.add_subcommand("video", "encode a run's video again from its frames");
+    CLI::App* app = program.add_subcommand("video", "encode a run's video again from its images");
     add_options(*app, options->shared, {Option::folder, Option::fps, Option::out});
     app->get_option("--fps")->check(any_number("", true));
-    app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51, lower is better and larger")
+    app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51; a lower value gives a better and larger video")
         ->capture_default_str()
         ->check(whole_number(0, 51));
     app->get_option("--out")->type_name("FILE")->description(
-        "the video's name, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and .webm keep "
+        "name of the video, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and .webm keep "
         "alpha");
     app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
     app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });
