@@ -67,7 +67,7 @@ TEST_CASE("a plan reports the frame whose image does not fit into memory", "[cos
     const Estimate e = estimate(file, plan, Simulation(file.scene, plan), costs());
     CHECK(memory_warning(e, e.memory) == "");
     CHECK(memory_warning(e, 0.5e9) ==
-          "the run needs about " + fmt::format("{:.3g}", e.memory / 1e9) + " GB of memory at its end, and 0.5 GB are free");
+          "the run needs about " + fmt::format("{:.3g}", e.memory / 1e9) + " GB of memory at its end, but only 0.5 GB are free");
 }
 
 TEST_CASE("measured costs are reused for part of a run, other exports, and panels of one box and range", "[cost]") {

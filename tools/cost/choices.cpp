@@ -21,14 +21,14 @@ float usual_size(std::vector<float> values) {
     return *usual;
 }
 
-/// From 0 to `high` [m/s, 1/s, ...] in a number that is easy to read; symmetric about zero on a diverging map.
+/// Colour range from 0 to `high` rounded up; from -high to high on a diverging map. @param high in the unit of the field
 std::array<float, 2> range_up_to(double high, const LookOptions& look) {
     const auto round = static_cast<float>(high > 0 && std::isfinite(high) ? round_number_above(high) : 1);
     return {is_diverging(look.colour_map) ? -round : 0.0f, round};
 }
 
-/// An estimate from the scene: speeds and pressures of the fastest expected fluid; rates of the start, or else that speed over eight
-/// spacings; inks up to 1.
+/// Colour range estimated from the scene, with the largest expected speed U: for speeds U; for pressures the larger of the initial maximum
+/// and density U^2/2; for other fields, which are rates, the initial maximum, or U/(8 spacings) if that is 0; for ink 1.
 std::array<float, 2> estimated_range(const LookOptions& look, const Simulation& start) {
     if (look.field == "ink") return range_up_to(1, look);
     const Scene& scene = start.scene();
@@ -41,7 +41,7 @@ std::array<float, 2> estimated_range(const LookOptions& look, const Simulation& 
     return range_up_to(first > 0 ? first : speed / (8 * scene.fluid.spacing), look);
 }
 
-/// [s]
+/// streak_time for a scene that leaves it open [s].
 float estimated_streak_time(const LookOptions& look, const Simulation& simulation) {
     const Scene& scene = simulation.scene();
     const double size = (scene.domain.max - scene.domain.min).maxCoeff();
@@ -88,13 +88,13 @@ namespace {
 
 SeenBox domain_of(const Frame& frame) { return {frame.domain_min, frame.domain_max}; }
 
-/// Grows by the part that lies in the domain.
+/// Extends the box by the part of another one that lies in the domain.
 void extend_inside(SeenBox& extent, const SeenBox& part, const SeenBox& domain) {
     const SeenBox inside = part.intersection(domain);
     if (!inside.isEmpty()) extent.extend(inside);
 }
 
-/// Extent between the lowest and the highest half per cent along each axis, plus the size of a particle.
+/// Box between the 0.5th and 99.5th percentile of the positions along each axis, plus half a spacing on every side.
 SeenBox usual_extent(const std::vector<Vec3f>& position, float spacing) {
     std::vector<float> along;
     Vec3f low, high;
@@ -126,17 +126,17 @@ SeenBox of_solid(const TriangleMesh& mesh, const Mat3f& rotation, const Vec3f& t
     return extent;
 }
 
-/// Follows a point released at x with velocity u through a free fall, until a solid or the domain's end stops it or the film is over.
-/// @return where it was last inside the domain
+/// Follows a point released at x [m] with velocity u [m/s] in free fall, to a solid, a side of the domain or the end of the run.
+/// @return its last position inside the domain [m]
 Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
     const Scene& scene = start.scene();
     const Vec3d g = scene.domain.gravity(0);
     const double far = (scene.domain.max - scene.domain.min).maxCoeff() / 100, near = std::min(far, start.plan().spacing);
-    double reach = near;  // of the next step: never beyond the nearest solid
+    double reach = near;  // bound for the next step: not beyond the nearest solid
     for (double left = scene.time.end; left > 0;) {
         const double speed = std::max(u.norm(), std::sqrt(g.norm() * reach));
         if (!(speed > 0)) break;
-        const double dt = std::min(left, 0.5 * reach / speed);  // with what g adds: at most 3/4 of the reach
+        const double dt = std::min(left, 0.5 * reach / speed);  // the step, with the part due to g, is at most 3/4 of reach
         u += dt * g;
         const Vec3d next = x + dt * u;
         left -= dt;
@@ -152,8 +152,8 @@ Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
 
 SeenBox around(const Vec3d& x, const Vec3d& reach) { return {(x - reach).cast<float>(), (x + reach).cast<float>()}; }
 
-/// Grows by the solids that reach into it if that makes it less than half larger: the plate under honey is seen whole, a floor is not.
-/// @param frame the start
+/// Extends the box by each solid that intersects it, unless its longest edge would then exceed 1.5 times the original one. So the plate
+/// under honey is shown completely, a floor is not. @param frame first frame
 void add_still_solids(SeenBox& extent, const Frame& frame) {
     constexpr float most = 1.5f;
     const SeenBox domain = domain_of(frame);

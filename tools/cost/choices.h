@@ -1,5 +1,5 @@
 #pragma once
-/// The camera's box and the range of the colours for a whole film: from its scene alone, or from frames.
+/// Camera box, colour range and streak time for a whole run, from the scene alone or from frames.
 #include <Eigen/Geometry>
 #include <optional>
 
@@ -10,44 +10,44 @@
 
 namespace whorl {
 
-using SeenBox = Eigen::AlignedBox3f;  ///< m, in the world's axes
+using SeenBox = Eigen::AlignedBox3f;  ///< box that a camera shall show, along the world's axes [m]
 
-/// Grows by what a frame shows: 99 % of the fluid along each axis, so that a few drops do not widen the picture; the openings that fluid
-/// comes from; the solids that have moved since the start. Nothing outside of the domain counts.
+/// Extends the box by a frame's content inside the domain: along each axis the middle 99 % of the fluid, so that a few drops do not widen
+/// the image; the openings of the emitters; the solids that have moved since the start, at both positions. @param start first frame
 void add_seen(SeenBox& extent, const Frame& frame, const Frame& start);
 
-/// All of this for a whole film, from its scene alone: the fluid at the start and in the openings, where it lands when it falls or flies
-/// freely until a solid or the domain stops it, and the way of solids with a motion of their own. Fluid that lands spreads about as far as
-/// the edge of a cube that holds all of it.
+/// Predicts the box of a whole run from the scene alone. It contains the fluid at the start, the openings of the emitters, the points where
+/// fluid lands after a free flight, and the paths of solids with a prescribed motion. Solids and the domain's sides stop the flight. Landed
+/// fluid is assumed to spread, normal to gravity, by the edge length of a cube (in 2D: a square) of all fluid.
 SeenBox foreseen_extent(const Simulation& start);
 
-/// Whether the film has an automatic camera that still wants its box. A slice that fills the picture has no camera.
+/// Whether the scene has an automatic camera without a box. A slice fills the image and has no camera.
 bool wants_extent(const SceneFile& file);
 
-/// Gives an automatic camera the extent as its box, in numbers rounded outwards. An empty one changes nothing.
+/// Sets the box of an automatic camera, rounded outwards to a hundredth or thousandth of its size. An empty box changes nothing.
 void look_at(CameraOptions& camera, const SeenBox& extent);
 
-/// Whether the look shows a field and leaves the range of its colours open.
+/// Whether the look shows a field without a given colour range.
 bool wants_range(const LookOptions& look);
 
-/// The next of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten. @param value above 0
+/// Smallest of 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten that is at least `value`. @param value above 0
 double round_number_above(double value);
 
-/// Whether the look has streaks or arrows and leaves open what time they show.
+/// Whether the look has streaks or arrows without a given streak_time.
 bool wants_streak_time(const LookOptions& look);
 
-/// The scene with what it leaves open for a whole film, as estimated from the scene alone: the range of its colour map, the box of an
-/// automatic camera, and the time that streaks and arrows show, which is as long as a frame lasts, or what the fastest fluid takes for a
-/// few hundredths of the domain. @param start the run at its beginning
+/// Returns the scene with colour range, camera box and streak_time set if the scene leaves them open, estimated from the scene alone.
+/// streak_time is the frame interval, bounded by the times in which the fastest fluid moves 1/45 and 1/16 of the domain's longest edge.
+/// @param start simulation at the start
 SceneFile with_estimates(SceneFile file, const Simulation& start);
 
-/// Extent and ranges of a film's frames, in order.
+/// Camera box and range of the shown field, accumulated over a run's frames in order of time.
 class Seen {
 public:
     explicit Seen(const LookOptions& look) : look_(look) {}
     void add(const Frame& frame);
     SeenBox extent() const;
-    /// The largest, over the frames, of what 99 % of the look's field stays below in size.
+    /// Maximum over the frames of the 99th percentile of the shown field's magnitude.
     float size() const { return size_; }
 
 private:
@@ -57,10 +57,11 @@ private:
     SeenBox extent_;
 };
 
-/// Whether the range of the colours depends on the flow: density keeps to 3 % about rest, inks to 1.
+/// Whether the colour range is open and depends on the flow. Density and ink have fixed ranges: 3 % about the rest density, 0 to 1.
 bool measures_range(const LookOptions& look);
 
-/// Puts what frames showed into what the scene leaves open. An empty extent and a size of 0 leave it open.
+/// Sets camera box and colour range if the scene leaves them open. @param extent empty: the box stays open @param size 99th percentile of
+/// the field's magnitude; 0: unknown, the range stays open. The range of density does not depend on size; that of ink stays open.
 void choose(SceneFile& file, const SeenBox& extent, float size);
 
 }  // namespace whorl

@@ -28,18 +28,18 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double share = 0.04;  ///< part of a film's work that its coarse simulation may take; images are in addition
-constexpr double enough = 3;    ///< rough_seconds() of a coarse run, where a coarser one can show the film, too
+constexpr double share = 0.04;  ///< largest ratio of the coarse simulation's work to the real run's; images come on top
+constexpr double enough = 3;    ///< rough_seconds() that suffice for a coarse run: above it, a coarser run is preferred
 constexpr int coarsest = 8, most_moments = 64;
 constexpr int frames_a_picture = 100, most_pictures = 5;  ///< images drawn: one per that many frames of the film, at least one
 
-/// The run does not depend on the colours' range, the use of the images, or the box that an automatic camera was given
-/// for the film: only one of the scene's own counts.
+/// Cache key of a scene. The coarse run does not depend on the colour range, exports, video, or a camera box that was chosen for the run.
+/// So these are excluded; a box that the scene file sets counts.
 std::string key_of(SceneFile file) {
     file.look.range = {0, 0}, file.look.streak_time = 0;
     file.scene.output.exports.clear(), file.scene.output.video = true;
     if (file.scene.places.count("camera.min") == 0) file.camera.min.reset(), file.camera.max.reset();
-    std::error_code none;  // a program that was built again makes its own runs
+    std::error_code none;  // a rebuilt program does not use the runs of the old one
     std::string text = resolved_toml(file) + std::to_string(fs::last_write_time(program_path(), none).time_since_epoch().count());
     for (const auto& [name, sum] : input_checksums(file)) text += fmt::format("{} {:x}\n", name, sum);
     return fmt::format("{} | {} | {} threads | {:x}", build_id(), processor_name(), threads(), std::hash<std::string>()(text));
@@ -55,8 +55,8 @@ double bytes_in_use() {
     return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// Draws moments of a coarse run of the whole film, with its camera, solids and size, and as many particles as the film has: what a picture
-/// costs depends on how much of it the fluid covers.
+/// Measures the cost of images on frames of a coarse run, with the real run's camera, solids, image size and number of particles. The cost
+/// of an image depends on how much of it the fluid covers.
 class PictureCosts {
 public:
     PictureCosts(const SceneFile& file, int coarser) : file_(file), coarser_(coarser), draws_(file.scene.output.images) {}
@@ -71,8 +71,9 @@ public:
     }
 
 private:
-    /// CPU seconds of work that a film does time and again: done twice where it takes much longer than at the moment before. The driver
-    /// compiles a shader when it is first used, or first with other textures, and memory is new; a film pays that once.
+    /// CPU seconds of work that a run repeats. If the work takes more than 1.3 times the previous measurement, it is repeated and the
+    /// faster time counts. The first use of a shader or texture and new memory cost extra time, which a run spends only once.
+    /// @param before previous measurement, CPU s
     static double usual_seconds(double before, const std::function<void()>& work) {
         double least = std::numeric_limits<double>::infinity();
         for (int times = 0; times == 0 || (times == 1 && least > 1.3 * before); ++times) {
@@ -85,7 +86,7 @@ private:
 
     void draw(const Frame& coarse, CoarseRun& run) {
         const SceneFile& f = file_;
-        const OneThread alone;  // two would cost more here than in a film, where both cores are busy
+        const OneThread alone;  // two threads would wait for each other more than in a real run, where all cores are busy
         const Frame frame = parted(coarse, coarser_);
         if (!renderer_) renderer_.emplace(f.scene.output.size[0], f.scene.output.size[1]);
         const CoarseRun::Picture last = run.pictures.empty() ? CoarseRun::Picture{} : run.pictures.back();
@@ -111,7 +112,7 @@ private:
     std::optional<Renderer> renderer_;
 };
 
-/// Rough CPU seconds on a core of today: of systems that are solved, and of sums over neighbours.
+/// Rough CPU seconds per particle and step on a current core: 5e-6 for models with a linear solve, 2e-6 for those with sums only.
 double seconds_a_particle_step(const Plan& plan) {
     return plan.traits.pressure.solves_viscosity || plan.pressure == PressureModel::ppe ? 5e-6 : 2e-6;
 }
@@ -134,7 +135,7 @@ double column_bytes(const Simulation& simulation) {
     return bytes;
 }
 
-/// The film with larger particles, and with the models that its plan chose.
+/// The scene with larger particles, and with the models that its own plan chose.
 SceneFile with_larger_particles(const SceneFile& file, const Plan& plan, int coarser) {
     SceneFile own = file;
     own.scene.models = plan.chosen_models(own.scene.models);
@@ -142,24 +143,25 @@ SceneFile with_larger_particles(const SceneFile& file, const Plan& plan, int coa
     return changed(own, {parse_change(fmt::format("fluid.spacing={:.9g}", coarser * file.scene.fluid.spacing))});
 }
 
-/// Puts what a run saw into what the scene leaves open.
+/// Sets the open camera box and colour range of a scene from a coarse run.
 void choose_from(SceneFile& file, const CoarseRun& run) {
     const std::vector<float>& e = run.extent;
     choose(file, e.size() == 6 ? SeenBox(Vec3f(e[0], e[1], e[2]), Vec3f(e[3], e[4], e[5])) : SeenBox(), run.size);
 }
 
+/// Performs a coarse run.
 class Coarse {
 public:
-    /// @throws InputError if larger particles cannot show the scene
+    /// @param film simulation of the real run at its start @throws InputError if larger particles cannot represent the scene
     Coarse(const SceneFile& file, const Simulation& film, int coarser, const Watch& watch)
         : film_file_(file), film_(film), watch_(watch), file_(with_larger_particles(file, film.plan(), coarser)), replay_(file_),
           seen_(file.look), simulation_(file_.scene, make_plan(file_.scene)), snapshots_(simulation_, shown_fields(file.look)) {
         run_.coarser = coarser;
-        bytes_ = bytes_in_use() - column_bytes(simulation_) * count();  // what the solids hold does not grow
+        bytes_ = bytes_in_use() - column_bytes(simulation_) * count();  // memory of the solids, which does not grow
     }
     const Simulation& simulation() const { return simulation_; }
 
-    /// Runs up to the film's end, or to the given seconds of rough_seconds(). @return false if it diverges before the end
+    /// Runs until the end of the scene, or until the work reaches `seconds` in the measure of rough_seconds(). @return false if it diverges
     bool go(double seconds) {
         const Scene& scene = film_.scene();
         const int frames = frame_count(scene), moments = std::clamp(frames - 1, 1, most_moments);
@@ -182,11 +184,11 @@ public:
         return true;
     }
 
-    /// Without images.
+    /// The coarse run so far, without the cost of images.
     const CoarseRun& measured() {
         run_.stages = meter_.costs(), run_.particle_steps = simulation_.totals().particle_steps;
         run_.iterations = iterations_a_step(simulation_.totals());
-        run_.particles = std::max(1.0, run_.particles);  // all may fall out of the domain
+        run_.particles = std::max(1.0, run_.particles);  // not 0 if all particles leave the domain
         run_.bytes_a_particle = std::max(column_bytes(simulation_), (bytes_in_use() - bytes_) / run_.particles);
         if (!whole_) run_.pace.clear();
         const SeenBox extent = whole_ ? seen_.extent() : SeenBox();
@@ -196,6 +198,7 @@ public:
         return run_;
     }
 
+    /// The coarse run with the cost of images.
     CoarseRun drawn() {
         measured();
         SceneFile shown = film_file_;
@@ -235,27 +238,27 @@ private:
     SceneFile file_;
     Replay replay_;
     Seen seen_;
-    std::vector<Frame> drawn_;  ///< whose images are drawn
-    double bytes_ = 0;          ///< in addition to the particles
+    std::vector<Frame> drawn_;  ///< frames whose images are measured
+    double bytes_ = 0;          ///< memory in use at the start without the particles' columns
     Simulation simulation_;
     Snapshots snapshots_;
     StepMeter meter_;
     InterruptGuard interrupt_;
-    bool whole_ = false;
+    bool whole_ = false;  ///< whether the run reached the end of the scene
     CoarseRun run_;
 };
 
-/// Iterations a step over those with particles `coarser` times as large (dam break, paddle, pours: measured from 2 to 4 times). A thread
-/// has as many particles less across, which the coupled solve needs more iterations for; without a coarse level, those of the pressure
-/// equation grow with the particles across.
+/// Ratio of the iterations per step of the real run to those of the coarse run (measured for dam break, paddle and pours at 2 to 4 times
+/// the spacing). In the coarse run a thread of fluid has fewer particles across, so that the coupled solve needs more iterations. Without a
+/// coarse level, the iterations of the pressure equation increase with the number of particles across the fluid.
 double more_iterations(const Plan& plan, int coarser) {
     if (plan.traits.pressure.solves_viscosity) return std::pow(coarser, -0.6);
     return plan.pressure == PressureModel::ppe && plan.preconditioner != Preconditioner::multigrid ? std::pow(coarser, 0.6) : 1;
 }
 
-/// Cost of the first steps of the film, if all of its fluid exists then and some steps are cheap: fewer particles have more
-/// boundary around them, and more of what a step costs whatever their number. If the flow of the coarse run needs more iterations, the
-/// solves cost more.
+/// Replaces the costs per step by those of the real run's first steps, if all fluid exists at the start and at least 4 steps are
+/// affordable. In a coarse run, boundary and fixed costs weigh more per particle. The cost of the pressure stage is scaled up if the coarse
+/// run needs more iterations than the first steps. @param most allowed rough_seconds()
 void use_first_steps(const SceneFile& file, const Simulation& film, double most, CoarseRun& run) {
     constexpr int least = 4, enough_steps = 12;
     const double step = static_cast<double>(film.world().fluid.size()) * seconds_a_particle_step(film.plan());
@@ -269,12 +272,13 @@ void use_first_steps(const SceneFile& file, const Simulation& film, double most,
     if (first.iterations > 0) run.stages["pressure"].particle *= std::max(1.0, run.iterations / first.iterations);
 }
 
-/// The film with the smallest particles that the allowed cost permits; its beginning if none of these runs to the end.
+/// Makes the coarse run with the finest spacing that the allowed cost permits. If no coarse run reaches the end, runs the beginning of the
+/// scene with its own spacing.
 CoarseRun made_now(const SceneFile& file, const Simulation& film, const Watch& watch) {
     const double film_seconds = rough_film_seconds(file, film), most = share * film_seconds, wanted = std::max(enough, 0.1 * most);
-    // Whole numbers, which a period can be divided by.
+    // Integer ratios, so that a period remains a multiple of the spacing if it can.
     for (int coarser = 2; coarser <= coarsest; ++coarser) {
-        const double least = rough_seconds(film) / std::pow(coarser, 1 + film.plan().dimensions());  // steps as long as cfl makes them
+        const double least = rough_seconds(film) / std::pow(coarser, 1 + film.plan().dimensions());  // with steps limited by cfl
         if (least > most || (least > wanted && coarser < coarsest)) continue;
         try {
             Coarse coarse(file, film, coarser, watch);
@@ -285,7 +289,7 @@ CoarseRun made_now(const SceneFile& file, const Simulation& film, const Watch& w
             run.iterations *= more_iterations(film.plan(), coarser);
             use_first_steps(file, film, std::min(most, 0.3 * enough), run);
             return run;
-        } catch (const InputError&) {  // larger particles cannot show it
+        } catch (const InputError&) {  // larger particles cannot represent the scene
         }
     }
     Coarse beginning(file, film, 1, watch);
@@ -351,11 +355,11 @@ void keep_coarse_run(const SceneFile& file, const CoarseRun& run) try {
     all[key_of(file)] = run;
     if (all == before) return;
     fs::create_directories(cost_file().parent_path());
-    // Under a separate name: another run may write at the same time.
+    // Write under a separate name and rename, because another process may write at the same time.
     const fs::path own = fmt::format("{}.{}", cost_file().string(), getpid());
     write_text(own, all.dump(1) + "\n");
     fs::rename(own, cost_file());
-} catch (const std::exception&) {  // it is made again next time
+} catch (const std::exception&) {  // not cached: the next run makes it again
 }
 
 SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch) {

@@ -1,6 +1,6 @@
 #pragma once
-/// One run of the whole film with larger particles, before it is made. It shows where the fluid will be and how fast, for the camera and
-/// the colours, and what steps and images cost, for the time and the memory. Kept in the user's cache folder.
+/// Coarse run: the whole scene with larger particles, run before the real one. It gives the extent and speed of the fluid, for camera and
+/// colours, and the cost of steps and images, for predicted time and memory. Results are kept in the user's cache folder.
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -16,14 +16,14 @@
 
 namespace whorl {
 
-/// CPU seconds, of all threads.
+/// CPU seconds of a stage, summed over threads.
 struct StepCost {
-    double particle = 0;  ///< a particle-step
-    double waits = 0;     ///< a step, of threads that wait for each other: they weigh where particles are few
+    double particle = 0;  ///< per particle and step
+    double waits = 0;     ///< per step, of threads that wait for each other; matters if particles are few
 };
-using StepCosts = std::map<std::string, StepCost>;
+using StepCosts = std::map<std::string, StepCost>;  ///< by stage
 
-/// Takes one thread while it lives.
+/// Sets the number of threads to one, until it is destroyed.
 class OneThread {
 public:
     OneThread() { set_threads(1); }
@@ -35,12 +35,12 @@ private:
     int before_ = threads();
 };
 
-/// Measures stretches of steps with one thread and with all, by turns; the flow is the same, bit for bit.
+/// Measures intervals of steps, alternately with one thread and with all. The results of the steps are bit-identical.
 class StepMeter {
 public:
-    /// Steps after this are measured.
+    /// Starts an interval.
     void begin(const Simulation& simulation);
-    /// Up to here. All threads are taken again.
+    /// Ends the interval, and restores the number of threads.
     void end(const Simulation& simulation);
     StepCosts costs() const;
 
@@ -51,62 +51,65 @@ private:
         long steps = 0;
     };
     Sum one_, all_;
-    bool with_all_ = false;  ///< this stretch
+    bool with_all_ = false;  ///< whether the current interval uses all threads
     std::optional<OneThread> alone_;
     StageTimes times_;
     RunTotals totals_;
 };
 
 struct CoarseRun {
-    int coarser = 1;            ///< spacing over the scene's; 1: larger particles cannot show the film, and its beginning was run
-    std::vector<float> extent;  ///< m, lowest and highest corner of what was seen (Seen); empty: nothing was, or not the whole film
-    float size = 0;             ///< of the look's field (Seen)
-    double particles = 0;       ///< the most at a time
-    double particle_steps = 0;
-    double iterations = 0;        ///< a step of the film
-    StepCosts stages;             ///< of the film's simulation
-    double bytes_a_particle = 0;  ///< of everything that the simulation holds
-    /// Steps a second that the film takes in this flow, at even parts of its time. Larger particles slow down a flow that has inertia, so
-    /// these are the fewest.
+    /// Ratio of the coarse spacing to the scene's. 1: larger particles cannot represent the scene, so only its beginning was run.
+    int coarser = 1;
+    std::vector<float> extent;  ///< lowest and highest corner of the camera box (Seen) [m]; empty: unknown, or not the whole scene was run
+    float size = 0;             ///< 99th percentile of the shown field (Seen); 0: not the whole scene was run
+    double particles = 0;       ///< largest number of particles at a time
+    double particle_steps = 0;  ///< sum over the steps of the number of particles
+    double iterations = 0;      ///< solver iterations per step of the real run
+    StepCosts stages;           ///< cost of the real run's steps
+    double bytes_a_particle = 0;  ///< memory of the simulation per particle
+    /// Steps per simulated second that the real run needs in this flow, at equidistant times. It is a lower bound, because larger particles
+    /// slow down a flow with inertia.
     std::vector<double> pace;
     struct Picture {
-        double part = 0;               ///< of the film's time that has passed
-        double surface = 0, draw = 0;  ///< CPU seconds of the one picture, with as many particles as the film has
+        double part = 0;               ///< elapsed fraction of the run's simulated time
+        double surface = 0, draw = 0;  ///< CPU seconds of the image, with the number of particles of the real run
     };
-    std::vector<Picture> pictures;  ///< in the order of their times; empty: no EGL device, or no pictures wanted
-    double write = 0;               ///< CPU seconds to pack a picture as PNG; nothing is written
-    double seconds = 0;             ///< CPU, that all of this took
-    bool kept = false;              ///< read from the cache rather than run now
+    std::vector<Picture> pictures;  ///< in order of time; empty: no EGL device, or no images requested
+    double write = 0;               ///< CPU seconds to compress an image as PNG, without writing it
+    double seconds = 0;             ///< CPU seconds of the whole coarse run with its images
+    bool kept = false;              ///< whether it was read from the cache
 };
 
-/// Is called after every step with the part that is done.
+/// Callback after every step. @param part completed fraction of the coarse run
 using Watch = std::function<void(double part)>;
 
-/// The run of this program, machine, number of threads and scene that was made earlier; nothing if there is none.
+/// Coarse run in the cache for this program, processor, number of threads and scene; empty if there is none.
 std::optional<CoarseRun> find_coarse_run(const SceneFile& file);
-/// The same, made now if it is unknown, and kept for the next time. It takes at most 5 % of the film's time, with the images that it draws,
-/// and some seconds of it. @param start the film at its beginning @throws Interrupted
+/// Coarse run from the cache. If there is none, runs it now and caches it, which takes, with its images, at most 5 % of the real run's
+/// time and usually a few seconds. @param start simulation of the real run at its start @throws Interrupted
 CoarseRun coarse_run(const SceneFile& file, const Simulation& start, const Watch& watch = {});
-/// Keeps it for a scene (a cache that cannot be written is not an error).
+/// Caches a scene's coarse run. A failure to write the cache is ignored.
 void keep_coarse_run(const SceneFile& file, const CoarseRun& run);
-/// The file that runs are kept in: $XDG_CACHE_HOME/whorl/costs.json, else ~/.cache/whorl/costs.json; empty where there is no home.
+/// Cache file: $XDG_CACHE_HOME/whorl/costs.json, otherwise ~/.cache/whorl/costs.json; empty if neither variable is set.
 std::filesystem::path cost_file();
 
-/// The scene with what it leaves open for a whole film, from a coarse run: the range of its colours, which holds 99 % of the particles at
-/// each of up to 64 moments, and the box of an automatic camera, with what is seen at them (add_seen()). No run is made if nothing is open
-/// that depends on the flow: the box of a room that is full at the start is the room. If larger particles cannot show the film, both are
-/// estimates from the scene alone. Without images both stay open.
-/// @param start the film at its beginning @throws Interrupted
+/// Returns the scene with colour range and camera box set if the scene leaves them open, from a coarse run. At each of up to 64 times, the
+/// colour range contains 99 % of the particles and the box contains the visible parts (add_seen()). No coarse run is made if nothing open
+/// depends on the flow; a domain that is full at the start is its own box. If larger particles cannot represent the scene, both values are
+/// estimated from the scene alone. Without images both stay open.
+/// @param start simulation of the real run at its start @throws Interrupted
 SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch = {});
 
-/// Steps a second that a film takes in a flow whose fastest particle has `fastest` [m/s].
+/// Steps per simulated second that a run needs in a given flow [1/s]. @param film supplies the step limits @param fastest largest speed of
+/// a particle [m/s]
 double step_rate(const Simulation& film, const World& flow, double fastest);
-/// Rough CPU seconds of a simulation from its particles, models and limits of the step, the same on every machine.
+/// Rough CPU seconds of a simulation, from its particles, models and step limits; the same on every machine.
 double rough_seconds(const Simulation& start);
-/// Cost of a film with its images.
+/// Rough CPU seconds of a run with its images; the same on every machine.
 double rough_film_seconds(const SceneFile& file, const Simulation& start);
 
-/// The frame of a coarse run with the film's own number of particles: each is replaced by `coarser` along every axis, with its values.
+/// Refines a frame of a coarse run to the particle number of the real run: replaces each particle by `coarser` particles along every axis,
+/// with the same values.
 Frame parted(const Frame& coarse, int coarser);
 
 }  // namespace whorl

@@ -12,21 +12,22 @@
 namespace whorl {
 namespace {
 
-/// Bytes that a run holds before its first particle: the program and its libraries; where it draws, the pipeline of pictures and GL; and
-/// where it draws the fluid's surface, the distances around it and what they are built with.
+/// Bytes that a run needs independently of its particles: for the program and its libraries; in addition, if it draws images, for their
+/// queues and GL; in addition, if it draws the fluid's surface, for the distance volume and its construction; per pixel of an image.
 constexpr double bytes_without_pictures = 46e6, bytes_with_pictures = 104e6, bytes_with_surface = 70e6, bytes_a_pixel = 64;
-/// CPU seconds that the encoder takes, over what packing the same picture as PNG takes (measured at 640x360 and 1280x720).
+/// Ratio of the CPU time of encoding an image into the video to that of compressing it as PNG (measured at 640x360 and 1280x720).
 constexpr double encode_over_png = 1.3;
-/// Efficiency of a thread next to the others in a step (30 thousand particles, 2 threads: 0.8 to 0.95 by stage).
+/// Parallel efficiency of a step (measured with 30,000 particles and 2 threads: 0.8 to 0.95, depending on the stage).
 constexpr double parallel_efficiency = 0.85;
 
-/// Ratio of CPU seconds of work next to other work to those of the work alone: caches and the cores' units are shared (films of all
-/// shipped scenes at draft).
+/// Ratio of the CPU time of steps and images when they run at the same time to their CPU time alone. It exceeds 1 because they share caches
+/// and execution units (measured with all shipped scenes at draft quality).
 constexpr double step_beside_pictures = 1.1, picture_beside_steps = 1.15;
 
-/// Wall seconds over CPU seconds of a step.
+/// Ratio of wall time to CPU time of a step.
 double wall_over_cpu() { return 1 / (threads() > 1 ? parallel_efficiency * threads() : 1.0); }
 
+/// Number of particles at a time [s]. @param at_start number at the start
 double particles_at(const Scene& scene, const Plan& plan, double at_start, double time) {
     double volume = 0;
     for (const EmitterKeys& e : scene.emitters) {
@@ -36,7 +37,8 @@ double particles_at(const Scene& scene, const Plan& plan, double at_start, doubl
     return at_start + volume / plan.particle_volume();
 }
 
-/// Between two pictures that were measured; before the first and after the last as those.
+/// Cost of an image, interpolated between the measured ones and constant before the first and after the last. @param part elapsed fraction
+/// of the run's time
 CoarseRun::Picture picture_at(const std::vector<CoarseRun::Picture>& pictures, double part) {
     const auto after =
         std::find_if(pictures.begin(), pictures.end(), [&](const CoarseRun::Picture& picture) { return picture.part >= part; });
@@ -47,7 +49,7 @@ CoarseRun::Picture picture_at(const std::vector<CoarseRun::Picture>& pictures, d
     return {part, (1 - w) * a.surface + w * b.surface, (1 - w) * a.draw + w * b.draw};
 }
 
-/// Between two of the moments that a coarse run was looked at.
+/// Steps per simulated second, interpolated between the times of CoarseRun::pace. @param part elapsed fraction of the run's time
 double pace_at(const std::vector<double>& paces, double part) {
     const double at = std::clamp(part, 0.0, 1.0) * static_cast<double>(paces.size() - 1);
     const std::size_t k = std::min(static_cast<std::size_t>(at), paces.size() - 2);
@@ -80,7 +82,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
             const CoarseRun::Picture picture = picture_at(c.pictures, time / std::max(scene.time.end, 1e-300));
             at.surface = picture_beside_steps * picture.surface, at.draw = picture_beside_steps * picture.draw, at.write = write;
         }
-        // The solver and the pictures share the cores: neither can be hidden behind the other beyond what the cores hold.
+        // Solver and images share the cores. Images can use the time in which the solver's threads wait; the rest of their work adds to the
+        // frame's time.
         at.frame =
             std::max(at.simulate, at.simulate + (at.surface + at.draw + at.write) / threads() - at.simulate * (1 - parallel_efficiency));
         return at;
@@ -89,7 +92,7 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     for (int k = 1; k <= e.frames; ++k) {
         const double time = frame_time(scene, k);
         const double a_second = c.pace.empty() ? fastest : pace_at(c.pace, time / frame_time(scene, e.frames));
-        steps = k == 1 ? 0 : std::ceil(interval * a_second - 1e-9);  // the first frame is the start itself
+        steps = k == 1 ? 0 : std::ceil(interval * a_second - 1e-9);  // the first frame is the initial state
         all_steps += steps;
         const Estimate at = frame(time, particles_at(scene, plan, at_start, time), steps);
         e.frames_seconds.push_back(at.frame);
@@ -115,7 +118,7 @@ Estimate estimate(const SceneFile& file) {
 
 std::string memory_warning(const Estimate& estimate, double free_bytes) {
     if (estimate.memory <= free_bytes) return "";
-    return fmt::format("the run needs about {:.3g} GB of memory at its end, and {:.3g} GB are free", estimate.memory / 1e9,
+    return fmt::format("the run needs about {:.3g} GB of memory at its end, but only {:.3g} GB are free", estimate.memory / 1e9,
                        free_bytes / 1e9);
 }
 

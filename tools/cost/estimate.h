@@ -1,5 +1,5 @@
 #pragma once
-/// Prediction of a run's cost.
+/// Prediction of the time and memory that a run needs.
 #include <map>
 #include <string>
 #include <vector>
@@ -10,27 +10,27 @@
 namespace whorl {
 
 struct Estimate {
-    double step = 0;  ///< s, the usual time step
-    double steps_a_frame = 0;
-    double iterations = 0;                    ///< a step
-    std::map<std::string, double> stages;     ///< wall seconds of the last frame by stage of the simulation
-    double simulate = 0;                      ///< wall seconds of the last frame, their sum
+    double step = 0;                          ///< mean time step [s]
+    double steps_a_frame = 0;                 ///< mean over the frames
+    double iterations = 0;                    ///< solver iterations per step
+    std::map<std::string, double> stages;     ///< wall seconds of the last frame, by stage
+    double simulate = 0;                      ///< wall seconds of the last frame, sum over the stages
     double surface = 0, draw = 0, write = 0;  ///< CPU seconds of the last frame
-    double frame = 0;                         ///< wall seconds of the last frame, everything overlapping on the cores there are
-    double film = 0;                          ///< wall seconds from the first frame to the last
-    double film_simulate = 0, film_surface = 0, film_draw = 0;  ///< CPU seconds of the whole film
-    std::vector<double> frames_seconds;                         ///< wall seconds of each frame, their parts
-    double memory = 0;                                          ///< bytes at the end
+    double frame = 0;                         ///< wall seconds of the last frame; simulation and images overlap on the cores
+    double film = 0;                          ///< wall seconds of all frames
+    double film_simulate = 0, film_surface = 0, film_draw = 0;  ///< CPU seconds of all frames
+    std::vector<double> frames_seconds;                         ///< wall seconds of each frame
+    double memory = 0;                                          ///< memory at the end of the run, bytes
     int frames = 0;
-    bool drawn = true;  ///< false: no pictures wanted, or no EGL device to measure them on
+    bool drawn = true;  ///< false: no images requested, or no EGL device to measure them on
 };
 
-/// @param simulation of the scene, at its start
+/// @param simulation simulation of the scene at its start @param run coarse run of the scene
 Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& simulation, const CoarseRun& run);
-/// The same, from a coarse run that is made now if there is none.
+/// Estimate from the cached coarse run; makes the coarse run if there is none.
 Estimate estimate(const SceneFile& file);
 
-/// A warning where the run needs more memory than there is, pictures included; "" where it does not.
+/// Warning if the run, with its images, needs more than `free_bytes` of memory; otherwise empty.
 std::string memory_warning(const Estimate& estimate, double free_bytes);
 
 }  // namespace whorl
