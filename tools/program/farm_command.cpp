@@ -38,7 +38,7 @@ int farm(FarmCommand command) {
     options.quiet = o.quiet;
     set_threads(options.threads);  // predicted times, and so the time limits of jobs, depend on it
     std::vector<SceneFile> files;
-    std::vector<fs::path> folders;  // relative, for messages
+    std::vector<fs::path> folders;  // as they are printed in messages
     for (const std::string& scene : command.scenes) {
         Options own = o;
         own.scene = scene;

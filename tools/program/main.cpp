@@ -128,7 +128,7 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
 }  // namespace
 
 int main(int argc, char** argv) {
-    signal(SIGCHLD, SIG_DFL);  // the parent may have ignored it, which is inherited and prevents waiting for children
+    signal(SIGCHLD, SIG_DFL);  // if inherited as ignored, child processes could not be waited for
     whorl::wait_passively(argv);
 #ifdef __GLIBC__
     // Return blocks above 1 MB to the system when they are freed, which saves a sixth of the memory for 200,000 particles of water. By
