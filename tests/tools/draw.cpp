@@ -249,7 +249,7 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
         CHECK(outcome.code == 2);
         CHECK_THAT(outcome.err, Catch::Contains(why));
     };
-    refused({"--set", "look.exposure=2", "--set", "fluid.viscosity=3"}, "--set fluid.viscosity=3: only what the pictures show");
+    refused({"--set", "look.exposure=2", "--set", "fluid.viscosity=3"}, "--set fluid.viscosity=3: the change affects the simulation");
     refused({"--frames", "2", "--size", "320x180"},
             "--frames: the other images in " + run.string() + " are 160x90, but the new ones would be 320x180; draw all frames, or choose");
     CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "2"}).err, Catch::Contains("1 frame drawn: "));

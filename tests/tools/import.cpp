@@ -72,7 +72,7 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     const test::Outcome outcome = test::whorl({"import", (scratch / "scene.json").string(), "--out", out});
     INFO(outcome.err << outcome.out);
     REQUIRE(outcome.code == 0);
-    CHECK(outcome.out.find("before it runs") == std::string::npos);
+    CHECK(outcome.out.find("to be fixed first") == std::string::npos);
     CHECK(outcome.out.find((scratch / "scene.json").string() + ":4:5: Configuration.pause has no equivalent: left out\n") !=
           std::string::npos);
 
@@ -245,7 +245,7 @@ TEST_CASE("an imported 2D scene has two coordinates, and a scene without an end 
     REQUIRE(outcome.code == 0);
     CHECK(outcome.out.find("the scene never ends (no stopAt): time.end is 5 s") != std::string::npos);
     CHECK(outcome.out.find("taken as a container") != std::string::npos);
-    CHECK(outcome.out.find("before it runs") == std::string::npos);
+    CHECK(outcome.out.find("to be fixed first") == std::string::npos);
     CHECK(outcome.out.find("warning: domain.gravity = 9810 is 1e+03 times") != std::string::npos);
     const Scene scene = read_scene_file(out).scene;
     CHECK(scene.domain.dimensions == 2);

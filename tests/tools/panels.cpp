@@ -268,7 +268,7 @@ TEST_CASE("panels are combined when the images of each are drawn") {
     const fs::path run = scratch.run();
     CHECK_FALSE(fs::exists(run / "two_drops.mp4"));
     CHECK_FALSE(fs::exists(run / "panels/1/frames/000001.png"));
-    CHECK_THAT(test::whorl({"draw", scratch.run()}).err, Catch::Contains("then put them together: whorl resume " + scratch.run() + "\n"));
+    CHECK_THAT(test::whorl({"draw", scratch.run()}).err, Catch::Contains("then combine them: whorl resume " + scratch.run() + "\n"));
     CHECK_THAT(test::whorl({"resume", scratch.run()}).err,
                Catch::Contains("panels/1: the run has no image of frame 1; draw it first: whorl draw " + scratch.run() + "/panels/1"));
     const auto draw = [&](const std::string& panel, const std::string& size) {

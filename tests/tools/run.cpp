@@ -140,7 +140,7 @@ TEST_CASE("a finished run continues to a later end, and its saved settings repea
     const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05"});
     CHECK(shorter.code == 2);
     CHECK(shorter.err.find("the run has already reached frame") != std::string::npos);
-    CHECK(test::whorl({"resume", scratch.run(), "--until", "1", "--frames", "9"}).err.find("give one of them") != std::string::npos);
+    CHECK(test::whorl({"resume", scratch.run(), "--until", "1", "--frames", "9"}).err.find("use only one of them") != std::string::npos);
 }
 
 TEST_CASE("an extension that would change constants is refused, with their names", "[tools][resume]") {
