@@ -114,6 +114,7 @@ public:
     /// Rereads the scene file after an edit. Applies the changes that are possible during the run, and reports those that need a restart.
     void file_edited();
 
+    /// Sets the notice that users see.
     void tell(bool error, std::string text) {
         locked([&] { tell_locked(error, std::move(text)); });
     }

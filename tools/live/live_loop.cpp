@@ -111,7 +111,7 @@ void LiveLoop::follow(const Orders& orders) {
     }
     end_if_over(wanted.file.scene);
     loop_->scene_changed(wanted.file);
-    tell();
+    report_state();
 }
 
 /// Wall time of the last frame [s]: the longer of simulating and drawing, which run in parallel.
@@ -200,7 +200,7 @@ void LiveLoop::end_if_over(const Scene& scene) {
 }
 
 /// Reports the current state, even between two frames.
-void LiveLoop::tell() {
+void LiveLoop::report_state() {
     const Vec3d gravity = simulation_->scene().domain.gravity(simulation_->time());
     status_.set(status_json(measure(simulation_->world(), gravity, simulation_->plan().spin.micro_inertia)));
 }
@@ -290,7 +290,7 @@ void LiveLoop::run(const std::function<bool()>& stop) {
             show_frame();
             wait_for_real_time();
         } else if (state_ == State::diverged) {
-            tell();
+            report_state();
         }
     }
     save_recording();

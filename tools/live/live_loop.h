@@ -50,7 +50,7 @@ private:
     void show_frame();
     double frame_seconds() const;
     void end_if_over(const Scene& scene);
-    void tell();
+    void report_state();
     nlohmann::ordered_json status_json(const Measures& measures) const;
     double of_real_time() const { return play_wall_ > 0 ? played_ / play_wall_ : 0; }
     void wait_for_real_time();

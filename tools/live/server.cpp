@@ -381,7 +381,7 @@ void LiveServer::Http::check_every_request() {
         RequestOrigin caller = origin_of(request);
         if (is_part_of_page(request.path)) caller.token = options.token;
         if (const std::string why = access->refusal(caller); !why.empty()) refuse(response, 403, why);
-        else if (const std::string limitless = without_limit(request); !limitless.empty()) refuse(response, 400, limitless);
+        else if (const std::string unlimited = without_limit(request); !unlimited.empty()) refuse(response, 400, unlimited);
         else return httplib::Server::HandlerResponse::Unhandled;
         return httplib::Server::HandlerResponse::Handled;
     });

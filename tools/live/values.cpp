@@ -33,7 +33,7 @@ bool hidden(const UsedKey& k) {
     return k.path == "name" || k.path == "seed" || (type_of(*k.key) == "text" && !k.key->may_change);
 }
 
-bool takes_texts(const std::vector<UsedKey>& keys, const std::string& path) {
+bool accepts_text(const std::vector<UsedKey>& keys, const std::string& path) {
     return std::any_of(keys.begin(), keys.end(),
                        [&](const UsedKey& k) { return k.path == path && k.key->type == KeyType::text && type_of(*k.key) != "choice"; });
 }
@@ -110,7 +110,7 @@ std::vector<KeyValue> changes_of(const nlohmann::json& json, const SceneFile& fi
     for (const auto& [path, entry] : json.items()) {
         auto value = value_of(entry);
         const std::string full = full_path(path);
-        if (value && !takes_texts(keys, full)) value = with_numbers(std::move(*value));
+        if (value && !accepts_text(keys, full)) value = with_numbers(std::move(*value));
         if (value) changes.push_back({full, std::move(*value)});
         else problems.push_back({{}, path.substr(0, 100) + " has a value that no key accepts", "", form});
     }
