@@ -56,7 +56,7 @@ double seconds_of_picture() {
     return wall_seconds() - began;
 }
 
-Findings look_around() {
+Findings check_machine() {
     Findings f;
     f.devices = probe_devices();
     if (f.draws()) f.picture = seconds_of_picture();
@@ -109,7 +109,7 @@ void add_doctor(CLI::App& program, Job& chosen) {
     app->footer("Example:\n  whorl doctor                exit code 0 if drawing and encoding work, otherwise 1");
     app->callback([json, &chosen] {
         chosen = [json] {
-            const Findings f = look_around();
+            const Findings f = check_machine();
             *json ? print_json(f) : print_text(f);
             return f.packages.empty() ? exit_done : exit_failed;
         };

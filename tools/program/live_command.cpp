@@ -50,8 +50,8 @@ fs::path free_folder(const std::string& scene) {
 }
 
 void check_server(ServerOptions& server) {
-    const auto stands_in_address = [](unsigned char c) { return std::isalnum(c) || std::strchr("-._~", c); };
-    if (!std::all_of(server.token.begin(), server.token.end(), stands_in_address))
+    const auto allowed_in_address = [](unsigned char c) { return std::isalnum(c) || std::strchr("-._~", c); };
+    if (!std::all_of(server.token.begin(), server.token.end(), allowed_in_address))
         throw InputError({"--token", 0, 0}, "has characters that an address cannot contain", "", "allowed: letters, digits and - . _ ~");
     if (!is_loopback(server.host) && server.token.empty()) server.token = random_token();
 }

@@ -28,7 +28,7 @@ const char* const examples =
     "  whorl help render                             print a command's options and examples\n";
 
 /// Hint with the subcommand or option nearest to an unexpected word; empty if none is near.
-std::string meant(const CLI::App& at, const std::string& word) {
+std::string hint_for(const CLI::App& at, const std::string& word) {
     std::vector<std::string> names;
     for (const CLI::App* sub : at.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
     for (const CLI::Option* option : at.get_options())
@@ -116,10 +116,10 @@ int end_of_parsing(CLI::App& program, const CLI::ParseError& e, const std::vecto
     if (const std::size_t colon = what.find(": must be "); colon != std::string::npos) what.erase(colon, 1);
     if (at == &program && !words.empty()) {
         what = (words[0][0] == '-' ? "unknown option \"" : "unknown subcommand \"") + words[0] + "\"";
-        hint = meant(program, words[0]);
+        hint = hint_for(program, words[0]);
     } else if (const std::vector<std::string> left = at->remaining(); !left.empty()) {
         what = "unexpected argument \"" + left[0] + "\"";
-        hint = meant(*at, left[0]);
+        hint = hint_for(*at, left[0]);
     }
     fmt::print(stderr, "{}: {}{}; see {} --help\n", name, what, hint, name);
     return whorl::exit_bad_input;

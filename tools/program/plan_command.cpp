@@ -17,7 +17,7 @@
 namespace whorl {
 namespace {
 
-/// Adds the estimate of the scene. If it has panels, which run one after the other, adds their times and takes their largest memory.
+/// Adds the estimate of the scene. For panels, which run one after the other, it sums their times and uses their largest memory.
 void add_cost(Preview& preview, const Watch& watch) {
     const SceneFile& file = preview.file;
     for (const SceneFile& run : file.scene.panels.empty() ? std::vector{file} : panel_scenes(file)) {

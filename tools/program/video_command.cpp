@@ -44,8 +44,8 @@ int encode(const EncodeOptions& options) {
     if (std::find(known.begin(), known.end(), video.extension().string()) == known.end())
         throw InputError({"--out", 0, 0}, "\"" + video.string() + "\" is not the name of a supported video file", "",
                          fmt::format("allowed suffixes: {}", fmt::join(known, ", ")));
-    if (const std::filesystem::path around = video.parent_path(); !around.empty() && !std::filesystem::is_directory(around))
-        throw InputError({"--out", 0, 0}, "folder not found: \"" + around.string() + "\"", "create it first");
+    if (const std::filesystem::path parent = video.parent_path(); !parent.empty() && !std::filesystem::is_directory(parent))
+        throw InputError({"--out", 0, 0}, "folder not found: \"" + parent.string() + "\"", "create it first");
     const double fps = given_fps.value_or(scene.time.fps);
     if (fps < least_video_fps)
         throw InputError(given_fps ? FileLocation{"--fps", 0, 0} : scene.place("time.fps"),
