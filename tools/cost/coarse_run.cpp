@@ -31,7 +31,7 @@ using Json = nlohmann::json;
 constexpr double share = 0.04;  ///< largest ratio of the coarse simulation's work to the real run's; images come on top
 constexpr double enough = 3;    ///< rough_seconds() that suffice for a coarse run: above it, a coarser run is preferred
 constexpr int coarsest = 8, most_moments = 64;
-constexpr int frames_a_picture = 100, most_pictures = 5;  ///< images drawn: one per that many frames of the film, at least one
+constexpr int frames_a_picture = 100, most_pictures = 5;  ///< frames of the real run per measured image; limit of these images
 
 /// Cache key of a scene. The coarse run does not depend on the colour range, exports, video, or a camera box that was chosen for the run.
 /// So these are excluded; a box that the scene file sets counts.

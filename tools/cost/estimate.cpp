@@ -91,8 +91,8 @@ Estimate estimate(const SceneFile& file, const Plan& plan, const Simulation& sim
     double steps = 0, all_steps = 0;
     for (int k = 1; k <= e.frames; ++k) {
         const double time = frame_time(scene, k);
-        const double a_second = c.pace.empty() ? fastest : pace_at(c.pace, time / frame_time(scene, e.frames));
-        steps = k == 1 ? 0 : std::ceil(interval * a_second - 1e-9);  // the first frame is the initial state
+        const double steps_per_second = c.pace.empty() ? fastest : pace_at(c.pace, time / frame_time(scene, e.frames));
+        steps = k == 1 ? 0 : std::ceil(interval * steps_per_second - 1e-9);  // the first frame is the initial state
         all_steps += steps;
         const Estimate at = frame(time, particles_at(scene, plan, at_start, time), steps);
         e.frames_seconds.push_back(at.frame);
