@@ -115,7 +115,7 @@ public:
     void file_edited();
 
     /// Sets the notice that users see.
-    void tell(bool error, std::string text) {
+    void report(bool error, std::string text) {
         locked([&] { tell_locked(error, std::move(text)); });
     }
     std::optional<Notice> newest_notice() const {

@@ -123,12 +123,12 @@ double LiveLoop::frame_seconds() const {
 
 void LiveLoop::after_step(const StepReport& report, double began) {
     const std::string news = incidents_.add(report, simulation_->scene(), began, simulation_->totals().steps);
-    if (!news.empty()) controls_.tell(false, news);
+    if (!news.empty()) controls_.report(false, news);
     if (report.diverged) {
         const Divergence& d = *report.diverged;
         state_ = State::diverged;
         why_ = fmt::format("diverged at {:.4g} s in \"{}\", {}: {}; undo the last changes and restart", d.time, d.stage, d.field, d.what);
-        controls_.tell(true, why_);
+        controls_.report(true, why_);
         return;
     }
     const double now = wall_seconds();
@@ -196,7 +196,7 @@ void LiveLoop::end_if_over(const Scene& scene) {
     const bool over = frame_time(scene, frame_ + 1) > scene.time.end * (1 + 1e-9);
     const State before = std::exchange(state_, over ? State::ended : State::running);
     if (over && before != State::ended)
-        controls_.tell(false, fmt::format("the scene ends at {:g} s; raise time.end to continue, or restart", scene.time.end));
+        controls_.report(false, fmt::format("the scene ends at {:g} s; raise time.end to continue, or restart", scene.time.end));
 }
 
 /// Reports the current state, even between two frames.

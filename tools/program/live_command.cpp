@@ -70,7 +70,7 @@ int live(LiveOptions options) {
     Controls controls(options.shared);
     if (options.paused) controls.pause();
     const std::size_t recorded = read_scene_file(options.shared).scene.changes.size();
-    if (recorded > 0) controls.tell(false, fmt::format("{} recorded changes are ignored; whorl render repeats them", recorded));
+    if (recorded > 0) controls.report(false, fmt::format("{} recorded changes are ignored; whorl render repeats them", recorded));
 
     InterruptGuard interrupt;
     LiveRenderer live_renderer(size.width, size.height, 1 / controls.file().scene.time.fps);

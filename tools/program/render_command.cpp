@@ -6,6 +6,7 @@
 #include "engine/probes/comparison.h"
 #include "engine/scene/plan.h"
 #include "engine/scene/scene.h"
+#include "tools/film/exports.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/run.h"
 #include "tools/program/command.h"

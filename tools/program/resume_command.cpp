@@ -4,6 +4,7 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/scene/scene.h"
+#include "tools/film/exports.h"
 #include "tools/film/progress.h"
 #include "tools/film/run.h"
 #include "tools/film/run_folder.h"
