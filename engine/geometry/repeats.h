@@ -16,8 +16,8 @@ public:
     /// domain. Along an axis that the shape spans, there is only this one.
     std::vector<Vec3> shifts_into(const Domain& domain) const;
     /// Smallest signed distance [m] from x to any image. @param distance signed distance from the shape itself, as a function of position
-    /// @param image x moved by whole periods, such that the nearest image becomes the shape itself; along an axis that the shape spans
-    /// without ends, its middle
+    /// @param image (out) the position equivalent to x, moved by whole periods, that is nearest to the shape itself. Along an axis that the
+    /// shape spans without ends, its coordinate is that of the shape's centre
     template <class F>
     Real least(const Vec3& x, F&& distance, Vec3& image) const {
         Vec3 near = x;

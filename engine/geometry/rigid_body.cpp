@@ -21,8 +21,8 @@ Mat3d RigidBody::inverse_inertia() const {
     return R * own_inertia.inverse() * R.transpose();
 }
 
-// dq/dt = w(q) q/2 with w = I(q)^-1 L and constant L, by the midpoint rule, solved by fixed-point iteration. The midpoint rule also keeps
-// the length of L in the body's own axes.
+// dq/dt = w(q) q/2 with w = I(q)^-1 L and constant L, by the midpoint rule, solved by fixed-point iteration. L is constant in space, so
+// angular momentum is conserved exactly.
 void RigidBody::move(double dt) {
     centre += dt * velocity;
     const Eigen::Quaterniond start = turn;

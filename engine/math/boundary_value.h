@@ -37,7 +37,8 @@ public:
     /// Solves on the mesh of `curve`, which contains the first guess. A Newton step is halved up to four times until it reduces the
     /// residual.
     /// @param limits tolerance of the last step, relative to 1 + |y|
-    /// @return residuals: root mean square of the defects per interval length, relative to 1 + |y'|, and of the conditions
+    /// @return residuals: root of the sum of the squared conditions at both ends and the mean square of the defects (per interval length,
+    /// relative to 1 + |y'|)
     static SolveReport solve(const Problem& problem, Curve<n>& curve, SolveLimits limits);
     /// A mesh of `intervals` intervals that each contribute about the same error of `curve`.
     static std::vector<double> even_mesh(const Problem& problem, const Curve<n>& curve, int intervals);
@@ -178,7 +179,8 @@ SolveReport Collocation<Problem>::solve(const Problem& problem, Curve<n>& curve,
         }
         report.converged = size * part < limits.tolerance;
         if (lessens()) curve.y.swap(trial.y), report.last_residual = now;
-        else if (!report.converged) return report.why_not = "no part of Newton's step lessens the residual", report;
+        else if (!report.converged)
+            return report.why_not = "no fraction (1 to 1/16) of the Newton step reduces the residual enough", report;
         if (report.converged) return report;
     }
     report.why_not = "not converged within the allowed steps";

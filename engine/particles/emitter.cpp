@@ -82,7 +82,7 @@ struct Emitter::State {
     double ahead = 0;          ///< length of pipe that they fill [m]; the column begins behind them
 
     Real apart() const { return static_cast<Real>(least_clearance) * spacing; }  ///< smallest distance of free fluid from the pipe
-    /// Whether the position q in the opening's frame is in the moving part of the pipe.
+    /// Whether the position q in the opening's frame is in the part of the pipe that the moving column fills.
     bool in_column(const Vec3& q) const { return pipe_distance(shape, q) < Real(0.3) * spacing && q.z() > -depth - spacing / 20; }
 
     Vec3 width_axis, thickness_axis;
@@ -184,8 +184,8 @@ struct Emitter::State {
         return parallel_sum(fluid.size(), [&](Index i) { return role_of[i] >= 0 && body.distance(x[i]) < near ? 1 : 0; }) > 0;
     }
 
-    /// Particles that enter while the column advances by `push`. A particle at height z of copy c enters when the column has been pushed
-    /// past it by more than the buffer's depth. Its position along the flow, from the opening, is s = factor * pushed - (c length + z).
+    /// Particles that enter while the column advances by `push`. A particle at height z of copy c of the block is at s = factor * pushed -
+    /// (ahead + c length + z) along the flow, measured from the opening. It enters in the step at whose end s >= -depth.
     std::vector<Vec3> entering(double pushed_before, double push, std::vector<long>& next) const {
         std::vector<Vec3> all;
         for (std::size_t k = 0; k < block.size(); ++k) {
@@ -341,7 +341,8 @@ bool Emitter::load(std::istream& in) {
     in.read(reinterpret_cast<char*>(&state_->pushed), sizeof(double));
     in.read(reinterpret_cast<char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
     if (!in) throw EnvironmentError("the saved state of an emitter ends too early", "", "resume from an older checkpoint");
-    // At a saved time, copies of every particle have entered down to the buffer's depth, so the next step has few to add.
+    // In a valid state the copies of each particle of the block that have entered keep up with the flow. In a damaged one the next step
+    // would add copies almost without end.
     const State& s = *state_;
     if (!std::isfinite(s.pushed) || s.pushed < 0) return false;
     for (std::size_t k = 0; k < s.block.size(); ++k) {

@@ -40,8 +40,8 @@ std::uint64_t hilbert_key(std::array<std::uint32_t, 3> c, int bits) {
 
 }  // namespace
 
-/// Cell coordinates count from the middle of the key range, at the origin, and wrap. So a stray particle far away does not make the cells
-/// of the others coarser.
+/// The origin is in the middle of the range of cell coordinates (2^20 per axis); coordinates outside the range wrap around. So a stray
+/// particle far away does not make the cells of the others coarser.
 std::vector<Index> curve_order(Span<const Vec3> x, Real cell) {
     constexpr double range = double(1 << axis_bits);
     const Index n = static_cast<Index>(x.size());

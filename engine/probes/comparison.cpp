@@ -50,7 +50,8 @@ std::optional<Comparison> comparison_of(const Scene& scene, std::size_t probe, c
                                                          : "";
     if (lacks.empty()) return found;
     throw InputError(scene.place(key), key + ": \"" + file.string() + "\" has no " + lacks,
-                     "give the table a header line, with cells between commas", "the column " + along + ", and one or more of " + names);
+                     "give the table a header line, and separate the cells by commas",
+                     "the column " + along + ", and one or more of " + names);
 }
 
 void check_probes(const Simulation& simulation) {

@@ -45,13 +45,13 @@ public:
     const World& world() const;
     const std::vector<Emitter>& emitters() const;
 
-    /// Makes one step, not past the next frame time `until` [s]. One step reaches it exactly (the last two before it are equal in length).
-    /// A step that starts at a frame time refreshes every lagged set-up, so that a run resumed there is bit-identical.
-    /// If report.diverged is set, the run cannot continue.
+    /// Makes one step, not past the next frame time `until` [s]. The last step before it ends exactly there; the last two are of equal
+    /// length. A step that starts at a frame time refreshes every lagged set-up, so that a run resumed there is bit-identical. If
+    /// report.diverged is set, the run cannot continue.
     const StepReport& step(double until);
 
-    /// Counts totals().work from now on; solids that move keep ledgers for it. Costs some passes over the particles per step. The run
-    /// stays bit-identical.
+    /// Counts totals().work from now on. Moving solids then record the impulses of the fluid (Ledger), from which their work follows. Costs
+    /// some passes over the particles per step. The run stays bit-identical.
     void count_energy();
 
     /// Replaces the scene from now on. Fluid, solids and models stay; only keys that may change (Key::may_change) have other values.
@@ -60,7 +60,7 @@ public:
     /// @param plan of `scene`; changes_of_models(plan(), plan) must be empty
     void change(const Scene& scene, const Plan& plan, double when);
     void change(const Scene& scene, const Plan& plan) { change(scene, plan, time()); }
-    /// For a run resumed with load(): repeats a change that was made, for the time `when` [s], before the state was saved.
+    /// For a run resumed with load(): repeats a change(scene, plan, when) that was made before the state was saved.
     void changed_before(const Scene& scene, const Plan& plan, double when);
 
     /// Writes all state that persists between steps. Call only at a frame time. The same build reads it back bit-identically.

@@ -42,7 +42,7 @@ struct Material {
     float haze = 0;                        ///< 1/m, rate at which a ray gains the colour `scatter`
     Vec3f colour = Vec3f::Constant(0.5f);  ///< diffuse colour of an opaque material
     Vec3f emission = Vec3f::Zero();        ///< emitted radiance (lava)
-    float cooling = 0;                     ///< s, age at which fluid with an age has lost most of its emission; 0: never
+    float cooling = 0;                     ///< s, age at which the fluid has lost most of its emission; 0: never
     float refraction = 1.49f;              ///< index of refraction
     float roughness = 0.05f;               ///< 0 mirror .. 1 matt
     float softness = 0;                    ///< 0 .. 1, how far light spreads beyond the edge of shadow (chocolate, clay, paint)

@@ -1,17 +1,19 @@
 #pragma once
 /// Colour field of a fluid given by particles: near 1 inside and 0 outside, for any local distance between the particles.
 ///
-///     c(x) = sum_j V_j W_j(|x - x_j|),    V_j = m/rho_j = 1 / sum_k W_j(|x_j - x_k|),    W_j(r) = (1 - r^2/R_j^2)^3 (its norm cancels)
+///     c(x) = sum_j V_j W_j(|x - x_j|),    V_j = m/rho_j = 1 / sum_k W_j(|x_j - x_k|),    W_j(r) = (1 - r^2/R_j^2)^3 (its normalisation
+///     factor cancels)
 ///
-/// With equal volumes V_j round surfaces would shrink by sigma^2/r (sigma: the kernel's width) and single particles would vanish. After
-/// this normalisation a flat surface is at c = ln 2 (the integral of dF/F, F from 1/2 to 1) in the limit of many particles, and at c =
-/// 0.605 with R = 2 d. At that value spheres and cylinders of 1 to 5 spacings keep their radius within 0.055 d, and flat surfaces their
-/// position within 0.01 d (measured by tests/render/surface/surface.cpp).
+/// With equal volumes V_j a sphere of radius r would shrink by sigma^2/r (sigma: the kernel's standard deviation along an axis), and single
+/// particles would vanish. With the V_j above and many particles, a flat surface is at c = ln 2, the integral of dF/F for F from 1/2 to 1.
+/// F is the fraction of a particle's kernel that lies in the fluid: 1/2 at the surface and 1 deep inside. With R = 2 d a flat surface is at
+/// c = 0.605. At that value spheres and cylinders of 1 to 5 spacings keep their radius within 0.055 d, and flat surfaces their position
+/// within 0.01 d (measured by tests/render/surface/surface.cpp).
 ///
 /// A wide kernel makes bumps smaller and keeps a thin thread together, but it bridges gaps: with R = 2.25 d two threads merge at a distance
 /// of 1.1 d. So R_j is 2 d if a particle has many neighbours, and grows to 2.4 d if it has few. A single file of particles then stays in
-/// one piece up to distances of 2.5 d, droplets of a few particles keep their size, and thick threads stay apart down to 1 d. Drops of a
-/// single particle shrink with their distance from all others, as spray is finer than the spacing.
+/// one piece up to distances of 2.5 d, droplets of a few particles keep their size, and thick threads stay apart down to 1 d. A lone
+/// particle is drawn smaller the farther it is from all others, because real spray is finer than the spacing.
 #include "render/surface/particle_rows.h"
 
 namespace whorl {

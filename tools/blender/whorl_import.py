@@ -141,7 +141,7 @@ def fill(mesh, path, about):
 
 
 def show_frame(thing, frame):
-    """Shows a frame of the run in a fluid object. Before the first and after the last frame, shows that one."""
+    """Shows a frame of the run in a fluid object. Earlier frames show the first one, later frames the last one."""
     about = thing["whorl"]
     folder = Path(bpy.path.abspath(about["folder"]))
     number = min(max(frame, about["first"]), about["last"])

@@ -27,8 +27,8 @@ std::array<float, 2> range_up_to(double high, const LookOptions& look) {
     return {is_diverging(look.colour_map) ? -round : 0.0f, round};
 }
 
-/// Colour range estimated from the scene, with the largest expected speed U: for speeds U; for pressures the larger of the initial maximum
-/// and density U^2/2; for other fields, which are rates, the initial maximum, or U/(8 spacings) if that is 0; for ink 1.
+/// Colour range estimated from the scene. U is the largest expected speed. The upper end is U for the speed, the larger of the initial
+/// maximum and density U^2/2 for the pressure, and 1 for ink. Other fields are rates: the initial maximum, or U/(8 spacings) if that is 0.
 std::array<float, 2> estimated_range(const LookOptions& look, const Simulation& start) {
     if (look.field == "ink") return range_up_to(1, look);
     const Scene& scene = start.scene();
@@ -136,7 +136,7 @@ Vec3d landing(const Simulation& start, Vec3d x, Vec3d u) {
     for (double left = scene.time.end; left > 0;) {
         const double speed = std::max(u.norm(), std::sqrt(g.norm() * reach));
         if (!(speed > 0)) break;
-        const double dt = std::min(left, 0.5 * reach / speed);  // the step, with the part due to g, is at most 3/4 of reach
+        const double dt = std::min(left, 0.5 * reach / speed);  // so the displacement dt (u + dt g) is at most 3/4 of reach
         u += dt * g;
         const Vec3d next = x + dt * u;
         left -= dt;

@@ -40,7 +40,7 @@ private:
     int lock_ = -1;
 };
 
-/// Content of the folder's run.json; empty if there is none. Leaves out names, states and numbers of frames of a wrong type.
+/// Content of the folder's run.json; empty if there is none. Omits entries (names, state, numbers of frames) whose JSON type is wrong.
 nlohmann::json report_of(const std::filesystem::path& path);
 
 /// Whether the folder contains a run, even one that was killed at its start: Whorl's run.json or scene.resolved.toml.

@@ -58,7 +58,7 @@ std::vector<Vec3> explicit_acceleration(TestWorld& w, bool monaghan) {
     return a;
 }
 
-/// Acceleration by XSPH with the alpha that gives alpha 0.075 R^2/(2 dt) = nu.
+/// Acceleration by XSPH. alpha is chosen so that the viscosity alpha 0.075 R^2/(2 dt) is nu.
 std::vector<Vec3> xsph_acceleration(TestWorld& w) {
     const StepContext& step = w.world.step;
     const Real nu = w.column<field::viscosity>()[0] / step.rest_density;
