@@ -19,13 +19,15 @@ def figure(width, height, draw):
     return content.getvalue()
 
 
-def picture(m, path, images, width, quality=()):
-    """Scales images to a width and writes them side by side into a file of the documentation."""
+def picture(m, path, images, width, quality=(), columns=None):
+    """Scales images to a width and writes them in rows of `columns` (default: one row) into a file of the documentation."""
     if m.writes:
         (m.into / path).parent.mkdir(parents=True, exist_ok=True)
     elif not m.dry:
         return
     inputs = [part for image in images for part in ("-i", image)]
     scaled = "".join(f"[{k}]scale={width}:-1:flags=area[s{k}];" for k in range(len(images)))
-    joined = "".join(f"[s{k}]" for k in range(len(images))) + (f"hstack={len(images)}" if len(images) > 1 else "null")
+    columns = columns or len(images)
+    places = "|".join("+".join(["0", *["w0"] * (k % columns)]) + "_" + "+".join(["0", *["h0"] * (k // columns)]) for k in range(len(images)))
+    joined = "".join(f"[s{k}]" for k in range(len(images))) + (f"xstack={len(images)}:layout={places}" if len(images) > 1 else "null")
     m.call(["ffmpeg", "-v", "error", "-y", *inputs, "-filter_complex", scaled + joined, *quality, m.into / path])

@@ -36,6 +36,27 @@ def picture_over_plate(m):
     drawing.picture(m, "docs/pictures/guide/over_plate.jpg", [laid], 800, ["-q:v", "4"])
 
 
+# One frame of honey_ball, drawn with the defaults and with one key changed.
+controls = ("", "surface.smoothing=0", "surface.voxel=1", "look.samples=1", "camera.shutter=360", "camera.aperture=0.016",
+            "look.absorption=[2, 11, 55]", "look.background=dark", "look.table=none")
+
+
+@table("picture_controls", "a frame of honey_ball, drawn again with one key changed", "3 minutes",
+       files="docs/pictures/guide/controls.jpg", section=False)
+def picture_controls(m):
+    frame = 36
+    run = m.render("honey_ball", "pictures/controls", threads=2, images=True,
+                   options=["--frames", frame, "--size", "480x400", "--quality", "draft", "--no-draw", "--set", "camera.fov=19",
+                            "--set", "look.samples=16"]).folder
+    pictures = []
+    for k, change in enumerate(controls):
+        folder = m.out / f"pictures/control_{k}"
+        m.whorl("draw", run, "--frames", f"{frame}-{frame}", "--no-video", "--quiet", "--overwrite", "--out", folder,
+                *(["--set", change] if change else []))
+        pictures.append(folder / f"frames/{frame:06}.png")
+    drawing.picture(m, "docs/pictures/guide/controls.jpg", pictures, 400, ["-q:v", "3"], columns=3)
+
+
 @table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png", section=False)
 def picture_live(m):
     m.call(["bash", "tools/setup.sh", "chromium"])
