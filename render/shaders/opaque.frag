@@ -42,7 +42,7 @@ void main() {
     vec3 r = reflect(v, n);
     vec3 body = has_inks ? inks_at(x) : body_colour;
     float matt = roughness;
-    if (has_crust) body *= crust.shade, matt = mix(0.3, 0.98, crust.cold);
+    if (has_crust) body *= crust.shade, matt = mix(0.5, 1.0, crust.cold);
     vec3 l = front_light * studio;  // from studio axes to the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {
@@ -59,7 +59,7 @@ void main() {
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
     // A rough body spreads its reflection over more directions, so that each gets less.
-    vec3 mirrored = (surroundings(x, r, roughness) + (1.0 - matt) * strip_light(r, roughness)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
+    vec3 mirrored = (surroundings(x, r, matt) + (1.0 - matt) * strip_light(r, matt)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
     // The fluid is hot in folds, away from the cold air, and crusted in the open. New fluid is hot everywhere. Hotter fluid is yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
     if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
