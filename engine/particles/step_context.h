@@ -84,7 +84,7 @@ struct StepReport {
         SolveReport report;
     };
     std::vector<Solve> solves;
-    std::optional<EnergyWork> work;  ///< of a micropolar model, which sums its terms itself
+    std::optional<EnergyWork> work;  ///< terms that a stage sums itself, such as those of micropolar models
     Index lost_particles = 0;        ///< number of particles that left the domain in this step
     std::string full;                ///< message in the step in which a closed room becomes full; otherwise empty
     std::optional<Divergence> diverged;

@@ -9,6 +9,60 @@ namespace {
 /// of a turning solid.
 Vec3 carried(const Solid& solid, const Vec3& x, Real dt) { return x + dt * velocity_over(solid, x, dt); }
 
+/// lift_nothing() in the frame that rotates with the fluid, where the centrifugal force adds to gravity.
+void lift_nothing_in(const VesselRotation& rotation, const Vec3& gravity, Span<const Vec3> x, Span<Vec3> moves) {
+    const auto n = static_cast<Index>(moves.size());
+    const auto at = [&](Index i) -> Vec3 { return gravity - rotation.acceleration(x[i]); };
+    const auto sum_of = [&](double sign) {
+        return parallel_sum(n, [&](Index i) { return std::max(0.0, sign * static_cast<double>(at(i).dot(moves[i]))); });
+    };
+    const double risen = sum_of(-1), sunk = sum_of(1);
+    if (!(risen > sunk)) return;
+    const Real share = static_cast<Real>(1 - sunk / risen);
+    parallel_for(n, [&](Index i) {
+        const Vec3 g = at(i);
+        moves[i] -= share * std::min(Real(0), g.dot(moves[i])) / g.squaredNorm() * g;
+    });
+}
+
+/// The fluid's angular momentum about the axis of a turning vessel. Displacements other than by the velocity change it, and the wall would
+/// replace it step after step.
+class KeepRotation {
+public:
+    KeepRotation(const CoupledSystem& system, Read<field::role> role, Span<const Vec3> x, Span<const Vec3> u)
+        : acts_(system.options.vessel >= 0), role_(role), rotation_(system.rotation) {
+        if (acts_) before_ = turning(x, u);
+    }
+    bool acts() const { return acts_; }
+    /// Adds to u the rotation, without momentum, that the displacement to x with velocities v has removed. v may be u.
+    void restore(Span<const Vec3> x, Span<const Vec3> v, Span<Vec3> u) const {
+        if (!acts_) return;
+        const auto n = static_cast<Index>(x.size());
+        using Sum = Eigen::Vector4d;
+        const Sum sum = parallel_sum(n, Sum(Sum::Zero()), [&](Index i) -> Sum { return free(i) * x[i].cast<double>().homogeneous(); });
+        VesselRotation about = rotation_;
+        about.centre = sum.hnormalized().cast<Real>();
+        const double inertia = parallel_sum(n, [&](Index i) { return free(i) * static_cast<double>(about.arm(x[i]).squaredNorm()); });
+        if (!(inertia > 0)) return;
+        const Real missing = static_cast<Real>((before_ - turning(x, v)) / inertia);
+        parallel_for(n, [&](Index i) {
+            if (role_[i] == 0) u[i] += missing * about.arm(x[i]);
+        });
+    }
+
+private:
+    double free(Index i) const { return role_[i] == 0 ? 1 : 0; }
+    double turning(Span<const Vec3> x, Span<const Vec3> u) const {
+        return parallel_sum(static_cast<Index>(x.size()),
+                            [&](Index i) { return free(i) * rotation_.arm(x[i]).cast<double>().dot(u[i].cast<double>()); });
+    }
+
+    bool acts_;
+    Read<field::role> role_;
+    VesselRotation rotation_;
+    double before_ = 0;
+};
+
 }  // namespace
 
 void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u, Read<field::role> role, const Solids& solids,
@@ -116,7 +170,9 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
             }
         }
     });
-    lift_nothing(step.gravity, shift);
+    if (s.options.vessel < 0) lift_nothing(step.gravity, shift);
+    else lift_nothing_in(s.rotation, step.gravity, x.values, shift);
+    const KeepRotation rotation(s, role, x.values, u.values);
 
     // The velocity at the new position: u += G dx. The sum of these changes is subtracted from the neighbours, so that momentum is
     // conserved.
@@ -147,6 +203,7 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         u[i] += Vec3(v.v[0], v.v[1], v.v[2]);
         x[i] += shift[i];
     });
+    rotation.restore(x.values, u.values, u.values);
     parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
 }
 
@@ -162,8 +219,9 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         fastest = std::max(
             fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
     const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
+    const KeepRotation rotation(s, role, x.values, u.values);
     // By particle, if probes need it: the solid that stopped it, and its velocity before.
-    const auto recorded = static_cast<std::size_t>(solids.any_probed() ? x.size() : 0);
+    const auto recorded = static_cast<std::size_t>(solids.any_probed() || rotation.acts() ? x.size() : 0);
     std::vector<int> stopper(recorded, -1);
     Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));
     parallel_for(x.size(), [&](Index i) {
@@ -215,6 +273,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         const Vec3d impulse = static_cast<double>(step.mass) * (before[i] - u.values[i]).cast<double>();
         solid.receive(Push::contact, Wrench::at(solid.image(x.values[i]).cast<double>() - solid.centre(), impulse));
     }
+    rotation.restore(x.values, before, u.values);
 }
 
 }  // namespace whorl

@@ -141,7 +141,8 @@ struct CoupledStep {
         const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
         const auto loose = [&](const Neighbourhood& context, double lacking) {
             if (options.vessel < 0) return meeting * lacking * std::clamp(2 - context.surface / options.no_surface, 0.0, 1.0);
-            return std::min(0.0, lacking + 0.85 * std::max(0.0, context.surface - options.no_surface));  // without the deficit of a surface
+            const double surface = std::min(static_cast<double>(context.surface), options.even_surface);
+            return std::min(0.0, lacking + 0.85 * std::max(0.0, surface - options.no_surface));  // without the deficit of a surface
         };
         parallel_for(n, [&](Index i) {
             const Neighbourhood& context = system.rows.neighbourhood[i];
@@ -183,7 +184,7 @@ struct CoupledStep {
 
     /// Corrects the force of the pressure in a vessel that turns. Its fluid has the pressure p_0 = rho (level + g.x + rate^2 r^2/2), with
     /// the rate from the fluid's angular momentum. The force -grad p_0 has errors in the rows of disordered particles and next to walls,
-    /// which would drive a vortex that lifts the edge. Away from surfaces (c < 0.15, fading to 0.3; the surface of a lattice has 0.31) the
+    /// which would drive a vortex that lifts the edge. Away from surfaces (c < 0.2, fading to 0.4; the surface of a lattice has 0.31) the
     /// load gets the exact force instead.
     void balance() {
         if (options.vessel < 0) return;
@@ -192,17 +193,18 @@ struct CoupledStep {
             const Vector2d sum = parallel_sum(n, Vector2d(0, 0), [&](Index i) { return role[i] == 0 ? of(i) : Vector2d(0, 0); });
             return static_cast<Real>(sum[1] > 0 ? sum[0] / sum[1] : 0.0);
         };
-        const auto inside = [&](Index i) { return std::clamp(2 - system.rows.neighbourhood[i].surface / Real(0.15), Real(0), Real(1)); };
-        const Vec3 centre = solids.all[options.vessel].centre().cast<Real>(), up = -step.gravity.normalized();
-        const auto arm = [&](Index i) -> Vec3 { return up.cross(x[i] - centre); };
-        const Real rate = mean([&](Index i) { return Vector2d(arm(i).dot(u[i]), arm(i).squaredNorm()); });
+        const auto inside = [&](Index i) { return std::clamp(2 - system.rows.neighbourhood[i].surface / Real(0.2), Real(0), Real(1)); };
+        VesselRotation& rotation = system.rotation;
+        rotation = {solids.all[options.vessel].centre().cast<Real>(), -step.gravity.normalized()};
+        const auto arm = [&](Index i) { return rotation.arm(x[i]); };
+        const Real rate = rotation.rate = mean([&](Index i) { return Vector2d(arm(i).dot(u[i]), arm(i).squaredNorm()); });
         const auto height = [&](Index i) { return step.gravity.dot(x[i]) + rate * rate * arm(i).squaredNorm() / 2; };
         const Real level = mean([&](Index i) { return Vector2d(inside(i) * (p[i] / step.rest_density - height(i)), inside(i)); });
         Column<Real> q(n);
         balancing.resize(n);
         parallel_for(n, [&](Index i) {
             q[i] = system.rows.neighbourhood[i].volume * dt / d * std::max(Real(0), height(i) + level);
-            balancing[i] = dt * (step.gravity - rate * rate * up.cross(arm(i)));
+            balancing[i] = dt * (step.gravity - rotation.acceleration(x[i]));
         });
         form.add_stress(q, {}, balancing);
         parallel_for(n, [&](Index i) { balancing[i] *= -inside(i); });
@@ -384,7 +386,8 @@ struct CoupledStep {
     }
 
     /// Distributes the momentum that the fluid lost. Walls receive the forces of their rows, by strain and by pressure. Walls with slip
-    /// receive the friction, and the normal force on their particles. The residual of the solve is shared.
+    /// receive the friction, and the normal force on their particles. The residual of the solve is shared. A turning vessel also receives
+    /// the opposite of balance(), which replaces forces between fluid and wall.
     void write_ledgers() {
         if (!solids.any_probed()) return;
         const auto m = static_cast<double>(step.mass);
@@ -395,6 +398,11 @@ struct CoupledStep {
             form.each_wall_force(
                 [&](const WallPoint& wall, const Vec3& f) { push(solids.all[wall.solid], kind, wall.position, sign * f); });
         };
+        if (!balancing.empty()) {
+            Solid& vessel = solids.all[options.vessel];
+            const Wrench on = -m * momentum_of(role, x.values, [&](Index i) { return balancing[i]; });
+            vessel.receive(Push::pressure, {on.force, on.torque - vessel.centre().cross(on.force)});
+        }
         const Remainder rest(solids, Push::viscous);
         form.find_wall_forces(u.values);
         walls_take(Push::viscous, -1);
@@ -417,6 +425,19 @@ struct CoupledStep {
                     push(solid, Push::viscous, x[i], share.coefficient * (u[i] - share.wall));
         }
         rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
+    }
+
+    /// In a turning vessel: counts the work of the pressure on the particles that set_divergence() moves apart or together as an error. As
+    /// (negative) heat it would make the heat fall.
+    void count_pushes(StepReport& report) {
+        if (options.vessel < 0 || !solids.any_probed()) return;
+        const double pushes = parallel_sum(n, [&](Index i) {
+            const Real pushed = divergence[i] - curvature[i].trace();
+            return role[i] == 0 ? static_cast<double>(system.rows.neighbourhood[i].volume * p[i] * pushed) : 0.0;
+        });
+        if (!report.work) report.work.emplace();
+        report.work->viscosity -=
+            static_cast<double>(step.mass) * static_cast<double>(dt) / static_cast<double>(step.rest_density) * pushes;
     }
 
     /// A slippery solid can push but not pull: releases the particles that it would have to pull.
@@ -452,6 +473,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     now.take_over();
     now.find_held();
     now.write_ledgers();
+    now.count_pushes(report);
     now.release_slipping();
 }
 

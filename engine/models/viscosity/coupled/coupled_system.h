@@ -42,6 +42,14 @@ struct contact_normal {
 };
 }  // namespace field
 
+/// Rigid rotation of the fluid in CoupledOptions::vessel.
+struct VesselRotation {
+    Vec3 centre = Vec3::Zero(), up = Vec3::Zero();  ///< a point of the axis, unit vector along it
+    Real rate = 0;                                  ///< of the fluid's angular momentum [rad/s]
+    Vec3 arm(const Vec3& x) const { return up.cross(x - centre); }
+    Vec3 acceleration(const Vec3& x) const { return rate * rate * up.cross(arm(x)); }
+};
+
 /// Data that the stages share within a step, and set-ups that are reused over several steps. All of it is rebuilt at a frame time.
 struct CoupledSystem {
     explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
@@ -50,6 +58,7 @@ struct CoupledSystem {
     StrainForm form;
     ContactFriction friction;
     TwoLevel preconditioner;
+    VesselRotation rotation;  ///< in this step; none without CoupledOptions::vessel
     bool no_way_out = false;  ///< a solve since the last frame time found no pressure that keeps the volume of enclosed fluid
     /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: there are none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
