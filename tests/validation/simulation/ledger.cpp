@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/parallel.h"
+#include "engine/io/diagnostics.h"
 #include "engine/particles/step_context.h"
 #include "engine/probes/probes.h"
 #include "engine/scene/read.h"
@@ -113,6 +114,21 @@ TEST_CASE("forces on all solids and weight are the change of the fluid's momentu
             pushed += frame.on[1].force.norm();
         }
         CHECK(pushed > 0.1 * momentum(simulation.world()).norm());
+    }
+}
+
+TEST_CASE("a vessel that turns coupled honey receives what the fluid loses of momentum and spin, within 1e-5", "[validation][ledger]") {
+    // The load that corrects the forces of the hydrostatic pressure, shifts and contact change the fluid's momentum, too.
+    const std::string round = "shape = \"cylinder\"\nfrom = [0, 0, 0]\nradius = 0.048\n";
+    Simulation simulation = simulation_of(text::time(1) + text::domain({-0.06, -0.01, -0.06}, {0.06, 0.12, 0.06}) + text::fluid(8e-3, 4) +
+                                          text::models("coupled") + "[[block]]\n" + round + "to = [0, 0.036, 0]\n[[solid]]\n" + round +
+                                          "to = [0, 0.11, 0]\ncontainer = true\nrotation = [0, 14, 0]\n" + probe);
+    const auto spin = [&] { return measure(simulation.world(), Vec3d(0, -g, 0), 1).angular_momentum.y(); };
+    for (int k = 1; k <= 4; ++k) {
+        const double before = spin();
+        const Frame frame = step_frame(simulation, 0.05 * k);
+        CHECK(frame.missing.norm() < 1e-5 * frame.exchanged);
+        CHECK(std::abs(spin() - before + frame.on[0].torque.y()) < 1e-5 * 0.048 * frame.exchanged);
     }
 }
 
