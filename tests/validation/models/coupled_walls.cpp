@@ -309,3 +309,21 @@ TEST_CASE("coupled: honey of 1 to 1000 Pa s at rest in a box and in a jar keeps 
             CHECK(std::abs(rest_of({kind, viscosity}, 20).height) < 0.02);
         }
 }
+
+TEST_CASE("coupled: a layer of honey without side walls keeps its potential energy within .75 % over 10 s",
+          "[validation][coupled][boundary][long]") {
+    for (const double viscosity : {1, 5}) {
+        CAPTURE(viscosity);
+        Simulation simulation = simulation_of(
+            fmt::format("[time]\nend = 10\n[domain]\nmin = [0, -0.012, 0]\nmax = [0.04, 0.064, 0.04]\nperiodic = [true, false, true]\n"
+                        "[fluid]\nspacing = 0.004\nviscosity = {}\n[models]\npressure = \"coupled\"\n"
+                        "[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.04, 0.032, 0.04]\n[[solid]]\nshape = \"plane\"\n",
+                        viscosity));
+        const auto energy = [&] { return measure(simulation.world(), Vec3d(0, -9.81, 0), 0).potential_energy; };
+        const double start = energy();
+        for (int second = 1; second <= 10; ++second) {
+            run_until(simulation, second);
+            CHECK(std::abs(energy() / start - 1) < 0.0075);
+        }
+    }
+}

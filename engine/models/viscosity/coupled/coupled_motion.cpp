@@ -142,14 +142,19 @@ struct Shifting {
 }  // namespace
 
 void CoupledShift::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G,
-                              Read<field::role> role, const StepContext& step) const {
+                              Read<field::role> role, Read<field::pressure> pressure, Read<field::viscosity> mu,
+                              const StepContext& step) const {
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
+    // In fluid under weight the errors of the pressure's force pair particles up at a rate of p/mu, also where the strain is small.
+    const Real layer = step.rest_density * step.gravity.norm() * d, of_weight = static_cast<Real>(s.options.weight_strain);
     Column<Vec4> moved(x.size());
     parallel_for(x.size(), [&](Index i) {  // strain in the middle of the move, which is 0 for a rigid rotation
         const Mat3 D = Real(0.5) * (G[i] + G[i].transpose());
+        const Real strain = Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm();
+        const Real resting = of_weight * std::clamp(pressure[i], Real(0), layer) / mu[i];
         const Vec3 path = (x[i] - s.rows.position(i)) / d;
-        moved[i] = {{path[0], path[1], path[2], step.dt * Real(0.5) * (D - curvature_strain(G[i], step.dt)).norm()}};
+        moved[i] = {{path[0], path[1], path[2], step.dt * (strain + resting)}};
     });
 
     const Shifting shifting{s};

@@ -27,7 +27,7 @@ struct CoupledOptions {
 
     double push = 0.1;               ///< compressed particles separate at the rate push (n/n0 - 1)/dt
     double no_surface = 0.0125;      ///< loose particles under pressure approach up to this Neighbourhood::surface; none from twice this on
-    double meeting_in_space = 0.15;  ///< fraction of that rate in 3D (1 in 2D), because at rest more particles are loose than compressed
+    double meeting_in_space = 0.25;  ///< fraction of that rate in 3D (1 in 2D), because at rest more particles are loose than compressed
     Index vessel = -1;  ///< round solid that turns the fluid about the vertical, -1: none. Loose particles then also approach at surfaces,
     double even_surface = 0.34;  ///< with this Neighbourhood::surface at most: a lattice's has 0.31, a particle on top of it 0.6
     /// Limit of these rates over (max |u| + sqrt(g d))/d, so that they add no motion of their own in short steps.
@@ -35,6 +35,8 @@ struct CoupledOptions {
     double memory = 0.98, weight_memory = 0.9999;  ///< kept per step of the multiplier; of its part from 0 to the fluid's weight
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound per step
+    /// Strain rate for that repulsion in fluid at rest, over min(p, rho g d)/mu.
+    double weight_strain = 0.01;
     double evening_rate = 1,
            evening_range = 2;  ///< the same along thin threads, where no close particle fills the gaps that stretching widens
 

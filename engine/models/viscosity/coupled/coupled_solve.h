@@ -35,7 +35,7 @@ struct CoupledMove {
 struct CoupledShift {
     std::shared_ptr<CoupledSystem> system;
     void operator()(Update<field::position> x, Update<field::velocity> u, Read<field::velocity_gradient> G, Read<field::role> role,
-                    const StepContext& step) const;
+                    Read<field::pressure> pressure, Read<field::viscosity> mu, const StepContext& step) const;
 };
 
 struct CoupledContact {
