@@ -18,11 +18,17 @@ Scene scene_with(const std::vector<std::string>& changes, const std::string& tex
 }
 Plan plan_with(const std::vector<std::string>& changes) { return make_plan(scene_with(changes)); }
 
-std::string messages_with(const std::vector<std::string>& changes) {
+std::string messages_with(const std::vector<std::string>& changes, const std::string& text) {
     try {
-        plan_with(changes);
+        make_plan(scene_with(changes, text));
     } catch (const InputError& e) { return e.what(); }
     return "no error";
+}
+
+int warnings_with(const Plan& plan, const std::string& part) {
+    int count = 0;
+    for (const std::string& warning : plan.warnings) count += warning.find(part) != std::string::npos;
+    return count;
 }
 
 const Choice& choice(const Plan& plan, const std::string& key) {

@@ -14,6 +14,8 @@ Plan plan_with(const std::vector<std::string>& changes);
 /// The plan's choice for a key. @throws std::logic_error if it has no choice
 const Choice& choice(const Plan& plan, const std::string& key);
 /// The messages if the scene is refused, else "no error".
-std::string messages_with(const std::vector<std::string>& changes);
+std::string messages_with(const std::vector<std::string>& changes, const std::string& text = poured_honey);
+/// Number of the plan's warnings that contain `part`.
+int warnings_with(const Plan& plan, const std::string& part);
 
 }  // namespace whorl::test

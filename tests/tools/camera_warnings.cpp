@@ -25,8 +25,8 @@ TEST_CASE("a camera that shows nothing of the scene is reported with its key", "
     CHECK(one({fixed, ahead, "camera.target=[0, 0.05, 0]"}) == "none");
     CHECK(one({fixed, ahead, "camera.target=[0, 0.1, 0.4]"}) == "camera: its position is its target, [0, 0.1, 0.4]");
     CHECK(one({fixed, ahead, "camera.target=[0, 0.1, 5]"}).find("camera: from [0, 0.1, 0.4] it does not see the domain") == 0);
-    CHECK(one({fixed, "camera.position=[0, 100, 400]", "camera.target=[0, 0, 0]"}).find("of the image's height, seen from 412 m away") !=
-          std::string::npos);
+    CHECK_THAT(one({fixed, "camera.position=[0, 100, 400]", "camera.target=[0, 0, 0]"}),
+               Catch::Contains("of the image's height, seen from 412 m away"));
     CHECK(one({fixed, "camera.position=[0, 1, 0]", "camera.target=[0, 0, 0]"}).find("camera.up = [0, 1, 0]: the camera looks along it") ==
           0);
     CHECK(one({"camera.kind=auto", "camera.min=[-0.1, 0, -0.1]", "camera.max=[0.1, 0.2, 0.1]"}) == "none");

@@ -361,8 +361,8 @@ TEST_CASE("faces and parts without a volume are left out of a mesh and reported"
     const std::string flat = "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 9 10 11\nf 9 11 12\nf 10 9 12\nf 10 12 11\n";
     const auto other = make_mesh(temporary("flat.obj", cube_obj + flat), 1, Vec3d::Zero());
     CHECK(other->remarks == std::vector<std::string>{"parts without a volume left out: 1"});
-    CHECK(message_of(temporary("none.obj", flat.substr(0, flat.find('f')) + "f 1 2 3\nf 1 3 2\n")).find("encloses no volume") !=
-          std::string::npos);
+    CHECK_THAT(message_of(temporary("none.obj", flat.substr(0, flat.find('f')) + "f 1 2 3\nf 1 3 2\n")),
+               Catch::Contains("encloses no volume"));
 }
 
 TEST_CASE("a mesh far from the origin is moved in double precision, or refused", "[geometry]") {
@@ -371,6 +371,5 @@ TEST_CASE("a mesh far from the origin is moved in double precision, or refused",
     const auto shape = make_mesh(file, 1, Vec3d::Constant(-4e6));
     CHECK(shape->bulk().volume == Approx(1.44).epsilon(1e-6));
     CHECK(shape->distance({Real(0.7), Real(0.7), 2}) == Approx(1).epsilon(1e-6));
-    CHECK(message_of(file).find("far.obj: 4e+06 m from the origin single precision rounds to 0.48 m, and the mesh is") !=
-          std::string::npos);
+    CHECK_THAT(message_of(file), Catch::Contains("far.obj: 4e+06 m from the origin single precision rounds to 0.48 m, and the mesh is"));
 }

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "engine/scene/plan.h"
@@ -17,12 +16,7 @@ const std::string eddies = test::text::time(1) +
                            test::text::fluid(0.05, 4) + test::text::models("") + "micropolar = \"notes\"\n" +
                            test::text::block({0, 0, 0}, {1, 1, 1}, "velocity = [\"sin(2*pi*x)\", \"0\", \"0\"]");
 
-std::string eddy_messages(const std::vector<std::string>& changes) {
-    try {
-        make_plan(scene_with(changes, eddies));
-    } catch (const InputError& e) { return e.what(); }
-    return "no error";
-}
+std::string eddy_messages(const std::vector<std::string>& changes) { return test::messages_with(changes, eddies); }
 
 }  // namespace
 
@@ -61,25 +55,25 @@ TEST_CASE("a calibrated micropolar fluid has the requested viscosity and spin le
 
 TEST_CASE("a micropolar system that gains energy is an error by default, and a warning if it was requested", "[plan][micropolar]") {
     const std::string by_default = eddy_messages({"fluid.viscosity=0.001"});
-    CHECK(by_default.find("models.micropolar = \"notes\" would add energy: its coupling, fluid.viscosity + the default "
-                          "micropolar.transfer_viscosity = 0.3 Pa s, "
-                          "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies") != std::string::npos);
+    CHECK_THAT(by_default, Catch::Contains("models.micropolar = \"notes\" would add energy: its coupling, fluid.viscosity + the default "
+                                           "micropolar.transfer_viscosity = 0.3 Pa s, "
+                                           "is more than twice the 0.001 Pa s that models.viscosity = \"explicit\" applies"));
     const Plan asked = make_plan(scene_with({"micropolar.transfer_viscosity=5", "micropolar.micro_inertia=0.01"}, eddies));
     REQUIRE(asked.warnings.size() == 1);
-    CHECK(asked.warnings[0].find(
-              "coupling 9 Pa s is more than twice its viscosity 4 Pa s, so slow flows have an effective viscosity of -0.5 Pa s, and waves "
-              "longer than 0.419 m grow") != std::string::npos);
+    CHECK_THAT(
+        asked.warnings[0],
+        Catch::Contains(
+            "coupling 9 Pa s is more than twice its viscosity 4 Pa s, so slow flows have an effective viscosity of -0.5 Pa s, and waves "
+            "longer than 0.419 m grow"));
     CHECK(make_plan(scene_with({"models.micropolar=eringen", "micropolar.transfer_viscosity=500", "micropolar.micro_inertia=0.01"}, eddies))
               .warnings.empty());
-    CHECK(make_plan(scene_with({}, eddies)).warnings[0].find("the response time of the spin is 233 s, longer than the run of 1 s") !=
-          std::string::npos);
+    CHECK_THAT(make_plan(scene_with({}, eddies)).warnings[0],
+               Catch::Contains("the response time of the spin is 233 s, longer than the run of 1 s"));
 }
 
 TEST_CASE("the plan warns of a transfer viscosity that the source of the system notes excludes", "[plan][micropolar]") {
     const auto warned = [](const std::vector<std::string>& changes) {
-        const std::vector<std::string> all = make_plan(scene_with(changes, eddies)).warnings;
-        return std::any_of(all.begin(), all.end(),
-                           [](const std::string& w) { return w.find("the source of \"notes\" uses less than 0.4") != std::string::npos; });
+        return test::warnings_with(make_plan(scene_with(changes, eddies)), "the source of \"notes\" uses less than 0.4");
     };
     CHECK(warned({"micropolar.transfer_viscosity=0.4"}));
     CHECK_FALSE(warned({"micropolar.transfer_viscosity=0.399"}));
@@ -87,28 +81,29 @@ TEST_CASE("the plan warns of a transfer viscosity that the source of the system 
 }
 
 TEST_CASE("invalid micropolar keys are refused", "[plan][micropolar]") {
-    CHECK(eddy_messages({"micropolar.micro_inertia=0"}).find("micropolar.micro_inertia") != std::string::npos);
-    CHECK(eddy_messages({"micropolar.transfer_viscosity=-1"}).find("micropolar.transfer_viscosity") != std::string::npos);
-    CHECK(eddy_messages({"fluid.viscosity=1+x"})
-              .find("fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity") != std::string::npos);
-    CHECK(eddy_messages({"micropolar.effective_viscosity=1"})
-              .find("fluid.viscosity is chosen by micropolar.effective_viscosity; remove one of them") != std::string::npos);
-    CHECK(eddy_messages({"models.pressure=coupled"}).find("models.pressure = \"coupled\" has no micropolar terms") != std::string::npos);
-    CHECK(eddy_messages({"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"})
-              .find("splits by the coupling of a micropolar model") != std::string::npos);
-    CHECK(eddy_messages({"viscosity.laplacian=split", "micropolar.transfer_viscosity=5"})
-              .find("viscosity.laplacian = \"split\" leaves -0.5 Pa s for the strain (viscosity 4 minus half of the coupling 9), which "
-                    "adds energy") != std::string::npos);
+    for (const auto& [changes, part] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+             {{"micropolar.micro_inertia=0"}, "micropolar.micro_inertia"},
+             {{"micropolar.transfer_viscosity=-1"}, "micropolar.transfer_viscosity"},
+             {{"fluid.viscosity=1+x"}, "fluid.viscosity varies, and a micropolar model couples flow and spin by one viscosity"},
+             {{"micropolar.effective_viscosity=1"}, "fluid.viscosity is chosen by micropolar.effective_viscosity; remove one of them"},
+             {{"models.pressure=coupled"}, "models.pressure = \"coupled\" has no micropolar terms"},
+             {{"models.micropolar=none", "viscosity.laplacian=split", "models.viscosity=explicit"},
+              "splits by the coupling of a micropolar model"},
+             {{"viscosity.laplacian=split", "micropolar.transfer_viscosity=5"},
+              "viscosity.laplacian = \"split\" leaves -0.5 Pa s for the strain (viscosity 4 minus half of the coupling 9), which "
+              "adds energy"}}) {
+        CAPTURE(changes);
+        CHECK_THAT(eddy_messages(changes), Catch::Contains(part));
+    }
     const std::string surface = "block[0].max=[1,0.5,1]", form = "viscosity.laplacian=brookshaw";
-    CHECK(eddy_messages({surface, form, "micropolar.transfer_viscosity=3", "micropolar.micro_inertia=1e-3", "time.end=100"})
-              .find("in the run; use viscosity.laplacian = \"split\" or \"auto\"") != std::string::npos);
-    CHECK(eddy_messages({surface, "micropolar.curl_velocity=symmetric", "micropolar.curl_spin=difference"})
-              .find("use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\"") != std::string::npos);
-    CHECK(eddy_messages({surface, "pressure.gradient=difference"}).find("\"difference\" does not hold a free surface") !=
-          std::string::npos);
+    CHECK_THAT(eddy_messages({surface, form, "micropolar.transfer_viscosity=3", "micropolar.micro_inertia=1e-3", "time.end=100"}),
+               Catch::Contains("in the run; use viscosity.laplacian = \"split\" or \"auto\""));
+    CHECK_THAT(eddy_messages({surface, "micropolar.curl_velocity=symmetric", "micropolar.curl_spin=difference"}),
+               Catch::Contains("use curl_velocity = \"difference_own_density\" with curl_spin = \"symmetric\""));
+    CHECK_THAT(eddy_messages({surface, "pressure.gradient=difference"}), Catch::Contains("\"difference\" does not hold a free surface"));
     CHECK(eddy_messages({"viscosity.laplacian=split", "models.micropolar=eringen"}) == "no error");
-    CHECK(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}).find("block[0].spin needs a micropolar model") !=
-          std::string::npos);
+    CHECK_THAT(eddy_messages({"models.micropolar=none", "block[0].spin=[0,0,1]"}),
+               Catch::Contains("block[0].spin needs a micropolar model"));
 }
 
 TEST_CASE("fluid that can rotate freely splits viscosity and coupling without a net torque", "[plan][micropolar]") {

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "tests/support/poured_honey.h"
 #include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
 
@@ -173,10 +174,7 @@ std::string closed_box(int dimensions, const std::string& more, const std::strin
                        text::point(dimensions, 0, -1, 0), more);
 }
 
-bool warns(const std::string& text) {
-    const std::vector<std::string> warnings = simulation_of(text).plan().warnings;
-    return std::any_of(warnings.begin(), warnings.end(), [](const auto& w) { return w.starts_with("more comes than fits"); });
-}
+bool warns(const std::string& text) { return warnings_with(simulation_of(text).plan(), "more comes than fits") == 1; }
 
 }  // namespace
 
