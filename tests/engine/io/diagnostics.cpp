@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/geometry/plane.h"
 #include "engine/geometry/shape.h"
@@ -13,6 +12,7 @@
 #include "engine/io/snapshot.h"
 #include "engine/probes/probes.h"
 #include "tests/support/scratch.h"
+#include "tests/support/threads.h"
 
 using namespace whorl;
 
@@ -68,15 +68,7 @@ TEST_CASE("diagnostics of three particles match hand calculation, without a part
 
 TEST_CASE("a row of diagnostics is bit-identical for any number of threads", "[io][diagnostics]") {
     const World world = some_fluid(20011);
-    std::string rows[3];
-    int k = 0;
-    for (int count : {1, 2, 4}) {
-        set_threads(count);
-        rows[k++] = diagnostics_row(1, 0.5, measure(world, Vec3d(0, -9.81, 0), 1), {}, {}, 0, 0);
-    }
-    set_threads(0);
-    CHECK(rows[0] == rows[1]);
-    CHECK(rows[0] == rows[2]);
+    CHECK(test::same_on_threads([&] { return diagnostics_row(1, 0.5, measure(world, Vec3d(0, -9.81, 0), 1), {}, {}, 0, 0); }));
 }
 
 TEST_CASE("diagnostics.csv has the documented columns, and a cell for each in every row", "[io][diagnostics]") {

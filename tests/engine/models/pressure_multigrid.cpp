@@ -4,11 +4,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/motion/motion.h"
 #include "engine/sph/density.h"
+#include "tests/support/threads.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -190,19 +190,13 @@ TEST_CASE("the pressure's multigrid is bit-identical for any number of threads",
     Fluid fluid(shapes[1]);
     Constraint constraint(fluid);
     Poisson poisson(fluid);
-    Column<Real> first[2];
-    for (const int count : {1, 2, 4}) {
-        set_threads(count);
+    CHECK(test::same_on_threads([&] {
         const Column<Real> r = noise(constraint.unknown(), 1), s = noise(poisson.unknown(), 1);
-        Column<Real> z[2]{Column<Real>(r.size()), Column<Real>(r.size())};
-        constraint.multigrid(true, 3, {.coarsest = 8})(r, z[0]);
-        poisson.multigrid(false, 2, {.coarsest = 8})(s, z[1]);
-        for (int k = 0; k < 2; ++k) {
-            if (count == 1) first[k] = z[k];
-            CHECK(z[k] == first[k]);
-        }
-    }
-    set_threads(0);
+        Column<Real> first(r.size()), second(r.size());
+        constraint.multigrid(true, 3, {.coarsest = 8})(r, first);
+        poisson.multigrid(false, 2, {.coarsest = 8})(s, second);
+        return std::pair(first, second);
+    }));
 }
 
 TEST_CASE("multigrid halves iterations for published rows in 40 layers, and saves some for the constraint", "[pressure][multigrid]") {

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "engine/core/parallel.h"
+#include "tests/support/threads.h"
 
 using namespace whorl;
 
@@ -232,23 +232,14 @@ TEST_CASE("the search accepts no particles, one particle, and fluid without soli
 
 TEST_CASE("the rows are equal for 1, 2 and 4 threads and for a search that was used before", "[particles]") {
     const auto x = cloud(5000, 1, 11), y = cloud(9000, 2, 12);
-    std::vector<std::size_t> first;
-    std::vector<Index> other;
     NeighbourSearch used;
     Pairs scratch;
     used.find(y, Real(0.2), box(2, 1), scratch);
-    for (int count : {1, 2, 4}) {
-        set_threads(count);
+    CHECK(test::same_on_threads([&] {
         Pairs pairs;
         used.find(x, Real(0.1), box(1, 5), pairs);
-        if (first.empty()) {
-            first = pairs.first;
-            other.assign(pairs.other.begin(), pairs.other.end());
-        }
-        CHECK(pairs.first == first);
-        CHECK(std::equal(other.begin(), other.end(), pairs.other.begin(), pairs.other.end()));
-    }
-    set_threads(0);
+        return std::pair(pairs.first, pairs.other);
+    }));
 }
 
 TEST_CASE("pairs found with a margin are narrowed to those of a new search, unless a particle moved too far", "[particles]") {
@@ -287,29 +278,22 @@ TEST_CASE("pairs found with a margin are narrowed to those of a new search, unle
 TEST_CASE("narrowed rows equal those of a search and are bit-identical with 1, 2 and 4 threads", "[particles]") {
     const Domain domain = box(19, 1);
     const auto x = cloud(20000, 19, 5);  // more rows than are joined together
-    std::vector<Column<Index>> rows;
-    std::vector<std::vector<std::size_t>> firsts;
-    for (const int count : {1, 2, 4}) {
-        set_threads(count);
+    const auto narrowed = [&] {
         NeighbourSearch search;
         Pairs pairs;
         search.find_wide(x, x, Real(1.3), domain, pairs);
         REQUIRE(NeighbourSearch::narrow(x, x, Real(1.1), domain, pairs));
-        rows.push_back(pairs.other);
-        firsts.push_back(pairs.first);
-    }
-    set_threads(0);
-    REQUIRE(rows[0] == rows[1]);
-    REQUIRE(firsts[0] == firsts[1]);
-    REQUIRE(firsts[0] == firsts[2]);
-    REQUIRE(rows[0] == rows[2]);
+        return std::pair(pairs.first, pairs.other);
+    };
+    REQUIRE(test::same_on_threads(narrowed));
+    auto [first, rows] = narrowed();
     NeighbourSearch search;
     Pairs fresh;
     search.find(x, Real(1.1), domain, fresh);
-    REQUIRE(firsts[0] == fresh.first);
+    REQUIRE(first == fresh.first);
     for (Index i = 0; i < fresh.size(); ++i)  // in another order
-        for (Column<Index>* other : {&fresh.other, &rows[0]})
+        for (Column<Index>* other : {&fresh.other, &rows})
             std::sort(other->begin() + static_cast<std::ptrdiff_t>(fresh.first[i]),
                       other->begin() + static_cast<std::ptrdiff_t>(fresh.first[i + 1]));
-    REQUIRE(fresh.other == rows[0]);
+    REQUIRE(fresh.other == rows);
 }

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "tests/support/threads.h"
 
 using namespace whorl;
 
@@ -35,16 +35,9 @@ TEST_CASE("the order is equal for 1, 2 and 4 threads, and a sorted store stays u
     std::vector<Vec3> x;
     RandomNumbers random(1);
     for (int k = 0; k < 4000; ++k) x.push_back({Real(random()), Real(random()), Real(random())});
-    std::vector<Index> before;
-    for (int count : {1, 2, 4}) {
-        set_threads(count);
-        const auto order = curve_order(x, Real(0.07));
-        if (before.empty()) before.assign(order.begin(), order.end());
-        CHECK(std::equal(before.begin(), before.end(), order.begin(), order.end()));
-    }
-    set_threads(0);
+    CHECK(test::same_on_threads([&] { return curve_order(x, Real(0.07)); }));
     std::vector<Vec3> sorted;
-    for (Index i : before) sorted.push_back(x[i]);
+    for (Index i : curve_order(x, Real(0.07))) sorted.push_back(x[i]);
     const auto again = curve_order(sorted, Real(0.07));
     for (std::size_t k = 0; k < again.size(); ++k) REQUIRE(again[k] == static_cast<Index>(k));
 }
