@@ -6,36 +6,18 @@
 #include "engine/scene/scene_difference.h"
 #include "engine/scene/tree.h"
 #include "tests/support/poured_honey.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 
 namespace {
 
-const std::string text = R"toml(
-name = "all_sorts"
-[time]
-end = 2
-fps = 30
-[domain]
-min = [-0.1, 0.0, -0.1]
-max = [ 0.1, 0.2,  0.1]
-periodic = [true, false, true]
-gravity = [0, "-9.81*(1 + 0.1*sin(t))", 0]
-[fluid]
-spacing = 2e-3
-viscosity = "x > 0 ? 1 : 2"
-support = 2.5
-[models]
-pressure = "wcsph"
-[pressure]
-sound_speed = 0.1
-gradient = "difference"
-[[block]]
-shape = "sphere"
-position = [0.1, 0.2, 0.3]
-radius = 0.05
-velocity = ["1", "x", 0.25]
-[[emitter]]
+const std::string text =
+    "name = \"all_sorts\"\n" + test::text::time(2, "fps = 30") +
+    test::text::domain({-0.1, 0, -0.1}, {0.1, 0.2, 0.1}, "periodic = [true, false, true]\ngravity = [0, \"-9.81*(1 + 0.1*sin(t))\", 0]") +
+    test::text::fluid(2e-3, 0, "viscosity = \"x > 0 ? 1 : 2\"\nsupport = 2.5") + test::text::models("wcsph") +
+    "[pressure]\nsound_speed = 0.1\ngradient = \"difference\"\n" +
+    test::text::drop({0.1, 0.2, 0.3}, 0.05, "velocity = [\"1\", \"x\", 0.25]") + R"toml([[emitter]]
 position = [0, 0.08, 0]
 direction = [1, -2, 3]
 radius = 5e-3
@@ -133,28 +115,9 @@ TEST_CASE("a scene stores the location of each key, or of the nearest table of a
 }
 
 TEST_CASE("a model set by an option drops the file's keys of other models, but not the option's keys", "[scene]") {
-    const std::string text = R"(
-[fluid]
-spacing = 0.01
-viscosity = 1
-[models]
-pressure = "ppe"
-viscosity = "full"
-micropolar = "notes"
-[viscosity]
-tolerance = 1e-4
-[micropolar]
-transfer_viscosity = 0.1
-[time]
-end = 1
-[domain]
-min = [0, 0, 0]
-max = [1, 1, 1]
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.5, 0.5, 0.5]
-)";
+    const std::string text = test::text::fluid(0.01, 1) + test::text::models("ppe", "full") +
+                             "micropolar = \"notes\"\n[viscosity]\ntolerance = 1e-4\n[micropolar]\ntransfer_viscosity = 0.1\n" +
+                             test::text::time(1) + test::text::domain({0, 0, 0}, {1, 1, 1}) + test::text::block({0, 0, 0}, {0.5, 0.5, 0.5});
     ReadRequest request;
     request.changes = {parse_change("models.viscosity=explicit"), parse_change("models.micropolar=none")};
     const Scene scene = read_scene_text(text, "spin.toml", request);

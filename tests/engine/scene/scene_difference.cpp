@@ -3,31 +3,15 @@
 #include <catch2/catch.hpp>
 
 #include "engine/scene/read.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 
 namespace {
 
-const char* const two_sources = R"toml(
-[time]
-end = 1
-[fluid]
-spacing = 0.01
-viscosity = 5
-[[emitter]]
-position = [0, 0.1, 0]
-radius = 0.02
-speed = 0.5
-[[emitter]]
-position = [0, 0.2, 0]
-radius = 0.02
-speed = "0.1 + t"
-[[probe]]
-name = "line"
-kind = "line"
-from = [0, 0, 0]
-to = [0, 1, 0]
-)toml";
+const std::string two_sources = test::text::time(1) + test::text::fluid(0.01, 5) + test::text::emitter({0, 0.1, 0}, 0.02, 0.5) +
+                                "[[emitter]]\nposition = [0, 0.2, 0]\nradius = 0.02\nspeed = \"0.1 + t\"\n"
+                                "[[probe]]\nname = \"line\"\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\n";
 
 std::vector<std::string> after(const std::string& change) {
     ReadRequest request;

@@ -1,5 +1,6 @@
 // A scene of a periodic domain, moved as a whole.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include "engine/core/errors.h"
 #include "engine/probes/probes.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -18,47 +20,16 @@ namespace {
 /// All shapes, moved by (a, b): a full square or a separate block, a fixed disc, a bar that moves and turns, a box that
 /// moves, a stream, a drain and a measured region. Lengths are exact in binary numbers.
 std::string moved_scene(double a, double b, const std::string& block, const std::string& more = "") {
-    const auto box = [&](double x0, double y0, double x1, double y1) {
-        return fmt::format("min = [{}, {}]\nmax = [{}, {}]\n", x0 + a, y0 + b, x1 + a, y1 + b);
-    };
-    return fmt::format(R"toml([time]
-end = 0.25
-fps = 8
-max_step = 0.015625
-[domain]
-dimensions = 2
-min = [0, 0]
-max = [1, 1]
-periodic = [true, true]
-gravity = [1, 0.5]
-[fluid]
-spacing = 0.03125
-viscosity = 20
-[[block]]
-shape = "box"
-{}{}[[solid]]
-shape = "sphere"
-position = [{}, {}]
-radius = 0.125
-[[solid]]
-shape = "box"
-{}position = ["0.5*t", "-0.25*t"]
-rotation = ["0", "0", "2"]
-[[solid]]
-shape = "box"
-{}position = ["0", "2*t"]
-[[stream]]
-{}velocity = ["0.5", "0"]
-time = 0.0625
-[[drain]]
-shape = "box"
-{}[[probe]]
-kind = "region"
-name = "part"
-{})toml",
-                       block == "full" ? box(0, 0, 1, 1) : box(0.125, 0.125, 0.875, 0.75), more, 0.25 + a, 0.5 + b,
-                       box(0.625, 0.1875, 0.875, 0.25), box(0.5, 0.625, 0.5625, 0.875), box(0.0625, 0.0625, 0.1875, 0.25),
-                       box(0.4375, 0.5625, 0.5, 0.6875), box(0.25, 0.25, 0.75, 0.5));
+    const auto at = [&](double x, double y) { return text::Point{x + a, y + b}; };
+    const bool full = block == "full";
+    return text::time(0.25, "fps = 8\nmax_step = 0.015625") + text::domain({0, 0}, {1, 1}, "periodic = [true, true]\ngravity = [1, 0.5]") +
+           text::fluid(0.03125, 20) + text::block(full ? at(0, 0) : at(0.125, 0.125), full ? at(1, 1) : at(0.875, 0.75), more) +
+           text::ball(at(0.25, 0.5), 0.125) +
+           text::box(at(0.625, 0.1875), at(0.875, 0.25), "position = [\"0.5*t\", \"-0.25*t\"]\nrotation = [\"0\", \"0\", \"2\"]") +
+           text::box(at(0.5, 0.625), at(0.5625, 0.875), "position = [\"0\", \"2*t\"]") + text::drain(at(0.4375, 0.5625), at(0.5, 0.6875)) +
+           fmt::format("[[stream]]\nmin = {}\nmax = {}\nvelocity = [\"0.5\", \"0\"]\ntime = 0.0625\n", at(0.0625, 0.0625),
+                       at(0.1875, 0.25)) +
+           fmt::format("[[probe]]\nkind = \"region\"\nname = \"part\"\nmin = {}\nmax = {}\n", at(0.25, 0.25), at(0.75, 0.5));
 }
 
 /// Largest distance between equal particles of `a` and `b`, after `b` was moved by `shift` [m].

@@ -9,6 +9,7 @@
 #include "engine/core/errors.h"
 #include "engine/models/ink/ink.h"
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -25,24 +26,8 @@ VortexKeys ring(double radius, double core) {
 Domain open_space() { return {Vec3::Constant(-5), Vec3::Constant(5), {false, false, false}}; }
 
 std::string fluid_with(const std::string& vortex, const std::string& domain = "periodic = [true, true, true]") {
-    return R"toml([time]
-end = 1
-fps = 4
-[domain]
-min = [-1, -1, -1]
-max = [1, 1, 1]
-gravity = [0, 0, 0]
-)toml" + domain +
-           R"toml(
-[fluid]
-spacing = 0.1
-[[block]]
-shape = "box"
-min = [-1, -1, -1]
-max = [1, 1, 1]
-velocity = ["0.1", "0", "0"]
-[[vortex]]
-)toml" + vortex;
+    return text::time(1, "fps = 4") + text::domain({-1, -1, -1}, {1, 1, 1}, "gravity = [0, 0, 0]\n" + domain) + text::fluid(0.1) +
+           text::block({-1, -1, -1}, {1, 1, 1}, "velocity = [\"0.1\", \"0\", \"0\"]") + "[[vortex]]\n" + vortex;
 }
 
 const std::string round_line = "path = [\"0\", \"0.5*cos(t)\", \"0.5*sin(t)\"]\ncirculation = 0.5\n";
