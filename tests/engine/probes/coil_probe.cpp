@@ -20,7 +20,7 @@ constexpr double pi = std::numbers::pi;
 /// as in the theory (Ribe 2004) the thread touches down horizontally, at rest, with the curvature 1/R of the previous turn. It is vertical
 /// at s = L.
 struct CoilingThread {
-    double R = 0.0177, a = 0.0051, U = 0.25, d = 0.002, frequency = 2.1, noise = 0.2;
+    double R = 0.0177, a = 0.0051, U = 0.25, d = 0.002, frequency = U / (2 * pi * R), noise = 0.2;
     double drift = 0;  ///< relative change of the frequency per second
     double side = 1;   ///< -1: turns the other way
     Vec3d axis = Vec3d::Zero();
@@ -83,16 +83,21 @@ ProbeKeys upright_axis() {
     return keys;
 }
 
+/// The last row of a probe that watches the thread to the end [s].
+std::vector<double> watched(CoilingThread& thread, double end, const ProbeKeys& keys = upright_axis()) {
+    CoilProbe probe(keys);
+    double t = 0;
+    for (; t < end; t += 0.004) probe.after_step(thread.at(t), t);
+    return probe.rows(thread.at(t), t).front();
+}
+
 }  // namespace
 
 TEST_CASE("the coil probe measures frequency and radius within 2 %, with jitter of a fifth of the spacing", "[io][probe]") {
     CoilingThread thread;
-    thread.frequency = thread.U / (2 * pi * thread.R);
-    CoilProbe probe(upright_axis());
-    double t = 0;
-    REQUIRE(std::isnan(probe.rows(thread.at(t), t).front()[1]));
-    for (; t < 2.5; t += 0.004) probe.after_step(thread.at(t), t);
-    const auto row = probe.rows(thread.at(t), t).front();
+    REQUIRE(std::isnan(watched(thread, 0)[1]));
+    const std::vector<double> row = watched(thread, 2.5);
+    const double t = row[0];
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.02));
     CHECK(row[2] == Approx(thread.R).epsilon(0.02));
     CHECK(row[3] == Approx(thread.frequency * t).margin(0.25));
@@ -107,7 +112,6 @@ TEST_CASE("the coil probe measures frequency and radius within 2 %, with jitter 
 // The growth of the pile within the probe's range of speeds, and the layers, contribute an error of a spacing each.
 TEST_CASE("the coil probe's fall reaches from the thread's top to its last ground, within 2 spacings", "[io][probe]") {
     CoilingThread thread;
-    thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
     double t = 0;
     for (; t < 4.2 / thread.frequency; t += 0.004) probe.after_step(thread.at(t), t);
@@ -122,7 +126,6 @@ TEST_CASE("the coil probe's fall reaches from the thread's top to its last groun
 // d/sqrt(7), of a turn to a tenth of that. 4 % covers the probe's ranges of one or two particles each.
 TEST_CASE("few particles, noise, reversal or an axis off centre change frequency and radius by at most 4 %", "[io][probe]") {
     CoilingThread thread;
-    thread.frequency = thread.U / (2 * pi * thread.R);
     SECTION("1.5 particles across the radius") { thread.d = thread.a / 1.5; }
     SECTION("particles displaced by half a spacing") { thread.noise = 0.5; }
     SECTION("clockwise") { thread.side = -1; }
@@ -135,28 +138,21 @@ TEST_CASE("few particles, noise, reversal or an axis off centre change frequency
         thread.R = 2 * thread.a;
         thread.frequency = thread.U / (2 * pi * thread.R);
     }
-    CoilProbe probe(upright_axis());
-    double t = 0;
-    for (; t < 6.2 / thread.frequency; t += 0.005) probe.after_step(thread.at(t), t);
-    const auto row = probe.rows(thread.at(t), t).front();
+    const std::vector<double> row = watched(thread, 6.2 / thread.frequency);
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.04));
     CHECK(row[2] == Approx(thread.R).epsilon(0.04));
-    CHECK(row[3] == Approx(thread.frequency * t).margin(missed));
+    CHECK(row[3] == Approx(thread.frequency * row[0]).margin(missed));
 }
 
 TEST_CASE("with a height the coil probe measures the falling thread's radius at that height", "[io][probe]") {
     CoilingThread thread;
-    thread.frequency = thread.U / (2 * pi * thread.R);
     ProbeKeys keys = upright_axis();
     keys.height = 5e-3;
-    CoilProbe probe(keys);
-    double t = 0;
-    for (; t < 2.5; t += 0.004) probe.after_step(thread.at(t), t);
-    const auto row = probe.rows(thread.at(t), t).front();
+    const std::vector<double> row = watched(thread, 2.5, keys);
     CHECK(row[1] == Approx(thread.frequency).epsilon(0.02));
     CHECK(row[2] < thread.R);
     CHECK(row[2] > 0.3 * thread.R);
-    CHECK(row[6] == Approx(thread.ground(t)).margin(1.5 * thread.d));
+    CHECK(row[6] == Approx(thread.ground(row[0])).margin(1.5 * thread.d));
 }
 
 TEST_CASE("a circle is found from points on any part of it that is more than a third, to rounding", "[io][probe]") {
@@ -171,19 +167,14 @@ TEST_CASE("a circle is found from points on any part of it that is more than a t
 
 TEST_CASE("an accelerating coil shows in the spread of its turns", "[io][probe]") {
     CoilingThread thread;
-    thread.frequency = thread.U / (2 * pi * thread.R);
     thread.drift = 0.1;
-    CoilProbe probe(upright_axis());
-    double t = 0;
-    for (; t < 2.5; t += 0.004) probe.after_step(thread.at(t), t);
-    const auto row = probe.rows(thread.at(t), t).front();
-    CHECK(row[1] == Approx(thread.frequency * (1 + thread.drift * (t - 0.9))).epsilon(0.03));
+    const std::vector<double> row = watched(thread, 2.5);
+    CHECK(row[1] == Approx(thread.frequency * (1 + thread.drift * (row[0] - 0.9))).epsilon(0.03));
     CHECK(row[4] > 0.02 * thread.frequency);
 }
 
 TEST_CASE("a folding thread has no frequency, and its folds are not counted once it coils", "[io][probe]") {
     CoilingThread thread;
-    thread.frequency = thread.U / (2 * pi * thread.R);
     CoilProbe probe(upright_axis());
     double t = 0;
     for (; t < 1.5; t += 0.01) probe.after_step(thread.at(0.5 + 0.15 * std::sin(2 * pi * t)), t);  // back and forth by 0.67 of a turn
