@@ -6,24 +6,17 @@
 #include <numbers>
 
 #include "engine/geometry/body_contact.h"
+#include "engine/geometry/plane.h"
 #include "engine/particles/boundary_sampling.h"
+#include "tests/support/solids.h"
 
 using namespace whorl;
+using test::solid_of;
 
 namespace {
 
-ShapeKeys box(const Vec3d& min, const Vec3d& max) {
-    ShapeKeys keys;
-    keys.kind = "box", keys.min = min, keys.max = max;
-    return keys;
-}
-
-Solid free_box(const Vec3d& min, const Vec3d& max, double density) {
-    Solid solid;
-    solid.shape = make_shape(box(min, max));
-    solid.body = RigidBody(solid.shape->bulk(), density);
-    return solid;
-}
+Solid free_box(const Vec3d& min, const Vec3d& max, double density) { return solid_of(make_box(min, max), density); }
+Solid ground() { return solid_of(make_plane({0, 0, 0}, {0, 1, 0})); }
 
 /// Bodies alone: steps of contact and motion.
 struct Stage {
@@ -59,15 +52,12 @@ struct Stage {
 }  // namespace
 
 TEST_CASE("volume, centre and inertia of box, sphere and cylinder agree with those of their meshes", "[geometry][bodies]") {
-    ShapeKeys ball, can;
-    ball.kind = "sphere", ball.centre = Vec3d(0.1, 0.2, -0.3), ball.radius = 0.2;
-    can.kind = "cylinder", can.from = Vec3d(0, 0, 0), can.to = Vec3d(0.2, 0.3, 0.1), can.radius = 0.15;
     // A circle of 64 segments has 0.16 % less area and 0.32 % less second moment than the round one; the sphere lacks that in both its
     // directions.
-    for (const auto& [keys, tolerance] :
-         {std::pair(box({0.1, 0, 0}, {0.4, 0.2, 0.5}), 1e-5), std::pair(ball, 8e-3), std::pair(can, 5e-3)}) {
-        const auto shape = make_shape(keys);
-        INFO(keys.kind);
+    for (const auto& [shape, tolerance] :
+         {std::pair(make_box({0.1, 0, 0}, {0.4, 0.2, 0.5}), 1e-5), std::pair(make_sphere({0.1, 0.2, -0.3}, 0.2), 8e-3),
+          std::pair(make_cylinder({0, 0, 0}, {0.2, 0.3, 0.1}, 0.15), 5e-3)}) {
+        INFO("tolerance " << tolerance);
         const MassProperties exact = shape->bulk(), summed = bulk_of(shape->mesh(0, 0));
         CHECK(summed.volume == Approx(exact.volume).epsilon(tolerance));
         CHECK((summed.centre - exact.centre).norm() < 1e-6);
@@ -78,7 +68,7 @@ TEST_CASE("volume, centre and inertia of box, sphere and cylinder agree with tho
 TEST_CASE("a tumbling box keeps its angular momentum exactly and its energy within 1e-4 over 20 turns", "[geometry][bodies]") {
     // About the middle axis, where rotation is unstable and the box turns over and over. The midpoint rule is of second order. A step
     // covers 0.02 turns.
-    RigidBody body(make_shape(box({0, 0, 0}, {0.1, 0.2, 0.3}))->bulk(), 700);
+    RigidBody body(make_box({0, 0, 0}, {0.1, 0.2, 0.3})->bulk(), 700);
     body.spin_at(Vec3d(0.05, 12.6, 0.05));
     const Vec3d momentum = body.spin_momentum;
     const double energy = body.kinetic_energy();
@@ -94,11 +84,7 @@ TEST_CASE("a tumbling box keeps its angular momentum exactly and its energy with
 
 TEST_CASE("a falling box comes to rest on the floor and sinks in by less than a twentieth of a spacing", "[geometry][bodies]") {
     Stage stage(0.01);
-    ShapeKeys ground;
-    ground.kind = "plane", ground.centre = Vec3d::Zero();
-    Solid floor;
-    floor.shape = make_shape(ground);
-    stage.solids.all = {floor, free_box({-0.05, 0.05, -0.05}, {0.05, 0.15, 0.05}, 500)};
+    stage.solids.all = {ground(), free_box({-0.05, 0.05, -0.05}, {0.05, 0.15, 0.05}, 500)};
     stage.solids.all[1].body->turn = Eigen::AngleAxisd(0.3, Vec3d::UnitZ());
     stage.place();
     stage.run(2);
@@ -111,16 +97,8 @@ TEST_CASE("a falling box comes to rest on the floor and sinks in by less than a 
 TEST_CASE("a ball and a cylinder rest on a floor, and a pushed ball ends up rolling without slip", "[geometry][bodies]") {
     // On samples of the surface a resting ball would rock to the nearest facet, here by a twentieth of its radius.
     Stage stage(0.01);
-    ShapeKeys ground, ball, roll;
-    ground.kind = "plane", ground.centre = Vec3d::Zero();
-    ball.kind = "sphere", ball.radius = 0.045, ball.centre = Vec3d(0, 0.045, 0);
-    roll.kind = "cylinder", roll.from = Vec3d(0.3, 0.05, -0.1), roll.to = Vec3d(0.3, 0.05, 0.1), roll.radius = 0.05;
-    for (const ShapeKeys& keys : {ground, ball, roll}) {
-        Solid solid;
-        solid.shape = make_shape(keys);
-        if (keys.kind != "plane") solid.body = RigidBody(solid.shape->bulk(), 500);
-        stage.solids.all.push_back(solid);
-    }
+    stage.solids.all = {ground(), solid_of(make_sphere({0, 0.045, 0}, 0.045), 500),
+                        solid_of(make_cylinder({0.3, 0.05, -0.1}, {0.3, 0.05, 0.1}, 0.05), 500)};
     stage.place();
     RigidBody &rolling = *stage.solids.all[1].body, &lying = *stage.solids.all[2].body;
     stage.run(0.5);
@@ -140,12 +118,8 @@ Stage box_on_slope(double slope, double dt) {
     Stage stage(0.02);
     stage.step.dt = dt;
     stage.weight = 9.81 * Vec3d(std::sin(slope), -std::cos(slope), 0);
-    ShapeKeys ground;
-    ground.kind = "plane", ground.centre = Vec3d::Zero();
-    Solid floor;
-    floor.shape = make_shape(ground);
-    floor.contact.friction = 0.15;
-    stage.solids.all = {floor, free_box({-0.05, 0, -0.05}, {0.05, 0.04, 0.05}, 500)};
+    stage.solids.all = {ground(), free_box({-0.05, 0, -0.05}, {0.05, 0.04, 0.05}, 500)};
+    stage.solids.all[0].contact.friction = 0.15;
     stage.solids.all[1].contact.friction = 0.6;
     stage.place();
     return stage;
@@ -187,27 +161,18 @@ TEST_CASE("friction brakes bodies that spin on a floor as an evenly loaded face 
     // Torque mu m g <r>, <r> the mean distance from the axis over the face: 2 R/3 for a disc, .7652 a for a square of 2 a, a quarter of the
     // length for a lying cylinder. Contact at the corners alone would give 1.85 times this for a square. The remaining error arises because
     // the outermost particles are up to half a spacing inside the edge.
-    ShapeKeys ground, upright, lying;
-    ground.kind = "plane", ground.centre = Vec3d::Zero();
-    upright.kind = lying.kind = "cylinder";
-    upright.from = Vec3d::Zero(), upright.to = Vec3d(0, 0.04, 0), upright.radius = 0.06;
-    lying.from = Vec3d(-0.07, 0.04, 0), lying.to = Vec3d(0.07, 0.04, 0), lying.radius = 0.04;
-    for (const auto& [keys, mean] :
-         {std::pair(box({-0.05, 0, -0.05}, {0.05, 0.04, 0.05}), 0.7652 * 0.05), std::pair(upright, 0.04), std::pair(lying, 0.035)}) {
+    for (const auto& [shape, mean] : {std::pair(make_box({-0.05, 0, -0.05}, {0.05, 0.04, 0.05}), 0.7652 * 0.05),
+                                      std::pair(make_cylinder({0, 0, 0}, {0, 0.04, 0}, 0.06), 0.04),
+                                      std::pair(make_cylinder({-0.07, 0.04, 0}, {0.07, 0.04, 0}, 0.04), 0.035)}) {
         Stage stage(0.01);
-        for (const ShapeKeys& each : {ground, keys}) {
-            Solid solid;
-            solid.shape = make_shape(each);
-            solid.contact.friction = 0.3;
-            if (each.kind != "plane") solid.body = RigidBody(solid.shape->bulk(), 500);
-            stage.solids.all.push_back(solid);
-        }
+        stage.solids.all = {ground(), solid_of(shape, 500)};
+        for (Solid& solid : stage.solids.all) solid.contact.friction = 0.3;
         stage.place();
         RigidBody& body = *stage.solids.all[1].body;
         body.spin_at(Vec3d(0, 10, 0));
         const double braking = 0.3 * 9.81 * body.mass * mean * body.inverse_inertia()(1, 1);
         stage.run(5 / braking);
-        INFO(keys.kind << " " << body.angular_velocity().y());
+        INFO(mean << " " << body.angular_velocity().y());
         CHECK((10 - body.angular_velocity().y()) / 5 == Approx(1).epsilon(0.07));
     }
 }
@@ -290,11 +255,7 @@ TEST_CASE("spheres that collide head-on separate at bounce times their approach 
         Stage stage(0.01);
         stage.weight.setZero();
         for (const double side : {-1.0, 1.0}) {
-            ShapeKeys ball;
-            ball.kind = "sphere", ball.radius = 0.05, ball.centre = Vec3d(0.08 * side, 0, 0);
-            Solid solid;
-            solid.shape = make_shape(ball);
-            solid.body = RigidBody(solid.shape->bulk(), side < 0 ? 500 : 1500);
+            Solid solid = solid_of(make_sphere({0.08 * side, 0, 0}, 0.05), side < 0 ? 500 : 1500);
             solid.body->velocity = Vec3d(side < 0 ? 1 : -0.5, 0, 0);
             solid.contact.bounce = bounce;
             stage.solids.all.push_back(solid);

@@ -1,3 +1,5 @@
+#include "tests/support/solids.h"
+
 #include <catch2/catch.hpp>
 #include <numbers>
 
@@ -10,14 +12,9 @@
 #include "engine/particles/search.h"
 
 using namespace whorl;
+using test::solid_of;
 
 namespace {
-
-Solid solid_of(std::shared_ptr<const Shape> shape) {
-    Solid solid;
-    solid.shape = std::move(shape);
-    return solid;
-}
 
 VectorExpression expressions(const std::string& x, const std::string& y, const std::string& z) {
     return {{Expression(x), Expression(y), Expression(z)}};

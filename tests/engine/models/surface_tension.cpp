@@ -3,7 +3,9 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "engine/geometry/plane.h"
 #include "engine/particles/sample.h"
+#include "tests/support/solids.h"
 #include "tests/support/world.h"
 
 using namespace whorl;
@@ -171,11 +173,7 @@ TEST_CASE("if all pairs pull, a flat surface is pulled down, and a wall of equal
         w.use({make_stage("surface tension", "surface tension",
                           SurfaceTension{{sigma, {static_cast<Real>(wetting)}, std::make_shared<std::vector<Real>>()}})});
         w.place(Vec3::Zero(), Vec3(Real(8 * d), Real(8 * d), Real(8 * d)));
-        ShapeKeys floor;
-        floor.kind = "plane";
-        Solid solid;
-        solid.shape = make_shape(floor);
-        w.world.solids.all.push_back(solid);
+        w.world.solids.all.push_back(test::solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
         w.world.step.gravity.setZero();
         w.step(1e-3);
         const double pull =

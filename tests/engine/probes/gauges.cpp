@@ -11,6 +11,7 @@
 #include "engine/probes/experiments.h"
 #include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/solids.h"
 
 using namespace whorl;
 
@@ -58,8 +59,7 @@ std::vector<Vec3d> lattice(const Vec3d& size, int dimensions, double jitter, con
 void add_box(World& world, const Vec3d& min, const Vec3d& max, bool inside) {
     ShapeKeys keys;
     keys.min = min, keys.max = max, keys.cut = world.step.dimensions() == 2;
-    Solid solid;
-    solid.shape = make_shape(keys);
+    Solid solid = test::solid_of(make_shape(keys));
     solid.inside = inside;
     world.solids.all.push_back(solid);
     world.solids.set_time(0, 1);
@@ -146,11 +146,7 @@ TEST_CASE("the level ignores drops above the water and over a dry floor, and pas
         const auto about_pipe = [&](const Vec3d& at) { return wet(at) && std::hypot(at.x() - 0.5, at.y() - 0.5) > 0.2; };
         world = world_of(lattice(Vec3d(1, 3, 1), dimensions, 0, about_pipe), dimensions);
         CHECK(level(world, {0.5, 0.05, z}, {0.5, 3, z}) < 0.35);  // a hole in the fluid ends the search
-        ShapeKeys pipe;
-        pipe.kind = "cylinder", pipe.from = Vec3d(0.5, 0.5, -9), pipe.to = Vec3d(0.5, 0.5, 9), pipe.radius = 0.2;
-        Solid solid;
-        solid.shape = make_shape(pipe);
-        world.solids.all.push_back(solid);
+        world.solids.all.push_back(test::solid_of(make_cylinder({0.5, 0.5, -9}, {0.5, 0.5, 9}, 0.2)));
         world.solids.set_time(0, 1);
         CHECK(std::abs(level(world, {0.5, 0.05, z}, {0.5, 3, z}) + 0.05 - 1) < d / 4);
     }

@@ -5,6 +5,7 @@
 
 #include "engine/geometry/shape.h"
 #include "engine/probes/experiments.h"
+#include "tests/support/solids.h"
 
 using namespace whorl;
 
@@ -23,9 +24,7 @@ void step(World& world, Probe& probe, double dt, double along_x, double along_z)
 
 World with_ball() {
     World world;
-    Solid ball;
-    ball.shape = make_sphere(Vec3d(0, 0, 0), 1);
-    world.solids.all.push_back(ball);
+    world.solids.all.push_back(test::solid_of(make_sphere({0, 0, 0}, 1)));
     world.solids.set_time(0, 1e-3);
     return world;
 }

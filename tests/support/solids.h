@@ -1,0 +1,18 @@
+#pragma once
+#include <memory>
+#include <utility>
+
+#include "engine/geometry/shape.h"
+#include "engine/geometry/solids.h"
+
+namespace whorl::test {
+
+/// A solid of this shape, or a free body if it has a density [kg/m^3].
+inline Solid solid_of(std::shared_ptr<const Shape> shape, double density = 0) {
+    Solid solid;
+    solid.shape = std::move(shape);
+    if (density > 0) solid.body = RigidBody(solid.shape->bulk(), density);
+    return solid;
+}
+
+}  // namespace whorl::test
