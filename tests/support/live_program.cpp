@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "tests/support/scene_text.h"
+
 namespace whorl::test {
 namespace {
 
@@ -26,24 +28,9 @@ httplib::Headers headers_of(const std::map<std::string, std::string>& headers) {
 
 }  // namespace
 
-const char* const coiling_honey = R"toml(
-name = "coiling_honey"
-[time]
-end = 60
-fps = 24
-[domain]
-min = [-0.12, -0.02, -0.12]
-max = [0.12, 0.12, 0.12]
-[fluid]
-spacing = 2.5e-3
-viscosity = 1000
-[models]
-pressure = "coupled"
-[[emitter]]
-position = [0, 0.08, 0]
-radius = 5e-3
-speed = 0.25
-[[solid]]
+const std::string coiling_honey = "name = \"coiling_honey\"\n" + text::time(60, "fps = 24") +
+                                  text::domain({-0.12, -0.02, -0.12}, {0.12, 0.12, 0.12}) + text::fluid(2.5e-3, 1000) +
+                                  text::models("coupled") + text::emitter({0, 0.08, 0}, 5e-3, 0.25) + R"toml([[solid]]
 shape = "cylinder"
 from = [0, -0.01, 0]
 to = [0, 0, 0]

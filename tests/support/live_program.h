@@ -16,7 +16,7 @@ struct Reply {
 
 /// A thread of honey of 2.5 mm particles that coils from its first turn on, at 0.8 s: the plate circles like the coil, and a drain removes
 /// earlier turns.
-extern const char* const coiling_honey;
+extern const std::string coiling_honey;
 
 class LiveProgram {
 public:
