@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <stdexcept>
 #include <thread>
 
 namespace whorl::test {
@@ -68,6 +69,24 @@ Outcome Program::wait() {
     if (!ended_) waitpid(pid_, &status_, 0);
     ended_ = true;
     return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), content(out_), content(err_)};
+}
+
+namespace {
+
+void check_code(const Outcome& outcome, int code) {
+    if (outcome.code != code) throw std::runtime_error("exit status " + std::to_string(outcome.code) + ": " + outcome.err + outcome.out);
+}
+
+}  // namespace
+
+Outcome succeed(Outcome outcome) {
+    check_code(outcome, 0);
+    return outcome;
+}
+
+std::string refusal(const Outcome& outcome) {
+    check_code(outcome, 2);
+    return outcome.err;
 }
 
 }  // namespace whorl::test

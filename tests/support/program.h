@@ -37,5 +37,11 @@ private:
 };
 
 inline Outcome whorl(const std::vector<std::string>& arguments) { return Program(arguments).wait(); }
+/// The outcome of a success. @throws std::runtime_error with the output if the exit status is not 0
+Outcome succeed(Outcome outcome);
+inline Outcome succeed(const std::vector<std::string>& arguments) { return succeed(whorl(arguments)); }
+/// Standard error. @throws std::runtime_error with the output if the exit status is not 2
+std::string refusal(const Outcome& outcome);
+inline std::string refusal(const std::vector<std::string>& arguments) { return refusal(whorl(arguments)); }
 
 }  // namespace whorl::test

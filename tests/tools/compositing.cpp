@@ -39,13 +39,6 @@ height = 0.1
 degrees_per_second = 100
 )";
 
-Outcome done(const std::vector<std::string>& words) {
-    Outcome outcome = test::whorl(words);
-    INFO(outcome.err);
-    REQUIRE(outcome.code == 0);
-    return outcome;
-}
-
 std::string stream_of(const fs::path& video, const std::string& entry) {
     ChildProcess probe({"ffprobe", "-v", "error", "-show_entries", "stream=" + entry, "-of", "default=nk=1:nw=1", video.string()});
     REQUIRE(probe.wait() == 0);
@@ -68,9 +61,9 @@ Image first_frame(const fs::path& video, const fs::path& file, const std::vector
 
 TEST_CASE("EXR images of a run are the same when resumed or drawn again, and make its video", "[tools][exr]") {
     const Scratch scratch(drop + camera);
-    done({"render", scratch.scene(), "--out", scratch.run("whole"), "--quiet"});
-    done({"render", scratch.scene(), "--out", scratch.run("run"), "--frames", "2", "--quiet"});
-    done({"resume", scratch.run("run"), "--frames", "5", "--quiet"});
+    scratch.render({}, "whole");
+    scratch.render({"--frames", "2"});
+    test::succeed({"resume", scratch.run("run"), "--frames", "5", "--quiet"});
     const auto picture = [&](const char* run, int frame) { return read_whole(picture_file(scratch / run, frame, "exr")); };
     for (const int frame : {1, 3, 5}) CHECK((picture("whole", frame) == picture("run", frame)));
     CHECK(test::files_in(scratch / "whole/frames").size() == 5);
@@ -84,27 +77,26 @@ TEST_CASE("EXR images of a run are the same when resumed or drawn again, and mak
     CHECK(most == Approx(0.33).margin(0.1));
 
     const std::string film = read_whole(scratch / "whole/little_honey.mp4");
-    done({"video", scratch.run("whole")});
+    test::succeed({"video", scratch.run("whole")});
     CHECK((read_whole(scratch / "whole/little_honey.mp4") == film));
-    done({"draw", scratch.run("whole"), "--quiet", "--out", scratch.run("again")});
+    test::succeed({"draw", scratch.run("whole"), "--quiet", "--out", scratch.run("again")});
     CHECK((picture("again", 3) == picture("whole", 3)));
     // Another format replaces the existing images.
-    done({"draw", scratch.run("whole"), "--quiet", "--frames", "3", "--set", "output.format=png"});
+    test::succeed({"draw", scratch.run("whole"), "--quiet", "--frames", "3", "--set", "output.format=png"});
     CHECK(fs::exists(picture_file(scratch / "whole", 3)));
     CHECK_FALSE(fs::exists(picture_file(scratch / "whole", 3, "exr")));
 }
 
 TEST_CASE("a transparent run keeps its alpha in PNG, MOV and WebM, and MP4 shows it over grey", "[tools][exr]") {
     const Scratch scratch(drop);
-    done({"render", scratch.scene(), "--out", scratch.run(), "--frames", "2", "--set", "look.background=transparent", "--set",
-          "output.format=png", "--quiet"});
+    scratch.render({"--frames", "2", "--set", "look.background=transparent", "--set", "output.format=png"});
     const Image picture = read_png(picture_file(scratch / "run", 1));
     REQUIRE_FALSE(picture.alpha.empty());
     CHECK(picture.alpha[0] == 0);
-    done({"video", scratch.run(), "--out", (scratch / "a.mov").string()});
+    test::succeed({"video", scratch.run(), "--out", (scratch / "a.mov").string()});
     CHECK(stream_of(scratch / "a.mov", "codec_name") == "prores");
     CHECK(stream_of(scratch / "a.mov", "pix_fmt").substr(0, 7) == "yuva444");
-    done({"video", scratch.run(), "--out", (scratch / "a.webm").string()});
+    test::succeed({"video", scratch.run(), "--out", (scratch / "a.webm").string()});
     // ProRes is nearly lossless. VP9 and its alpha are lossy.
     for (const auto& [name, decoder, mean] :
          {std::tuple{"a.mov", std::vector<std::string>{}, 0.5}, {"a.webm", {"-c:v", "libvpx-vp9"}, 4.0}}) {
@@ -115,8 +107,7 @@ TEST_CASE("a transparent run keeps its alpha in PNG, MOV and WebM, and MP4 shows
         INFO(name);
         CHECK(sum / static_cast<double>(frame.alpha.size()) < mean);
     }
-    const Outcome mp4 = done({"video", scratch.run()});
-    CHECK_THAT(mp4.err, Catch::Contains(".mp4 has no alpha: the images are drawn over grey"));
+    CHECK_THAT(test::succeed({"video", scratch.run()}).err, Catch::Contains(".mp4 has no alpha: the images are drawn over grey"));
     const Image grey = first_frame(scratch / "run/little_honey.mp4", scratch / "grey.png");
     CHECK(std::abs(grey.rgb[0] - 118) <= 3);
 }
@@ -126,10 +117,7 @@ TEST_CASE("unsupported settings of EXR and transparent images are reported at th
     const auto refused = [&](const std::vector<std::string>& set, const std::string& why) {
         std::vector<std::string> words{"render", scratch.scene(), "--out", scratch.run("refused"), "--quiet"};
         for (const std::string& s : set) words.insert(words.end(), {"--set", s});
-        const Outcome outcome = test::whorl(words);
-        INFO(outcome.err);
-        CHECK(outcome.code == 2);
-        CHECK_THAT(outcome.err, Catch::Contains(why));
+        CHECK_THAT(test::refusal(words), Catch::Contains(why));
         CHECK_FALSE(fs::exists(scratch / "refused"));
     };
     refused({"output.format=tiff"}, "png or exr");
@@ -137,9 +125,8 @@ TEST_CASE("unsupported settings of EXR and transparent images are reported at th
     refused({"look.style=slice", "output.format=png", "look.background=transparent"}, "has no background");
     refused({"look.background=transparent", "look.table=wood"}, "only the shadow on the ground is drawn");
     const Scratch panels(drop + "[[panel]]\nlabel = \"a\"\n[[panel]]\nlabel = \"b\"\n");
-    const Outcome outcome = test::whorl({"render", panels.scene(), "--out", panels.run(), "--quiet"});
-    CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Catch::Contains("has no text, but panels need their labels"));
+    CHECK_THAT(test::refusal({"render", panels.scene(), "--out", panels.run(), "--quiet"}),
+               Catch::Contains("has no text, but panels need their labels"));
 }
 
 }  // namespace compositing_test

@@ -7,8 +7,7 @@
 
 #include "engine/io/csv.h"
 #include "render/image/image.h"
-#include "tests/support/program.h"
-#include "tests/support/scratch.h"
+#include "tests/support/film_runs.h"
 #include "tools/cost/choices.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/run.h"
@@ -22,139 +21,100 @@ namespace draw_test {
 
 namespace {
 
-const char* const puddle = R"(
-name = "puddle"
-[time]
-end = 0.1
-fps = 20
-[domain]
-min = [-0.03, -0.01, -0.03]
-max = [0.03, 0.06, 0.03]
-[fluid]
-spacing = 4e-3
-viscosity = 1
-[models]
-pressure = "ppe"
-[[block]]
-shape = "sphere"
-position = [0, 0.02, 0]
-radius = 0.012
-[[solid]]
-shape = "plane"
-[output]
-size = [160, 90]
-export = ["raw"]
-video = false
-)";
+const std::string puddle = "name = \"puddle\"\n" + test::falling_drop(20) + "size = [160, 90]\nexport = [\"raw\"]\nvideo = false\n";
+
+struct Scratch : test::FilmScratch {
+    explicit Scratch(const std::string& more = "") : FilmScratch(puddle + more) {}
+};
 
 }  // namespace
 
 TEST_CASE("draw makes bit-identical images to render, and other images with another look") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
-    std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--quiet"}).code == 0);
+    const Scratch scratch;
+    const fs::path run = scratch / "run", other = scratch / "other";
+    scratch.render();
     const auto picture = [](const fs::path& of, int n) { return read_whole(of / "frames" / ("00000" + std::to_string(n) + ".png")); };
     const std::string first = picture(run, 1), third = picture(run, 3);
     fs::remove_all(run / "frames");
-    const Outcome again = test::whorl({"draw", run.string(), "--quiet"});
-    INFO(again.err);
-    REQUIRE(again.code == 0);
+    test::succeed({"draw", scratch.run(), "--quiet"});
     CHECK(picture(run, 1) == first);
     CHECK(picture(run, 3) == third);
 
-    REQUIRE(
-        test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "look.style=particles", "--out", other.string(), "--quiet"}).code ==
-        0);
+    test::succeed({"draw", scratch.run(), "--frames", "2-3", "--set", "look.style=particles", "--out", other.string(), "--quiet"});
     CHECK_FALSE(fs::exists(other / "frames/000001.png"));
     CHECK(picture(other, 3) != third);
 }
 
 TEST_CASE("drawing a range into its run keeps its exports, and elsewhere replaces another run") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
-    std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--export", "raw,scene,vtk,mesh", "--quiet"}).code == 0);
+    const Scratch scratch;
+    const fs::path run = scratch / "run", other = scratch / "other";
+    scratch.render({"--export", "raw,scene,vtk,mesh"});
     const std::string glb = read_whole(run / "scene/puddle.glb"), pvd = read_whole(run / "vtk/puddle.pvd");
     const auto mesh = [&](int n) { return read_whole(run / "mesh" / ("puddle.000" + std::to_string(n) + ".ply")); };
     const std::string first = mesh(1), second = mesh(2);
-    const Outcome range = test::whorl({"draw", run.string(), "--frames", "2-3", "--set", "surface.voxel=1"});
-    CHECK_THAT(range.err, Catch::StartsWith("existing images in " + run.string() + " are replaced: 2\n"));
+    const Outcome range = test::whorl({"draw", scratch.run(), "--frames", "2-3", "--set", "surface.voxel=1"});
+    CHECK_THAT(range.err, Catch::StartsWith("existing images in " + scratch.run() + " are replaced: 2\n"));
     CHECK((read_whole(run / "scene/puddle.glb") == glb));
     CHECK(read_whole(run / "vtk/puddle.pvd") == pvd);
     CHECK((mesh(1) == first));
     CHECK((mesh(2) != second));
 
-    REQUIRE(test::whorl({"render", scene.string(), "--out", other.string(), "--frames", "1", "--quiet"}).code == 0);
-    for (const char* frames : {"1-2", "3"}) {
-        const std::vector<std::string> words{"draw", run.string(), "--frames", frames, "--out", other.string(), "--quiet", "--overwrite"};
-        CHECK(test::whorl(words).code == 0);
-    }
+    scratch.render({"--frames", "1"}, "other");
+    for (const char* frames : {"1-2", "3"}) test::succeed({"draw", run, "--frames", frames, "--out", other, "--quiet", "--overwrite"});
     CHECK_FALSE(fs::exists(other / "diagnostics.csv"));
     CHECK(fs::exists(other / "frames/000001.png"));
     CHECK(fs::exists(other / "frames/000003.png"));
-    CHECK(test::whorl({"video", other.string()}).code == 0);
+    test::succeed({"video", other.string()});
     CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("contains images that were drawn from another run; continue"));
     {
         const RunFolder held = RunFolder::existing(other);
-        const Outcome locked = test::whorl({"draw", run.string(), "--out", other.string()});
-        CHECK(locked.code == 2);
-        CHECK_THAT(locked.err, Catch::Contains("another run is at work in this folder"));
+        CHECK_THAT(test::refusal({"draw", scratch.run(), "--out", other.string()}),
+                   Catch::Contains("another run is at work in this folder"));
     }
-    fs::rename(run, folder / "moved");
+    fs::rename(run, scratch / "moved");
     CHECK_THAT(test::whorl({"resume", other.string()}).err, Catch::Contains("another run; that run is no longer in "));
-    fs::rename(folder / "moved", run);
+    fs::rename(scratch / "moved", run);
     for (const char* file : {"run.json", "scene.resolved.toml"}) fs::remove(other / file);
     std::ofstream(other / "thesis.txt") << "years of work";
-    CHECK(test::whorl({"draw", run.string(), "--frames", "2", "--out", other.string(), "--quiet"}).code == 2);
+    CHECK(test::whorl({"draw", scratch.run(), "--frames", "2", "--out", other.string(), "--quiet"}).code == 2);
 }
 
 TEST_CASE("images of a run that was replaced are replaced with --overwrite only") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run", drawn = folder / "drawn";
-    std::ofstream(scene) << puddle;
-    std::vector<std::string> words{"draw", run.string(), "--out", drawn.string(), "--quiet"};
-    const auto draw = [&] { return test::whorl(words); };
-    REQUIRE(test::whorl({"render", scene.string(), "--frames", "2", "--no-draw", "--out", run.string(), "--quiet"}).code == 0);
-    REQUIRE(draw().code == 0);
-    REQUIRE(test::whorl({"resume", run.string(), "--frames", "3", "--no-draw", "--quiet"}).code == 0);
-    CHECK(draw().err == "");  // the same run, extended
-    REQUIRE(test::whorl({"render", scene.string(), "--frames", "1", "--no-draw", "--overwrite", "--out", run.string(), "--quiet"}).code ==
-            0);
-    const Outcome other = draw();
-    CHECK(other.code == 2);
-    CHECK_THAT(other.err, Catch::Contains(drawn.string() + ": the folder already contains a run"));
-    words.emplace_back("--overwrite");
-    CHECK(draw().code == 0);
+    const Scratch scratch;
+    const fs::path run = scratch / "run", drawn = scratch / "drawn";
+    std::vector<std::string> draw{"draw", scratch.run(), "--out", drawn.string(), "--quiet"};
+    scratch.render({"--frames", "2", "--no-draw"});
+    test::succeed(draw);
+    test::succeed({"resume", scratch.run(), "--frames", "3", "--no-draw", "--quiet"});
+    CHECK(test::succeed(draw).err == "");  // the same run, extended
+    scratch.render({"--frames", "1", "--no-draw", "--overwrite"});
+    CHECK_THAT(test::refusal(draw), Catch::Contains(drawn.string() + ": the folder already contains a run"));
+    draw.emplace_back("--overwrite");
+    test::succeed(draw);
     CHECK_FALSE(fs::exists(drawn / "frames/000003.png"));
 }
 
 TEST_CASE("a run with gaps gets its video and contact sheet, and existing files are reported") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run";
-    std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--no-draw", "--out", run.string(), "--quiet"}).code == 0);
-    REQUIRE(test::whorl({"draw", run.string(), "--frames", "2-3", "--quiet"}).code == 0);
-    CHECK(test::whorl({"video", run.string(), "--fps", "1e-4"}).code == 0);
+    const Scratch scratch;
+    const fs::path run = scratch / "run";
+    scratch.render({"--no-draw"});
+    test::succeed({"draw", scratch.run(), "--frames", "2-3", "--quiet"});
+    test::succeed({"video", scratch.run(), "--fps", "1e-4"});
     CHECK(fs::exists(run / "contact.png"));
     fs::remove(run / "raw/000001.frame");
-    CHECK(test::whorl({"draw", run.string(), "--quiet"}).code == 0);
-    CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "1"}).err, Catch::EndsWith("missing frames 1 to 1; 2 to 3\n"));
-    const std::string nowhere = (folder / "none/a.mp4").string();
+    test::succeed({"draw", scratch.run(), "--quiet"});
+    CHECK_THAT(test::whorl({"draw", scratch.run(), "--frames", "1"}).err, Catch::EndsWith("missing frames 1 to 1; 2 to 3\n"));
+    const std::string nowhere = (scratch / "none/a.mp4").string();
     for (const auto& [option, value, why] : std::vector<std::array<std::string, 3>>{
-             {"--out", nowhere, "--out: folder not found: \"" + (folder / "none").string() + "\"; create it first"},
-             {"--fps", "1e-9", "--fps: 1e-09 frames per second are too few for a video; allowed: at least 0.0001"}}) {
-        const Outcome refused = test::whorl({"video", run.string(), option, value});
-        CHECK(refused.code == 2);
-        CHECK_THAT(refused.err, Catch::Contains(why));
-    }
+             {"--out", nowhere, "--out: folder not found: \"" + (scratch / "none").string() + "\"; create it first"},
+             {"--fps", "1e-9", "--fps: 1e-09 frames per second are too few for a video; allowed: at least 0.0001"}})
+        CHECK_THAT(test::refusal({"video", scratch.run(), option, value}), Catch::Contains(why));
 }
 
 TEST_CASE("ranges that a new look leaves open use the whole run, whichever frames are drawn") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run";
-    std::ofstream(scene) << puddle << "[camera]\nkind = \"fixed\"\nposition = [0, 0.02, 0.1]\ntarget = [0, 0.02, 0]\n";
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--no-images", "--quiet"}).code == 0);
+    const Scratch scratch("[camera]\nkind = \"fixed\"\nposition = [0, 0.02, 0.1]\ntarget = [0, 0.02, 0]\n");
+    const fs::path run = scratch / "run";
+    scratch.render({"--no-images"});
     const std::vector<std::string> look{"look.style=particles", "look.field=speed", "camera.kind=auto"};
     const SceneFile file = read_scene_file(run / "scene.resolved.toml", look);
     const std::vector<int> frames = exported_frames(run);
@@ -168,13 +128,11 @@ TEST_CASE("ranges that a new look leaves open use the whole run, whichever frame
     CHECK((*chosen.camera.max - *chosen.camera.min).maxCoeff() < 0.045f);
 
     const auto draw = [&](const std::string& out, const std::vector<std::string>& set, const std::vector<std::string>& more) {
-        std::vector<std::string> words{"draw", run.string(), "--quiet", "--out", (folder / out).string()};
+        std::vector<std::string> words{"draw", scratch.run(), "--quiet", "--out", (scratch / out).string()};
         for (const std::string& s : set) words.insert(words.end(), {"--set", s});
         words.insert(words.end(), more.begin(), more.end());
-        const Outcome drawn = test::whorl(words);
-        INFO(drawn.err);
-        REQUIRE(drawn.code == 0);
-        return read_whole(folder / out / "frames/000002.png");
+        test::succeed(words);
+        return read_whole(scratch / out / "frames/000002.png");
     };
     const auto list = [](std::initializer_list<float> numbers) {
         std::string text;
@@ -192,23 +150,20 @@ TEST_CASE("ranges that a new look leaves open use the whole run, whichever frame
 }
 
 TEST_CASE("draw follows a running render, next to its images, or in its folder if it makes none") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run", other = folder / "other";
-    std::ofstream(scene) << puddle;
+    const Scratch scratch;
+    const fs::path run = scratch / "run", other = scratch / "other";
     const bool draws_itself = GENERATE(true, false);
-    std::vector<std::string> words{"render", scene.string(),       "--out", run.string(),          "--quiet", "--set", "time.fps=50",
+    std::vector<std::string> words{"render", scratch.scene(),      "--out", scratch.run(),         "--quiet", "--set", "time.fps=50",
                                    "--set",  "fluid.spacing=2e-3", "--set", "output.size=[64, 36]"};
     if (!draws_itself) words.emplace_back("--no-draw");
     test::Program program(words);
     REQUIRE(program.wait_until([&] { return fs::exists(run / "raw/000001.frame"); }));
     program.signal(SIGSTOP);  // slow enough to be still running
-    std::vector<std::string> draw{"draw", run.string(), "--quiet", "--set", "look.style=particles"};
+    std::vector<std::string> draw{"draw", scratch.run(), "--quiet", "--set", "look.style=particles"};
     if (draws_itself) {
-        const Outcome refused = test::whorl(draw);
-        CHECK(refused.code == 2);
-        CHECK_THAT(refused.err,
+        CHECK_THAT(test::refusal(draw),
                    Catch::Contains("the run is in progress and draws its own images here; draw into another folder, as in --out " +
-                                   run.string() + "_drawn"));
+                                   scratch.run() + "_drawn"));
         draw.insert(draw.end(), {"--out", other.string()});
     }
     const fs::path drawn = draws_itself ? other : run;
@@ -217,9 +172,7 @@ TEST_CASE("draw follows a running render, next to its images, or in its folder i
     if (!draws_itself) CHECK_THAT(test::whorl(draw).err, Catch::Contains("another run is at work in this folder"));
     program.signal(SIGCONT);
     CHECK(program.wait().code == 0);
-    const Outcome done = follower.wait();
-    CHECK(done.code == 0);
-    CHECK_THAT(done.err, Catch::Contains("the run continues: its frames are drawn as they come, until it ends"));
+    CHECK_THAT(test::succeed(follower.wait()).err, Catch::Contains("the run continues: its frames are drawn as they come, until it ends"));
     const std::vector<int> frames = exported_frames(run);
     CHECK(frames.size() == 6);
     for (const int n : frames) CHECK(has_picture(drawn, n));
@@ -227,37 +180,32 @@ TEST_CASE("draw follows a running render, next to its images, or in its folder i
 }
 
 TEST_CASE("draw warns of a camera that shows nothing") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run";
-    std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--frames", "1", "--quiet"}).code == 0);
-    const Outcome away = test::whorl({"draw", run.string(), "--set", "camera.kind=fixed", "--set", "camera.position=[0, 0.02, 0.1]",
-                                      "--set", "camera.target=[0, 0.02, 3]"});
-    CHECK(away.code == 0);
-    CHECK_THAT(away.err, Catch::Contains("warning: camera: from"));
+    const Scratch scratch;
+    const fs::path run = scratch / "run";
+    scratch.render({"--frames", "1"});
+    CHECK_THAT(test::succeed({"draw", scratch.run(), "--set", "camera.kind=fixed", "--set", "camera.position=[0, 0.02, 0.1]", "--set",
+                              "camera.target=[0, 0.02, 3]"})
+                   .err,
+               Catch::Contains("warning: camera: from"));
 }
 
 TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run";
-    std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--frames", "2", "--quiet"}).code == 0);
+    const Scratch scratch;
+    const fs::path run = scratch / "run";
+    scratch.render({"--frames", "2"});
     const auto refused = [&](const std::vector<std::string>& more, const std::string& why) {
-        std::vector<std::string> words{"draw", run.string(), "--quiet"};
+        std::vector<std::string> words{"draw", scratch.run(), "--quiet"};
         words.insert(words.end(), more.begin(), more.end());
-        const Outcome outcome = test::whorl(words);
-        CHECK(outcome.code == 2);
-        CHECK_THAT(outcome.err, Catch::Contains(why));
+        CHECK_THAT(test::refusal(words), Catch::Contains(why));
     };
     refused({"--set", "look.exposure=2", "--set", "fluid.viscosity=3"}, "--set fluid.viscosity=3: the change affects the simulation");
-    refused({"--frames", "2", "--size", "320x180"},
-            "--frames: the other images in " + run.string() + " are 160x90, but the new ones would be 320x180; draw all frames, or choose");
-    CHECK_THAT(test::whorl({"draw", run.string(), "--frames", "2"}).err, Catch::Contains("1 frame drawn: "));
-    CHECK(test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()}).err == "");
-    fs::rename(run / "frames/000002.png", folder / "second.png");
-    const Outcome part = test::whorl({"video", run.string(), "--out", (folder / "a.mp4").string()});
-    CHECK(part.code == 0);
-    CHECK(part.err == "the run has images of 1 of its 2 frames; the video contains only these\n");
+    refused({"--frames", "2", "--size", "320x180"}, "--frames: the other images in " + scratch.run() +
+                                                        " are 160x90, but the new ones would be 320x180; draw all frames, or choose");
+    CHECK_THAT(test::whorl({"draw", scratch.run(), "--frames", "2"}).err, Catch::Contains("1 frame drawn: "));
+    CHECK(test::whorl({"video", scratch.run(), "--out", (scratch / "a.mp4").string()}).err == "");
+    fs::rename(run / "frames/000002.png", scratch / "second.png");
+    CHECK(test::succeed({"video", scratch.run(), "--out", (scratch / "a.mp4").string()}).err ==
+          "the run has images of 1 of its 2 frames; the video contains only these\n");
     refused({"--frames", "3-4"}, "missing frames 3 to 4; 1 to 2");
     for (const char* frames : {"two", "1-", "-1", "2-1", "99999999999", "1-99999999999"})
         refused({"--frames", frames}, "is not a frame or a range of frames");
@@ -272,28 +220,23 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
 }
 
 TEST_CASE("a run with images of another size does not continue, and the error names the image") {
-    const test::ScratchFolder folder;
-    const fs::path scene = folder / "scene.toml", run = folder / "run";
-    std::ofstream(scene) << puddle;
-    REQUIRE(test::whorl({"render", scene.string(), "--out", run.string(), "--frames", "1", "--set", "output.video=true", "--quiet"}).code ==
-            0);
-    REQUIRE(test::whorl({"draw", run.string(), "--size", "320x180", "--quiet"}).code == 0);
-    const Outcome larger = test::whorl({"resume", run.string(), "--frames", "3", "--quiet"});
-    CHECK(larger.code == 2);
-    CHECK_THAT(larger.err, Catch::Contains("frames/000001.png: is 320x180, but the video is 160x90; draw raw frames again: whorl draw"));
-    REQUIRE(test::whorl({"draw", run.string(), "--quiet"}).code == 0);
-    CHECK(test::whorl({"resume", run.string(), "--frames", "3", "--quiet"}).code == 0);
+    const Scratch scratch;
+    const fs::path run = scratch / "run";
+    scratch.render({"--frames", "1", "--set", "output.video=true"});
+    test::succeed({"draw", scratch.run(), "--size", "320x180", "--quiet"});
+    CHECK_THAT(test::refusal({"resume", scratch.run(), "--frames", "3", "--quiet"}),
+               Catch::Contains("frames/000001.png: is 320x180, but the video is 160x90; draw raw frames again: whorl draw"));
+    test::succeed({"draw", scratch.run(), "--quiet"});
+    test::succeed({"resume", scratch.run(), "--frames", "3", "--quiet"});
     CHECK(fs::exists(run / "puddle.mp4"));
 }
 
 TEST_CASE("images of one pixel make no video") {
-    const test::ScratchFolder folder;
-    std::ofstream(folder / "scene.resolved.toml") << puddle;
-    fs::create_directories(folder / "frames");
-    write_png(folder / "frames/000001.png", plain_image(1, 1, 0));
-    const Outcome outcome = test::whorl({"video", folder.path().string()});
-    CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Catch::Contains("000001.png: is 1x1; a video needs at least 2x2 pixels"));
+    const test::ScratchFolder scratch;
+    std::ofstream(scratch / "scene.resolved.toml") << puddle;
+    fs::create_directories(scratch / "frames");
+    write_png(scratch / "frames/000001.png", plain_image(1, 1, 0));
+    CHECK_THAT(test::refusal({"video", scratch.path().string()}), Catch::Contains("000001.png: is 1x1; a video needs at least 2x2 pixels"));
 }
 
 }  // namespace draw_test

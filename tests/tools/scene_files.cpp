@@ -110,11 +110,11 @@ TEST_CASE("a mesh or image path that is not UTF-8 is refused", "[tools][scene]")
 TEST_CASE("a run in a folder whose name is not UTF-8 succeeds, and its report is valid JSON", "[tools][render]") {
     const Scratch scratch("");
     const fs::path run = scratch / "gr\xfcn";
-    REQUIRE(test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "1", "--quiet", "--out", run.string()}).code == 0);
-    const test::Outcome outcome =
-        test::whorl({"render", scratch.scene().string(), "--no-images", "--frames", "2", "--json", "--overwrite", "--out", run.string()});
-    CHECK(outcome.code == 0);
-    CHECK_THAT(outcome.out, Catch::Contains("gr\xEF\xBF\xBDn\",\"frames\":2"));
+    test::succeed({"render", scratch.scene().string(), "--no-images", "--frames", "1", "--quiet", "--out", run.string()});
+    CHECK_THAT(
+        test::succeed({"render", scratch.scene().string(), "--no-images", "--frames", "2", "--json", "--overwrite", "--out", run.string()})
+            .out,
+        Catch::Contains("gr\xEF\xBF\xBDn\",\"frames\":2"));
 }
 
 }  // namespace scene_files_test
