@@ -1,46 +1,29 @@
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <array>
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine/scene/read.h"
+#include "tests/support/program.h"
+#include "tests/support/scratch.h"
 #include "tools/scene_file/options.h"
 #include "tools/scene_file/scene_file.h"
 
 using namespace whorl;
+using test::Outcome;
 namespace fs = std::filesystem;
 
 namespace command_test {
 
 namespace {
 
-struct Outcome {
-    int code;
-    std::string text;  ///< standard output and error together
-};
-
-/// Runs the built program in a folder. @param environment "NAME=value " before the command
+/// Runs the built program in a folder, with standard error in its output. @param environment "NAME=value " before the command
 Outcome whorl_in(const fs::path& folder, const std::string& arguments, const std::string& environment = "") {
     const std::string line = "cd '" + folder.string() + "' && " + environment + "'" WHORL_PROGRAM "' " + arguments + " 2>&1";
-    std::FILE* pipe = popen(line.c_str(), "r");
-    std::string text;
-    std::array<char, 4096> buffer;
-    for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
-    const int status = pclose(pipe);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
-}
-
-fs::path empty_folder(const std::string& name) {
-    const fs::path folder = fs::temp_directory_path() / ("whorl_program_" + name + "_" + std::to_string(getpid()));
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-    return folder;
+    return test::Program({"-c", line}, "bash").wait();
 }
 
 void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
@@ -48,19 +31,14 @@ void write(const fs::path& file, const std::string& text) { std::ofstream(file) 
 }  // namespace
 
 TEST_CASE("the program prints its version, and its help has examples", "[tools]") {
-    const Outcome version = whorl_in(".", "--version");
-    CHECK(version.code == 0);
-    CHECK(version.text.rfind("whorl 0.", 0) == 0);
-    CHECK(version.text.find("\nprocessor  ") != std::string::npos);
-    CHECK(version.text.find("; uses SSE2") != std::string::npos);
-    const Outcome help = whorl_in(".", "--help");
-    CHECK(help.code == 0);
-    CHECK(help.text.find("Examples:\n  whorl render honey_coil") != std::string::npos);
-    const Outcome of_command = whorl_in(".", "help render");
-    CHECK(of_command.code == 0);
-    CHECK(of_command.text == whorl_in(".", "render --help").text);
-    CHECK(whorl_in(".", "help rendr").text == "whorl: unknown subcommand \"rendr\"; did you mean \"render\"?; see whorl --help\n");
-    std::istringstream narrow(whorl_in(".", "help render", "COLUMNS=72 ").text);
+    const Outcome version = test::succeed(whorl_in(".", "--version"));
+    CHECK(version.out.rfind("whorl 0.", 0) == 0);
+    CHECK(version.out.find("\nprocessor  ") != std::string::npos);
+    CHECK(version.out.find("; uses SSE2") != std::string::npos);
+    CHECK_THAT(test::succeed(whorl_in(".", "--help")).out, Catch::Contains("Examples:\n  whorl render honey_coil"));
+    CHECK(test::succeed(whorl_in(".", "help render")).out == whorl_in(".", "render --help").out);
+    CHECK(whorl_in(".", "help rendr").out == "whorl: unknown subcommand \"rendr\"; did you mean \"render\"?; see whorl --help\n");
+    std::istringstream narrow(whorl_in(".", "help render", "COLUMNS=72 ").out);
     std::size_t lines = 0;
     for (std::string line; std::getline(narrow, line); ++lines) CHECK(line.size() <= 72);
     CHECK(lines > 40);
@@ -70,22 +48,19 @@ TEST_CASE("output that cannot be written is an error", "[tools]") {
     for (const char* arguments : {"--version", "help plan", "schema", "manual --bash"}) {
         const Outcome full = whorl_in(".", std::string(arguments) + " 2>&1 >/dev/full)", "(");
         CHECK(full.code == 1);
-        CHECK(full.text.find("No space left on device") != std::string::npos);
+        CHECK(full.out.find("No space left on device") != std::string::npos);
     }
 }
 
 TEST_CASE("a mistyped command line exits with 2 and suggests the nearest word", "[tools]") {
     CHECK(whorl_in(".", "").code == 2);
-    const Outcome command = whorl_in(".", "shema");
-    CHECK(command.code == 2);
-    CHECK(command.text == "whorl: unknown subcommand \"shema\"; did you mean \"schema\"?; see whorl --help\n");
-    const Outcome option = whorl_in(".", "schema --markdwn");
-    CHECK(option.code == 2);
-    CHECK(option.text == "whorl schema: unexpected argument \"--markdwn\"; did you mean \"--markdown\"?; see whorl schema --help\n");
+    CHECK(test::refusal({"shema"}) == "whorl: unknown subcommand \"shema\"; did you mean \"schema\"?; see whorl --help\n");
+    CHECK(test::refusal({"schema", "--markdwn"}) ==
+          "whorl schema: unexpected argument \"--markdwn\"; did you mean \"--markdown\"?; see whorl schema --help\n");
 }
 
 TEST_CASE("an invalid number is reported with its range, an unknown scene with the nearest name", "[tools]") {
-    const fs::path folder = empty_folder("numbers");
+    const test::ScratchFolder folder;
     write(folder / "my scene.toml", "");
     for (const auto& [arguments, expected] : std::vector<std::pair<std::string, std::string>>{
              {"render a --frames abc", "whorl render: --frames must be a whole number, at least 1, not \"abc\"; see"},
@@ -104,18 +79,16 @@ TEST_CASE("an invalid number is reported with its range, an unknown scene with t
              {"render hony_coil", "hony_coil: no such scene file; did you mean \"honey_coil\"?; allowed: a path"},
              {"render coil_frequency", "coil_frequency: is a study, not a scene; whorl tradeoff coil_frequency\n"},
              {"tradeoff honey_coil", "honey_coil: is a scene, not a study; whorl render honey_coil\n"}}) {
-        const Outcome outcome = whorl_in(folder, arguments);
-        INFO(outcome.text);
+        const Outcome outcome = whorl_in(folder.path(), arguments);
+        INFO(outcome.out);
         CHECK(outcome.code == 2);
-        CHECK(outcome.text.rfind(expected, 0) == 0);
+        CHECK(outcome.out.rfind(expected, 0) == 0);
     }
-    fs::remove_all(folder);
 }
 
 TEST_CASE("the printed schema is JSON and includes the sections of images", "[tools]") {
-    const Outcome schema = whorl_in(".", "schema");
-    CHECK(schema.code == 0);
-    const nlohmann::json json = nlohmann::json::parse(schema.text);
+    const Outcome schema = test::succeed(whorl_in(".", "schema"));
+    const nlohmann::json json = nlohmann::json::parse(schema.out);
     for (const char* name : {"time", "fluid", "block", "surface", "camera", "look", "output", "quality"})
         CHECK(json.at("properties").contains(name));
     CHECK(json["properties"]["camera"]["properties"]["key"]["type"] == "array");
@@ -139,7 +112,7 @@ TEST_CASE("no two shipped scenes have the same name", "[tools]") {
 }
 
 TEST_CASE("command line options change the scene and appear in the resolved scene", "[tools]") {
-    const fs::path folder = empty_folder("options");
+    const test::ScratchFolder folder;
     write(folder / "s.toml",
           "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n"
           "[look]\nbackground = \"dark\"\n[camera]\nkind = \"keys\"\n[[camera.key]]\ntime = 0\nposition = [0, 0.1, "
@@ -172,11 +145,10 @@ TEST_CASE("command line options change the scene and appear in the resolved scen
     const SceneFile again = read_scene_file(folder / "resolved.toml");
     CHECK(resolved_toml(again) == resolved_toml(file));
     CHECK(again.camera.keys.at(0).position == file.camera.keys.at(0).position);
-    fs::remove_all(folder);
 }
 
 TEST_CASE("an invalid option is reported as the user typed it", "[tools]") {
-    const fs::path folder = empty_folder("bad_options");
+    const test::ScratchFolder folder;
     write(folder / "s.toml", "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
     Options o;
     o.scene = (folder / "s.toml").string();
@@ -199,15 +171,14 @@ TEST_CASE("an invalid option is reported as the user typed it", "[tools]") {
     o.exports = {};
     o.until = -1;
     CHECK_THROWS_WITH(read_scene_file(o), "--until -1.0: time.end = -1 is out of range; allowed: more than 0");
-    fs::remove_all(folder);
 }
 
 TEST_CASE("invalid input exits with 2, reports every mistake, and writes nothing", "[tools]") {
-    const fs::path folder = empty_folder("bad_input");
+    const test::ScratchFolder folder;
     write(folder / "s.toml", "[time]\nend = \"x\"\n[fluid]\nspacng = 0.01\n");
-    const Outcome bad = whorl_in(folder, "plan s.toml --set look.stile=opaque");
+    const Outcome bad = whorl_in(folder.path(), "plan s.toml --set look.stile=opaque");
     CHECK(bad.code == 2);
-    CHECK(bad.text ==
+    CHECK(bad.out ==
           "s.toml: the scene has no fluid; add a [[block]] or an [[emitter]]\n"
           "s.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
           "s.toml:3:1: fluid.spacing is missing; initial distance between particles [m]; allowed: at least 1e-09\n"
@@ -220,18 +191,16 @@ TEST_CASE("invalid input exits with 2, reports every mistake, and writes nothing
           "slice_position, "
           "streaks, streak_time, arrows, isolines, relief, opacity, lines, line_width, line_length, title, legend, time_stamp, "
           "environment\n");
-    CHECK(whorl_in(folder, "plan no_such.toml").code == 2);
-    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
-    fs::remove_all(folder);
+    CHECK(whorl_in(folder.path(), "plan no_such.toml").code == 2);
+    CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }
 
 TEST_CASE("a plan lists models with reasons, fields, stages in order and the binding limit of the step", "[tools]") {
-    const fs::path folder = empty_folder("plan");
+    const test::ScratchFolder folder;
     write(folder / "s.toml",
           "[time]\nend = 1\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
-    const Outcome plan = whorl_in(folder, "plan s.toml --json");
-    REQUIRE(plan.code == 0);
-    const nlohmann::json json = nlohmann::json::parse(plan.text);
+    const Outcome plan = test::succeed(whorl_in(folder.path(), "plan s.toml --json"));
+    const nlohmann::json json = nlohmann::json::parse(plan.out);
     CHECK(json.at("particles_at_start") == 125);
     CHECK(json.at("expected_particles") == Approx(125));
     CHECK(json.at("models").at(0).at("key") == "models.pressure");
@@ -245,30 +214,28 @@ TEST_CASE("a plan lists models with reasons, fields, stages in order and the bin
     CHECK(cost.at("iterations_per_step").get<double>() >= 0);  // water at rest on a lattice may need no iteration
     CHECK(cost.at("film_seconds").get<double>() > cost.at("last_frame_seconds").get<double>());
     CHECK(cost.at("bytes_a_particle").get<double>() > json.at("bytes_a_particle").get<double>());
-    CHECK(whorl_in(folder, "plan s.toml").text.find("stages of a step, in order") != std::string::npos);
-    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
-    fs::remove_all(folder);
+    CHECK(whorl_in(folder.path(), "plan s.toml").out.find("stages of a step, in order") != std::string::npos);
+    CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }
 
 TEST_CASE("a dry run reports models, frames and folder as text and JSON, and writes nothing", "[tools]") {
-    const fs::path folder = empty_folder("dry_run");
+    const test::ScratchFolder folder;
     write(folder / "s.toml",
           "[time]\nend = 1\nfps = 10\n[fluid]\nspacing = 0.02\nviscosity = 0.1\n"
           "[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
-    const Outcome dry_run = whorl_in(folder, "render s.toml --dry-run --json");
-    REQUIRE(dry_run.code == 0);
-    const nlohmann::json json = nlohmann::json::parse(dry_run.text);
+    const Outcome dry_run = test::succeed(whorl_in(folder.path(), "render s.toml --dry-run --json"));
+    const nlohmann::json json = nlohmann::json::parse(dry_run.out);
     CHECK(json.at("frames") == 11);  // 1 s at 10 frames a second, both ends
     CHECK(json.at("folder") == "out/s");
     CHECK(json.at("models").at(0).at("key") == "models.pressure");
     CHECK_FALSE(json.contains("cost"));
     CHECK(json.at("expected_particles") == json.at("particles_at_start"));
-    const std::string words = whorl_in(folder, "render s.toml --dry-run --frames 4 --out there").text;
+    const std::string words = whorl_in(folder.path(), "render s.toml --dry-run --frames 4 --out there").out;
     CHECK(words.find("\n4 frames into there\n") != std::string::npos);
     CHECK(words.find("stages of a step") == std::string::npos);
-    CHECK(whorl_in(folder, "render s.toml --dry-run --frames 1 --out there").text.find("\n1 frame into there\n") != std::string::npos);
-    CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
-    fs::remove_all(folder);
+    CHECK(whorl_in(folder.path(), "render s.toml --dry-run --frames 1 --out there").out.find("\n1 frame into there\n") !=
+          std::string::npos);
+    CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
 }
 
 }  // namespace command_test

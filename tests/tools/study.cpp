@@ -34,6 +34,23 @@ const char* const falling =
     "[[block]]\nshape = \"sphere\"\nposition = [0, 0.5, 0]\nradius = 0.15\n"
     "[[probe]]\nname = \"all\"\nkind = \"region\"\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
 
+/// A folder with that scene and a study of it.
+struct StudyFolder : ScratchFolder {
+    explicit StudyFolder(const std::string& text = "") {
+        write(*this / "falling.toml", falling);
+        write(*this / "study.toml", "scenes = [\"falling.toml\"]\n" + text);
+    }
+    Outcome run(const std::string& command, const std::vector<std::string>& more = {}, const std::string& out = "out") const {
+        std::vector<std::string> words{command, *this / "study.toml", "--out", *this / out, "--threads", "1"};
+        words.insert(words.end(), more.begin(), more.end());
+        return test::whorl(words);
+    }
+};
+
+const std::string max_step_knob = "[[knob]]\nkey = \"time.max_step\"\nvalues = ";
+/// Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator has an error of g t dt/2.
+const char* const accuracy_of_fall = "[accuracy]\ntable = \"probes/all.csv\"\ncolumn = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n";
+
 /// Replacement of sbatch that runs the job immediately; tests/farm/slurm.py uses the real one.
 void write_sbatch(const fs::path& folder) {
     write(folder / "bin/sbatch", "#!/bin/sh\n[ \"$1\" = --version ] && exit 0\necho \"$@\" >> " + (folder / "asked").string() +
@@ -98,23 +115,14 @@ TEST_CASE("errors of a run refer to an expression, its first row, or a reference
 }
 
 TEST_CASE("a study runs its points once, writes table and images, recommends, and a second call keeps them", "[study]") {
-    const ScratchFolder folder;
+    const StudyFolder folder("quality = \"draft\"\n" + max_step_knob + "[0.02, 0.01, 0.005]\n" + accuracy_of_fall);
     const std::string rock = "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     const std::string scene =
         falling + std::string("[[solid]]\nshape = \"mesh\"\nfile = \"rock.obj\"\nscale = 0.1\nposition = [0, -0.9, 0]\n");
     write(folder / "rock.obj", rock);
     write(folder / "falling.toml", scene);
-    // Free fall of the centroid: 0.5 - g t^2/2. A first-order integrator has an error of g t dt/2.
-    write(folder / "fall_study.toml",
-          "scenes = [\"falling.toml\"]\nquality = \"draft\"\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01, 0.005]\n"
-          "[accuracy]\ntable = \"probes/all.csv\"\n"
-          "column = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n");
-    const std::vector<std::string> command{
-        "tradeoff", (folder / "fall_study.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--all", "--recommend",
-        "error<50%"};
-    const Outcome first = test::whorl(command);
-    INFO(first.err << first.out);
-    REQUIRE(first.code == 0);
+    const auto run = [&] { return test::succeed(folder.run("tradeoff", {"--all", "--recommend", "error<50%"})); };
+    const Outcome first = run();
     const CsvTable table = read_csv(folder / "out" / "tradeoff.csv");
     REQUIRE(table.rows.size() == 3);
     for (const auto& row : table.rows) CHECK(row[table.index("error")] < 0.1);
@@ -123,7 +131,7 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
     std::ifstream in(folder / "out" / "recommended.toml");
     const std::string overlay((std::istreambuf_iterator<char>(in)), {});
     CHECK(overlay.find("time.max_step = 0.0") != std::string::npos);
-    CHECK_THAT(overlay, Catch::StartsWith("# error<50% of the study fall_study: ") && Catch::Contains(", with --quality draft\n"));
+    CHECK_THAT(overlay, Catch::StartsWith("# error<50% of the study study: ") && Catch::Contains(", with --quality draft\n"));
     CHECK_THAT(first.out, Catch::Contains("recommended.toml --quality draft"));
     const auto point = [&](const std::string& extension) {
         for (const auto& entry : fs::directory_iterator(folder / "out" / "points"))
@@ -154,30 +162,20 @@ TEST_CASE("a study runs its points once, writes table and images, recommends, an
         {"a point had as much time", [&] { change_record("status", "timeout"); }, 3}};
     for (const Case& c : cases) {
         c.edit();
-        const Outcome again = test::whorl(command);
-        INFO(c.what << again.err << again.out);
-        CHECK(again.code == 0);
+        INFO(c.what);
+        const Outcome again = run();
         int kept = 0;
         for (std::size_t at = 0; (at = again.out.find("kept from an earlier sweep", at)) != std::string::npos; ++at) ++kept;
         CHECK(kept == c.kept);
     }
     // `whorl render` accepts the overlay.
-    const Outcome dry =
-        test::whorl({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
-    CHECK(dry.code == 0);
+    test::succeed({"render", (folder / "falling.toml").string(), "--with", (folder / "out" / "recommended.toml").string(), "--dry-run"});
 }
 
 TEST_CASE("the reference run may be a point of the grid", "[study]") {
-    const ScratchFolder folder;
-    write(folder / "falling.toml", falling);
-    write(folder / "s.toml",
-          "scenes = [\"falling.toml\"]\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.01, 0.02, 0.005]\n[accuracy]\n"
-          "of = \"reference\"\ntable = \"probes/all.csv\"\ncolumn = \"centroid_y\"\nreference = [\"time.max_step=0.01\"]\n[cost]\nrepeat = "
-          "2\n");
-    const Outcome done = test::whorl(
-        {"tradeoff", (folder / "s.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--jobs", "4", "--all", "--json"});
-    INFO(done.err << done.out);
-    REQUIRE(done.code == 0);
+    const StudyFolder folder(max_step_knob + "[0.01, 0.02, 0.005]\n[accuracy]\nof = \"reference\"\ntable = \"probes/all.csv\"\n" +
+                             "column = \"centroid_y\"\nreference = [\"time.max_step=0.01\"]\n[cost]\nrepeat = 2\n");
+    const Outcome done = test::succeed(folder.run("tradeoff", {"--jobs", "4", "--all", "--json"}));
     int kept = 0;
     const auto points = nlohmann::json::parse(done.out).at("points");
     for (const auto& point : points) {
@@ -191,19 +189,12 @@ TEST_CASE("the reference run may be a point of the grid", "[study]") {
 }
 
 TEST_CASE("a stability map separates stable from unstable steps, with the plan's limit in its table", "[study]") {
-    const ScratchFolder folder;
-    write(folder / "falling.toml", falling);
     // Explicit viscosity is stable to 0.125 R^2/(4 nu) = 3.1e-3 s here, R = 0.1 m, nu = 0.1 m^2/s.
-    write(folder / "map.toml",
-          "scenes = [\"falling.toml\"]\nset = [\"models.pressure=none\", \"models.viscosity=explicit\", "
-          "\"block[0].velocity=['2*y','2*x','0']\", "
-          "\"domain.gravity=[0,0,0]\"]\n[[knob]]\nkey = \"fluid.viscosity\"\nvalues = [100, 101]\n[[knob]]\nkey = "
-          "\"time.fixed_step\"\n"
-          "values = [2e-3, 5e-2]\n[stability]\nenergy_growth = 0.05\n");
-    const Outcome map =
-        test::whorl({"stability", (folder / "map.toml").string(), "--out", (folder / "out").string(), "--threads", "1", "--json"});
-    INFO(map.err << map.out);
-    REQUIRE(map.code == 0);
+    const StudyFolder folder(
+        "set = [\"models.pressure=none\", \"models.viscosity=explicit\", \"block[0].velocity=['2*y','2*x','0']\", "
+        "\"domain.gravity=[0,0,0]\"]\n[[knob]]\nkey = \"fluid.viscosity\"\nvalues = [100, 101]\n[[knob]]\nkey = \"time.fixed_step\"\n"
+        "values = [2e-3, 5e-2]\n[stability]\nenergy_growth = 0.05\n");
+    const Outcome map = test::succeed(folder.run("stability", {"--json"}));
     const auto cells = nlohmann::json::parse(map.out).at("cells");
     REQUIRE(cells.size() == 4);
     CHECK(cells[0].at("state") == "stable");
@@ -216,29 +207,18 @@ TEST_CASE("a stability map separates stable from unstable steps, with the plan's
 }
 
 TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without it", "[study][farm]") {
-    const ScratchFolder folder;
+    const StudyFolder folder("limit = 100\n" + max_step_knob + "[0.02, 0.01]\n" + accuracy_of_fall);
     write_sbatch(folder.path());
-    write(folder / "falling.toml", falling);
-    write(folder / "study.toml",
-          "scenes = [\"falling.toml\"]\nlimit = 100\n[[knob]]\nkey = \"time.max_step\"\nvalues = [0.02, 0.01]\n[accuracy]\n"
-          "table = \"probes/all.csv\"\ncolumn = \"centroid_y\"\nexpected = \"0.5-9.81*t^2/2\"\n");
     const std::string path = std::getenv("PATH");
     setenv("PATH", ((folder / "bin").string() + ":" + path).c_str(), 1);
-    const auto table = [&](const std::string& command, const std::string& name, std::vector<std::string> more) {
-        std::vector<std::string> words{command, (folder / "study.toml").string(), "--out", (folder / name).string(), "--threads", "1"};
-        words.insert(words.end(), more.begin(), more.end());
-        const Outcome done = test::whorl(words);
-        INFO(done.err << done.out);
-        REQUIRE(done.code == 0);
+    const auto table = [&](const std::string& command, const std::string& name, const std::vector<std::string>& more) {
+        test::succeed(folder.run(command, more, name));
         return read_csv(folder / name / (command + ".csv"));
     };
-    const std::vector<std::string> on_slurm{"--on", "slurm", "--jobs", "1", "--sbatch=--partition=short"};
-    const CsvTable here = table("tradeoff", "here", {"--all", "--on", "local"}), there = [&] {
-        auto more = on_slurm;
-        more.emplace_back("--all");
-        return table("tradeoff", "there", more);
-    }();
+    std::vector<std::string> on_slurm{"--on", "slurm", "--jobs", "1", "--sbatch=--partition=short"};
     table("stability", "map", on_slurm);
+    on_slurm.emplace_back("--all");
+    const CsvTable here = table("tradeoff", "here", {"--all", "--on", "local"}), there = table("tradeoff", "there", on_slurm);
     setenv("PATH", path.c_str(), 1);
     REQUIRE(there.rows.size() == 2);
     for (std::size_t k = 0; k < 2; ++k) {
@@ -255,13 +235,9 @@ TEST_CASE("runs of a study go to Slurm as jobs, with the table of a run without 
     CHECK(first.find("--time=7 --partition=short") != std::string::npos);  // 100 s and 5 minutes to start, rounded up
     CHECK(first.find("timeout 100 ") != std::string::npos);
 
-    const std::string study = (folder / "study.toml").string();
-    const Outcome nowhere = test::whorl({"stability", study, "--on", "slrum"});
-    CHECK(nowhere.code == 2);
-    CHECK(nowhere.err.find("did you mean \"slurm\"?") != std::string::npos);
-    const Outcome local = test::whorl({"tradeoff", study, "--sbatch=--partition=short"});
-    CHECK(local.code == 2);
-    CHECK(local.err.find("--sbatch: has no effect with --on local") != std::string::npos);
+    CHECK_THAT(test::refusal(folder.run("stability", {"--on", "slrum"})), Catch::Contains("did you mean \"slurm\"?"));
+    CHECK_THAT(test::refusal(folder.run("tradeoff", {"--sbatch=--partition=short"})),
+               Catch::Contains("--sbatch: has no effect with --on local"));
 }
 
 TEST_CASE("the program of a point decides whether its scene is refused", "[study]") {
@@ -296,11 +272,8 @@ TEST_CASE("the program of a point decides whether its scene is refused", "[study
 }
 
 TEST_CASE("a study whose program was removed ends, and does not report refused points", "[study]") {
-    const ScratchFolder folder;
-    write(folder / "falling.toml", falling);
-    write(folder / "s.toml",
-          "scenes = [\"falling.toml\"]\n[stability]\nenergy_growth = 0.05\n[[knob]]\nkey = \"time.cfl\"\nvalues = [0.2, 0.4]\n");
-    const std::string study = (folder / "s.toml").string(), out = (folder / "out").string(), copy = (folder / "gone").string();
+    const StudyFolder folder("[stability]\nenergy_growth = 0.05\n[[knob]]\nkey = \"time.cfl\"\nvalues = [0.2, 0.4]\n");
+    const std::string study = folder / "study.toml", out = folder / "out", copy = folder / "gone";
     const Outcome gone =
         test::Program({"-c", "cp \"$0\" \"$1\" && exec 3< \"$1\" && rm \"$1\" && exec /proc/self/fd/3 stability \"$2\" --out \"$3\"",
                        WHORL_PROGRAM, copy, study, out},
@@ -324,8 +297,7 @@ TEST_CASE("braces in settings contain expressions of the knobs, or a knob's valu
 }
 
 TEST_CASE("a point uses scene, quality and seed of its settings, with scenes next to the study first", "[study]") {
-    const ScratchFolder folder;
-    write(folder / "falling.toml", falling);
+    const StudyFolder folder;
     Study study;
     study.directory = folder.path(), study.quality = "draft";
     const PointCall own = point_call(study, "honey_coil", {"seed=3", "threads=2", "program=./x"});
@@ -341,60 +313,37 @@ TEST_CASE("a point uses scene, quality and seed of its settings, with scenes nex
 }
 
 TEST_CASE("a study with a key without effect is refused, and a point that the plan refuses gives its reason", "[study]") {
-    const ScratchFolder folder;
-    write(folder / "falling.toml", falling);
-    const std::string head = "scenes = [\"falling.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\n";
-    write(folder / "idle.toml", head + "key = \"scale\"\nvalues = [1, 2]\n");
-    CHECK_THAT(test::whorl({"tradeoff", (folder / "idle.toml").string(), "--out", (folder / "a").string()}).err,
-               Catch::Contains("has no effect"));
-    write(folder / "wrong.toml", head + "key = \"fluid.spacing\"\nvalues = [-1, 0.05]\n");
-    const Outcome wrong = test::whorl({"tradeoff", (folder / "wrong.toml").string(), "--out", (folder / "b").string()});
-    CHECK(wrong.code == 2);
-    CHECK_THAT(wrong.err, Catch::Contains("fluid.spacing = -1"));
+    const std::string head = "[accuracy]\ncolumn = \"kinetic_energy\"\n[[knob]]\n";
+    CHECK_THAT(StudyFolder(head + "key = \"scale\"\nvalues = [1, 2]\n").run("tradeoff").err, Catch::Contains("has no effect"));
+    CHECK_THAT(test::refusal(StudyFolder(head + "key = \"fluid.spacing\"\nvalues = [-1, 0.05]\n").run("tradeoff")),
+               Catch::Contains("fluid.spacing = -1"));
 }
 
 TEST_CASE("mistakes of a study file are reported together with their locations", "[study]") {
     const ScratchFolder folder;
     write(folder / "bad.toml",
           "scenes = []\nlimit = -1\n[[knob]]\nkey = \"a\"\nvalues = [1]\n[[knob]]\nkey = \"b\"\nvalues = [1, 2, 1]\n[acuracy]\n");
-    const Outcome bad = test::whorl({"tradeoff", (folder / "bad.toml").string(), "--out", (folder / "out").string()});
-    CHECK(bad.code == 2);
-    CHECK_THAT(bad.err, Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") &&
-                            Catch::Contains("limit = -1 is out of range") && Catch::Contains("needs two values or more") &&
-                            Catch::Contains("knob[1].values contains a value twice") &&
-                            Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
+    CHECK_THAT(test::refusal({"tradeoff", (folder / "bad.toml").string(), "--out", (folder / "out").string()}),
+               Catch::Contains("bad.toml:1:") && Catch::Contains("scenes is empty") && Catch::Contains("limit = -1 is out of range") &&
+                   Catch::Contains("needs two values or more") && Catch::Contains("knob[1].values contains a value twice") &&
+                   Catch::Contains("unknown key \"acuracy\"; did you mean \"accuracy\"?"));
     CHECK_FALSE(fs::exists(folder / "out"));
     write(folder / "names.toml", "scenes = [\"a.toml\", \"b/a.toml\"]\n");
     CHECK_THAT(test::whorl({"stability", (folder / "names.toml").string()}).err,
                Catch::Contains("names.toml:1:10: two of the scenes have the name a; give one of them another name"));
-    std::string many = "scenes = [\"a.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n";
+    std::string many = "[accuracy]\ncolumn = \"kinetic_energy\"\n";
     for (int k = 0; k < 12; ++k) many += "[[knob]]\nkey = \"emitter." + std::to_string(k) + ".speed\"\nvalues = [1, 2, 3, 4, 5]\n";
-    write(folder / "many.toml", many);
-    CHECK_THAT(test::whorl({"tradeoff", (folder / "many.toml").string(), "--out", (folder / "out").string()}).err,
-               Catch::Contains("the knobs have 2.4e+08 combinations of values"));
+    CHECK_THAT(StudyFolder(many).run("tradeoff").err, Catch::Contains("the knobs have 2.4e+08 combinations of values"));
 
-    write(folder / "falling.toml", falling);
-    write(folder / "limits.toml", R"(scenes = ["falling.toml"]
-[[knob]]
-key = "time.fixed_step"
-values = [1e-3, 2e-3]
-[stability]
-noisy_speed = "0.1*sped"
-bisect = "fluid.viscosity"
-low = 1
-high = 10
-[[stability.limit]]
-name = "right"
-value = "2*x*fixed_step"
-[[stability.limit]]
-name = "wrong"
-value = "2*xx"
-)");
-    const Outcome limits = test::whorl({"stability", (folder / "limits.toml").string(), "--out", (folder / "out").string()});
-    CHECK(limits.code == 2);
-    CHECK_THAT(limits.err, Catch::Contains("limits.toml:6:15: stability.noisy_speed: {0.1*sped} is not an expression of the knobs") &&
-                               Catch::Contains("limits.toml:15:9: stability.limit[1].value: {2*xx} is not an expression of the knobs"));
-    CHECK_FALSE(fs::exists(folder / "out"));
+    const StudyFolder limits(
+        "[[knob]]\nkey = \"time.fixed_step\"\nvalues = [1e-3, 2e-3]\n[stability]\nnoisy_speed = \"0.1*sped\"\nbisect = "
+        "\"fluid.viscosity\"\n"
+        "low = 1\nhigh = 10\n[[stability.limit]]\nname = \"right\"\nvalue = \"2*x*fixed_step\"\n[[stability.limit]]\nname = \"wrong\"\n"
+        "value = \"2*xx\"\n");
+    CHECK_THAT(test::refusal(limits.run("stability")),
+               Catch::Contains("study.toml:6:15: stability.noisy_speed: {0.1*sped} is not an expression of the knobs") &&
+                   Catch::Contains("study.toml:15:9: stability.limit[1].value: {2*xx} is not an expression of the knobs"));
+    CHECK_FALSE(fs::exists(limits / "out"));
 }
 
 }  // namespace study_test
