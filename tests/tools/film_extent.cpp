@@ -20,12 +20,7 @@ const std::string hall = "name = \"hall\"\n" + test::text::time(0.2, "fps = 40")
                          test::text::fluid(3e-3, 50) + test::text::emitter({0, 0.04, 0}, 6e-3, 0.4) +
                          test::text::box({-0.03, -0.006, -0.03}, {0.03, 0, 0.03}) + "[output]\nsize = [64, 36]\n";
 
-const std::string flying = R"(
-[[solid]]
-shape = "sphere"
-position = ["0.2 + 0.5*t", "0.1", "0"]
-radius = 0.02
-)";
+const std::string flying = "[[solid]]\nshape = \"sphere\"\nposition = [\"0.2 + 0.5*t\", \"0.1\", \"0\"]\nradius = 0.02\n";
 
 SceneFile read(const std::string& text, const std::vector<std::string>& set = {}) {
     const test::FilmScratch scratch(text);
@@ -45,35 +40,30 @@ SeenBox shown_by(const std::filesystem::path& run) {
 
 TEST_CASE("an automatic camera shows where fluid pours and lands in a coarse run, in any domain") {
     const test::FilmScratch scratch(hall);
-    const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--threads", "1"});
-    INFO(done.err);
-    REQUIRE(done.code == 0);
-    CHECK(done.err.find("coarse run of the whole film") != std::string::npos);
+    CHECK_THAT(test::succeed({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--threads", "1"}).err,
+               Catch::Contains("coarse run of the whole film"));
     const SeenBox seen = shown_by(scratch.run());
     // The box contains the opening and the board, which is little larger than the thread is long, but not the hall.
     CHECK(seen.contains(Vec3f(0.006f, 0.04f, 0)));
     CHECK(seen.contains(Vec3f(0.029f, -0.005f, -0.029f)));
     CHECK(seen.sizes().maxCoeff() < 0.1f);
 
-    const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run("two"), "--no-video", "--threads", "2"});
-    REQUIRE(again.code == 0);
+    test::succeed({"render", scratch.scene(), "--out", scratch.run("two"), "--no-video", "--threads", "2"});
     CHECK(shown_by(scratch.run("two")).isApprox(seen, 0));
     // A test of one frame has the same camera as the whole run, and so does a run that continues from it.
-    REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"}).code == 0);
+    test::succeed({"render", scratch.scene(), "--frames", "1", "--out", scratch.run("one"), "--no-video"});
     CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
-    REQUIRE(test::whorl({"resume", scratch.run("one"), "--frames", "4"}).code == 0);
+    test::succeed({"resume", scratch.run("one"), "--frames", "4"});
     CHECK(shown_by(scratch.run("one")).isApprox(seen, 0));
 }
 
 TEST_CASE("the coarse run makes a scene's changes") {
     const test::FilmScratch scratch(
-        std::string(hall) +
+        hall +
         "[models]\npressure = \"ppe\"\nviscosity = \"full\"\n[[block]]\nshape = \"sphere\"\nposition = [0.1, 0.1, 0]\nradius = 0.012\n"
         "[[change]]\ntime = 0.05\nkey = \"domain.gravity\"\nvalue = [40, 0, 0]\n");
-    const Outcome done = test::whorl({"render", scratch.scene(), "--frames", "1", "--out", scratch.run(), "--no-video"});
-    INFO(done.err);
-    REQUIRE(done.code == 0);
-    CHECK(done.err.find("coarse run of the whole film") != std::string::npos);
+    CHECK_THAT(test::succeed({"render", scratch.scene(), "--frames", "1", "--out", scratch.run(), "--no-video"}).err,
+               Catch::Contains("coarse run of the whole film"));
     // It flies sideways for .15 s: 20 t^2 = .45 m.
     CHECK(shown_by(scratch.run()).max().x() == Approx(0.55).margin(0.05));
 }
@@ -82,20 +72,17 @@ TEST_CASE("a coarse run is made once, and not for the camera of a full room or w
     const test::FilmScratch scratch(hall);
     const auto runs_coarsely = [&](std::vector<std::string> words) {
         words.insert(words.begin(), {"render", scratch.scene(), "--frames", "1", "--overwrite", "--out", scratch.run(), "--no-video"});
-        const Outcome done = test::whorl(words);
-        INFO(done.err);
-        CHECK(done.code == 0);
+        const Outcome done = test::succeed(words);
         return done.err.find("coarse run") != std::string::npos;
     };
+    CHECK_FALSE(runs_coarsely({"--until", "0.03", "--no-images"}));
     const std::vector<std::string> until{"--until", "0.03"};
-    const auto with = [&](std::vector<std::string> more) { return more.insert(more.end(), until.begin(), until.end()), more; };
-    CHECK_FALSE(runs_coarsely(with({"--no-images"})));
     CHECK(runs_coarsely(until));
     CHECK_FALSE(runs_coarsely(until));
-    std::ofstream(scratch.scene())
-        << "name = \"full\"\n[time]\nend = 0.1\n[domain]\nmin = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\n[fluid]\n"
-           "spacing = 5e-3\n[[block]]\nshape = \"box\"\nmin = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\n[[solid]]\nshape = \"box\"\n"
-           "min = [0, 0, 0]\nmax = [0.05, 0.05, 0.05]\ncontainer = true\n[output]\nsize = [64, 36]\n";
+    std::ofstream(scratch.scene()) << "name = \"full\"\n"
+                                   << test::text::time(0.1) << test::text::domain({0, 0, 0}, {0.05, 0.05, 0.05}) << test::text::fluid(5e-3)
+                                   << test::text::block({0, 0, 0}, {0.05, 0.05, 0.05}) << test::text::tank({0, 0, 0}, {0.05, 0.05, 0.05})
+                                   << "[output]\nsize = [64, 36]\n";
     CHECK_FALSE(runs_coarsely({}));
     CHECK(shown_by(scratch.run()).sizes().isApprox(Vec3f::Constant(0.05f), 0.1f));
 }
@@ -103,7 +90,7 @@ TEST_CASE("a coarse run is made once, and not for the camera of a full room or w
 TEST_CASE("panels make one coarse run for equal flows, and one each if their emitters differ") {
     for (const auto& [set, runs] : {std::pair{"pressure.tolerance=1e-3", 1}, std::pair{"emitter[0].position=[0, 0.2, 0]", 2}}) {
         CAPTURE(set);
-        const SceneFile file = read(std::string(hall) + "[[panel]]\n[[panel]]\nset = [\"" + set + "\"]\n");
+        const SceneFile file = read(hall + "[[panel]]\n[[panel]]\nset = [\"" + set + "\"]\n");
         int made = 0;
         const auto panels = panel_scenes(file, [&](const SceneFile& run, const Simulation& start) {
             ++made;
@@ -116,9 +103,8 @@ TEST_CASE("panels make one coarse run for equal flows, and one each if their emi
 }
 
 TEST_CASE("a camera set by the scene stays, and so does a box that it sets for an automatic camera") {
-    const test::FilmScratch scratch(std::string(hall) + "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n");
-    const Outcome done = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--until", "0.05"});
-    REQUIRE(done.code == 0);
+    const test::FilmScratch scratch(hall + "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n");
+    const Outcome done = test::succeed({"render", scratch.scene(), "--out", scratch.run(), "--no-video", "--until", "0.05"});
     CHECK(done.err.find("coarse run") == std::string::npos);
     const CameraOptions used = read_scene_file(std::filesystem::path(scratch.run()) / "scene.resolved.toml").camera;
     CHECK(used.position == Vec3f(0, 0.1f, 0.5f));
@@ -162,7 +148,7 @@ TEST_CASE("a jet counts up to its landing, and without gravity up to its positio
 }
 
 TEST_CASE("one box contains the frames of two scenes with different solids") {
-    const SceneFile file = read(std::string(hall) + flying);
+    const SceneFile file = read(hall + flying);
     const Simulation start(file.scene, make_plan(file.scene));
     const Frame frame = Snapshots(start, {}).take(start, 1);
     Frame other = frame, without_mesh = frame;
@@ -189,7 +175,7 @@ TEST_CASE("a few drops far away do not widen the picture") {
 
 TEST_CASE("panels side by side share one box") {
     const SceneFile file =
-        read(std::string(hall) + "[[panel]]\nlabel = \"low\"\n[[panel]]\nlabel = \"high\"\nset = [\"emitter[0].position=[0, 0.2, 0]\"]\n");
+        read(hall + "[[panel]]\nlabel = \"low\"\n[[panel]]\nlabel = \"high\"\nset = [\"emitter[0].position=[0, 0.2, 0]\"]\n");
     const auto runs = panel_scenes(file);
     REQUIRE(runs.size() == 2);
     CHECK(*runs[0].camera.min == *runs[1].camera.min);
@@ -200,8 +186,7 @@ TEST_CASE("panels side by side share one box") {
 
     // If only a panel's camera is automatic, the settings file also contains its box.
     const std::string fixed = "[camera]\nkind = \"fixed\"\nposition = [0, 0.1, 0.5]\n";
-    const SceneFile one =
-        read(std::string(hall) + fixed + "[[panel]]\nlabel = \"fixed\"\n[[panel]]\nlabel = \"auto\"\nset = [\"camera.kind=auto\"]\n");
+    const SceneFile one = read(hall + fixed + "[[panel]]\nlabel = \"fixed\"\n[[panel]]\nlabel = \"auto\"\nset = [\"camera.kind=auto\"]\n");
     const auto two = panel_scenes(one);
     const SceneFile written = with_choices_of(one, two);
     CHECK(written.scene.panels[0].set.empty());

@@ -7,41 +7,23 @@
 
 #include "engine/io/csv.h"
 #include "render/image/image.h"
-#include "tests/support/program.h"
-#include "tests/support/scratch.h"
+#include "tests/support/film_runs.h"
+#include "tests/support/scene_text.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/run.h"
 
 using namespace whorl;
 using test::Outcome;
 using test::Program;
+using test::report;
 namespace fs = std::filesystem;
 
 namespace panels_test {
 
 namespace {
 
-const char* const drop = R"(
-name = "two_drops"
-[time]
-end = 0.1
-fps = 40
-[domain]
-min = [-0.03, -0.01, -0.03]
-max = [0.03, 0.06, 0.03]
-[fluid]
-spacing = 4e-3
-viscosity = 1
-[models]
-pressure = "ppe"
-[[block]]
-shape = "sphere"
-position = [0, 0.02, 0]
-radius = 0.012
-[[solid]]
-shape = "plane"
-[output]
-size = [164, 90]
+/// 26 lines.
+const std::string drop = "name = \"two_drops\"\n" + test::falling_drop(40) + R"(size = [164, 90]
 [[panel]]
 label = "water"
 [[panel]]
@@ -49,13 +31,9 @@ label = "syrup"
 set = ["fluid.viscosity=50", "look.material=chocolate"]
 )";
 
-struct Scratch : test::ScratchFolder {
-    explicit Scratch(const std::string& text = drop) { std::ofstream(*this / "scene.toml") << text; }
-    std::string scene() const { return (*this / "scene.toml").string(); }
-    std::string run(const std::string& name = "run") const { return (*this / name).string(); }
+struct Scratch : test::FilmScratch {
+    explicit Scratch(const std::string& text = drop) : FilmScratch(text) {}
 };
-
-nlohmann::json run_json(const fs::path& folder) { return nlohmann::json::parse(read_whole(folder / "run.json")); }
 
 }  // namespace
 
@@ -73,7 +51,7 @@ TEST_CASE("panels of a 2D flow are arranged so that the flow is largest") {
 }
 
 TEST_CASE("a panel's label is the title of its images unless it has a title") {
-    const Scratch scratch(std::string(drop) + "[[panel]]\nlabel = \"third\"\nset = [\"look.title=mine\"]\n");
+    const Scratch scratch(drop + "[[panel]]\nlabel = \"third\"\nset = [\"look.title=mine\"]\n");
     const std::vector<SceneFile> panels = panel_scenes(read_scene_file(scratch.scene()));
     REQUIRE(panels.size() == 3);
     CHECK(panels[0].look.title == "water");
@@ -81,7 +59,7 @@ TEST_CASE("a panel's label is the title of its images unless it has a title") {
 }
 
 TEST_CASE("a scene may set keys that only a panel's style or model uses") {
-    const Scratch scratch(std::string(drop) + "set = [\"models.micropolar=notes\", \"look.style=opaque\"]\n[micropolar]\n" +
+    const Scratch scratch(drop + "set = [\"models.micropolar=notes\", \"look.style=opaque\"]\n[micropolar]\n" +
                           "transfer_viscosity = 0.5\n[look]\ncolour = \"#ff0080\"\n");
     std::string text = read_whole(scratch.scene());
     text.erase(text.find("set = "), text.find('\n', text.find("set = ")) - text.find("set = "));
@@ -109,7 +87,7 @@ TEST_CASE("two or three panels are in a row, more in a square, or as the scene s
 }
 
 TEST_CASE("panels that show the same field share the range of the colour map") {
-    const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"domain.gravity=[0, -40, 0]\"]\n");
+    const Scratch scratch(drop + "[[panel]]\nset = [\"domain.gravity=[0, -40, 0]\"]\n");
     Options options;
     options.scene = scratch.scene();
     options.set = {"look.style=particles", "look.field=speed", "models.viscosity=none"};
@@ -124,18 +102,16 @@ TEST_CASE("panels that show the same field share the range of the colour map") {
 
 TEST_CASE("a scene with panels makes one video of complete runs side by side") {
     const Scratch scratch;
-    const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
-    INFO(outcome.err);
-    REQUIRE(outcome.code == 0);
+    scratch.render();
     const fs::path run = scratch.run();
     CHECK(fs::exists(run / "two_drops.mp4"));
     CHECK(fs::exists(run / "contact.png"));
-    CHECK(run_json(run).at("status") == "done");
-    CHECK(run_json(run).at("panels").size() == 2);
-    CHECK(run_json(run).at("frames") == 5);
+    CHECK(report(run).at("status") == "done");
+    CHECK(report(run).at("panels").size() == 2);
+    CHECK(report(run).at("frames") == 5);
     for (const char* panel : {"1", "2"}) {
         CHECK(fs::exists(run / "panels" / panel / "diagnostics.csv"));
-        CHECK(run_json(run / "panels" / panel).at("frames") == 5);
+        CHECK(report(run / "panels" / panel).at("frames") == 5);
     }
     const Image whole = read_png(run / "frames/000005.png"), left = read_png(run / "panels/1/frames/000005.png");
     CHECK(whole.width == 164);
@@ -143,16 +119,15 @@ TEST_CASE("a scene with panels makes one video of complete runs side by side") {
     // Below the label, the left half is the first panel.
     CHECK(std::equal(left.pixel(0, 60), left.pixel(0, 61), whole.pixel(0, 60)));
     // A second render starts with an empty folder.
-    const Outcome again = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--overwrite", "--frames", "2"});
-    CHECK(again.code == 0);
-    CHECK_THAT(again.err, Catch::Contains("2 frames of 2 panels: " + scratch.run() + "/two_drops.mp4"));
-    CHECK(run_json(run).at("frames") == 2);
+    CHECK_THAT(test::succeed({"render", scratch.scene(), "--out", scratch.run(), "--overwrite", "--frames", "2"}).err,
+               Catch::Contains("2 frames of 2 panels: " + scratch.run() + "/two_drops.mp4"));
+    CHECK(report(run).at("frames") == 2);
     CHECK_FALSE(fs::exists(run / "frames/000003.png"));
 }
 
 TEST_CASE("interrupted panels continue to the same film") {
     const Scratch scratch;
-    REQUIRE(test::whorl({"render", scratch.scene(), "--out", scratch.run("whole"), "--no-video", "--quiet"}).code == 0);
+    scratch.render({"--no-video"}, "whole");
     Program program({"render", scratch.scene(), "--out", scratch.run("parts"), "--no-video", "--quiet"});
     const fs::path parts = scratch.run("parts");
     REQUIRE(program.wait_until([&] { return fs::exists(parts / "panels/2/frames/000002.png"); }));
@@ -162,34 +137,28 @@ TEST_CASE("interrupted panels continue to the same film") {
     if (stopped.code != 0) {
         CHECK(stopped.code == 130);
         CHECK(stopped.err.find("whorl resume " + parts.string()) != std::string::npos);
-        CHECK(run_json(parts).at("status") == "interrupted");
-        REQUIRE(test::whorl({"resume", parts.string(), "--quiet"}).code == 0);
+        CHECK(report(parts).at("status") == "interrupted");
+        test::succeed({"resume", parts.string(), "--quiet"});
     }
-    CHECK(run_json(parts).at("status") == "done");
-    CHECK(difference(read_png(parts / "frames/000005.png"), read_png(fs::path(scratch.run("whole")) / "frames/000005.png")).max < 1);
+    CHECK(report(parts).at("status") == "done");
+    CHECK(difference(read_png(parts / "frames/000005.png"), read_png(scratch / "whole" / "frames/000005.png")).max < 1);
 }
 
 TEST_CASE("an extended run of panels keeps its first colours, and its settings repeat it") {
     // The range of the speed depends on the whole run, so a longer run would have another range.
     const Scratch scratch;
-    const std::vector<std::string> shown{"--set", "look.style=particles", "--set", "look.field=speed", "--no-video", "--quiet"};
-    std::vector<std::string> arguments{"render", scratch.scene(), "--until", "0.05", "--out", scratch.run()};
-    arguments.insert(arguments.end(), shown.begin(), shown.end());
-    REQUIRE(test::whorl(arguments).code == 0);
+    scratch.render({"--until", "0.05", "--set", "look.style=particles", "--set", "look.field=speed", "--no-video"});
     const fs::path run = scratch.run();
     const std::string second = read_whole(run / "frames/000002.png");
-    const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.1", "--quiet"});
-    INFO(longer.err);
-    REQUIRE(longer.code == 0);
-    CHECK(run_json(run).at("frames") == 5);
+    test::succeed({"resume", scratch.run(), "--until", "0.1", "--quiet"});
+    CHECK(report(run).at("frames") == 5);
     CHECK((read_whole(run / "frames/000002.png") == second));
-    REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
+    test::succeed({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")});
     for (const char* picture : {"frames/000002.png", "frames/000005.png"})
-        CHECK(difference(read_png(run / picture), read_png(fs::path(scratch.run("again")) / picture)).max < 1);
+        CHECK(difference(read_png(run / picture), read_png(scratch / "again" / picture)).max < 1);
     const std::string settings = read_whole(run / "scene.resolved.toml");
-    const Outcome shorter = test::whorl({"resume", scratch.run(), "--until", "0.05", "--quiet"});
-    CHECK(shorter.code == 2);
-    CHECK_THAT(shorter.err, Catch::Contains("the run has already reached frame 5 (0.1 s)"));
+    CHECK_THAT(test::refusal({"resume", scratch.run(), "--until", "0.05", "--quiet"}),
+               Catch::Contains("the run has already reached frame 5 (0.1 s)"));
     CHECK((read_whole(run / "scene.resolved.toml") == settings));
 }
 
@@ -200,29 +169,24 @@ TEST_CASE("a run of panels stays unchanged if one cannot be extended or has no v
     text.replace(text.find("set = ["), text.size(), "set = ['emitter[0].speed=\"0.3+40*t\"']\n");
     text.replace(text.find("\"ppe\""), 5, "\"wcsph\"");
     const Scratch scratch(text);
-    const Outcome made = test::whorl({"render", scratch.scene(), "--no-images", "--until", "0.03", "--quiet", "--out", scratch.run()});
-    INFO(made.err);
-    REQUIRE(made.code == 0);
+    scratch.render({"--no-images", "--until", "0.03"});
     const fs::path run = scratch.run();
     const auto states = [&] {
         return read_whole(run / "scene.resolved.toml") + read_whole(run / "run.json") + read_whole(run / "panels/1/run.json");
     };
     const std::string before = states();
-    const Outcome refused = test::whorl({"resume", scratch.run(), "--until", "0.1", "--quiet"});
-    CHECK(refused.code == 2);
-    CHECK_THAT(refused.err, Catch::Contains("pressure.sound_speed"));
+    CHECK_THAT(test::refusal({"resume", scratch.run(), "--until", "0.1", "--quiet"}), Catch::Contains("pressure.sound_speed"));
     CHECK((states() == before));
-    CHECK(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    test::succeed({"resume", scratch.run(), "--quiet"});
     for (const auto& entry : fs::directory_iterator(run / "panels/2/checkpoints")) fs::resize_file(entry.path(), 100);
-    const Outcome damaged = test::whorl({"resume", scratch.run(), "--until", "0.05", "--quiet"});
-    CHECK(damaged.code == 2);
-    CHECK_THAT(damaged.err, Catch::Contains(".whorl is damaged") && Catch::Contains("panels/2: no valid checkpoint to continue from"));
-    CHECK(run_json(run / "panels/1").at("frames") == 2);
+    CHECK_THAT(test::refusal({"resume", scratch.run(), "--until", "0.05", "--quiet"}),
+               Catch::Contains(".whorl is damaged") && Catch::Contains("panels/2: no valid checkpoint to continue from"));
+    CHECK(report(run / "panels/1").at("frames") == 2);
 }
 
 TEST_CASE("warnings of panels name their runs, and are printed once if all panels have them") {
     const auto warnings = [](const std::string& set, const std::string& other) {
-        const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.density=" + other + "\"]\n");
+        const Scratch scratch(drop + "[[panel]]\nset = [\"fluid.density=" + other + "\"]\n");
         Options options;
         options.scene = scratch.scene(), options.set = {"fluid.density=" + set};
         SceneFile file = read_scene_file(options);
@@ -238,20 +202,17 @@ TEST_CASE("warnings of panels name their runs, and are printed once if all panel
 }
 
 TEST_CASE("a panel's wrong key is reported with its location, before anything is written") {
-    const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"fluid.viscocity=3\"]\n");
-    const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
-    CHECK(outcome.code == 2);
-    CHECK(outcome.err.find("scene.toml:28:7: panel[2].set: unknown key \"fluid.viscocity\"; did you mean \"fluid.viscosity\"?") !=
-          std::string::npos);
+    const Scratch scratch(drop + "[[panel]]\nset = [\"fluid.viscocity=3\"]\n");
+    CHECK_THAT(test::refusal({"render", scratch.scene(), "--out", scratch.run(), "--quiet"}),
+               Catch::Contains("scene.toml:28:7: panel[2].set: unknown key \"fluid.viscocity\"; did you mean \"fluid.viscosity\"?"));
     CHECK_FALSE(fs::exists(scratch.run()));
 }
 
 TEST_CASE("a panel with images of another size, or without images, is refused before the run") {
     const auto refused = [](const std::string& set, const std::string& why) {
-        const Scratch scratch(std::string(drop) + "[[panel]]\nset = [\"" + set + "\"]\n");
-        const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
-        CHECK(outcome.code == 2);
-        CHECK_THAT(outcome.err, Catch::Contains("scene.toml:28:7: panel[2].set: " + why));
+        const Scratch scratch(drop + "[[panel]]\nset = [\"" + set + "\"]\n");
+        CHECK_THAT(test::refusal({"render", scratch.scene(), "--out", scratch.run(), "--quiet"}),
+                   Catch::Contains("scene.toml:28:7: panel[2].set: " + why));
         CHECK_FALSE(fs::exists(scratch.run()));
     };
     refused("output.size=[1280, 720]", "all panels have the same size");
@@ -260,11 +221,8 @@ TEST_CASE("a panel with images of another size, or without images, is refused be
 
 TEST_CASE("panels are combined when the images of each are drawn") {
     const Scratch scratch;
-    const auto render = [&](const std::string& run, const std::string& more) {
-        return test::whorl({"render", scratch.scene(), "--until", "0.05", "--quiet", "--out", run, more}).code;
-    };
-    REQUIRE(render(scratch.run("whole"), "--no-video") == 0);
-    REQUIRE(render(scratch.run(), "--no-draw") == 0);
+    scratch.render({"--until", "0.05", "--no-video"}, "whole");
+    scratch.render({"--until", "0.05", "--no-draw"});
     const fs::path run = scratch.run();
     CHECK_FALSE(fs::exists(run / "two_drops.mp4"));
     CHECK_FALSE(fs::exists(run / "panels/1/frames/000001.png"));
@@ -272,41 +230,23 @@ TEST_CASE("panels are combined when the images of each are drawn") {
     CHECK_THAT(test::whorl({"resume", scratch.run()}).err,
                Catch::Contains("panels/1: the run has no image of frame 1; draw it first: whorl draw " + scratch.run() + "/panels/1"));
     const auto draw = [&](const std::string& panel, const std::string& size) {
-        return test::whorl({"draw", (run / "panels" / panel).string(), "--size", size, "--quiet"}).code;
+        test::succeed({"draw", run / "panels" / panel, "--size", size, "--quiet"});
     };
-    REQUIRE((draw("1", "80x90") == 0 && draw("2", "64x36") == 0));
+    draw("1", "80x90"), draw("2", "64x36");
     CHECK_THAT(test::whorl({"resume", scratch.run()}).err, Catch::Contains("panels/2/frames/000001.png: is 64x36, but the video is 80x90"));
-    REQUIRE(draw("2", "80x90") == 0);
-    const Outcome together = test::whorl({"resume", scratch.run(), "--quiet"});
-    CHECK(together.err == "");
-    REQUIRE(together.code == 0);
+    draw("2", "80x90");
+    CHECK(test::succeed({"resume", scratch.run(), "--quiet"}).err == "");
     CHECK(fs::exists(run / "two_drops.mp4"));
-    CHECK((read_whole(run / "frames/000003.png") == read_whole(fs::path(scratch.run("whole")) / "frames/000003.png")));
+    CHECK((read_whole(run / "frames/000003.png") == read_whole(scratch / "whole" / "frames/000003.png")));
 }
 
 namespace {
 
 /// A plane that turns, in one panel twice as fast.
-const char* const turning = R"toml(
-name = "turning"
-[time]
-end = 0.02
-fps = 100
-[domain]
-dimensions = 2
-min = [0, 0]
-max = [0.1, 0.1]
-periodic = [true, true]
-gravity = [0, 0]
-[fluid]
-spacing = 5e-3
-viscosity = 1e-3
-[[block]]
-shape = "box"
-min = [0, 0]
-max = [0.1, 0.1]
-velocity = ["0.1*sin(20*pi*y)", "0"]
-[[probe]]
+const std::string turning = "name = \"turning\"\n" + test::text::time(0.02, "fps = 100") +
+                            test::text::domain({0, 0}, {0.1, 0.1}, "periodic = [true, true]\ngravity = [0, 0]") +
+                            test::text::fluid(5e-3, 1e-3) +
+                            test::text::block({0, 0}, {0.1, 0.1}, "velocity = [\"0.1*sin(20*pi*y)\", \"0\"]") + R"toml([[probe]]
 name = "flow"
 kind = "flow"
 min = [0, 0]
@@ -334,11 +274,9 @@ difference = ["slow", "fast"]
 
 TEST_CASE("a third panel shows the difference of two runs, and a chart below a probe of both") {
     const Scratch scratch(turning);
-    const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
-    INFO(outcome.err);
-    REQUIRE(outcome.code == 0);
+    scratch.render();
     const fs::path run = scratch.run();
-    CHECK(run_json(run).at("panels").size() == 2);
+    CHECK(report(run).at("panels").size() == 2);
     CHECK_FALSE(fs::exists(run / "panels/1/raw"));  // not requested
     const Image whole = read_png(run / "frames/000003.png");
     CHECK(whole.width == 640);
@@ -355,31 +293,26 @@ TEST_CASE("a third panel shows the difference of two runs, and a chart below a p
     CHECK(most > 100);
     CHECK(least < -100);
     // Chart and difference are made again from the existing files, with equal results.
-    REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    test::succeed({"resume", scratch.run(), "--quiet"});
     CHECK(difference(read_png(run / "frames/000003.png"), whole).max == 0);
 }
 
 TEST_CASE("an extended film with a difference equals a new film of its settings") {
     const Scratch scratch(turning);
-    REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--out", scratch.run(), "--quiet"}).code == 0);
+    scratch.render({"--until", "0.01"});
     const fs::path run = scratch.run();
     REQUIRE_FALSE(fs::exists(run / "panels/1/raw"));
-    const Outcome longer = test::whorl({"resume", scratch.run(), "--until", "0.03"});
-    INFO(longer.err);
-    REQUIRE(longer.code == 0);
-    CHECK_THAT(longer.err, Catch::Contains("panel 1 of 2: slow, from the start: a difference needs all frames"));
-    CHECK(run_json(run).at("frames") == 4);
+    CHECK_THAT(test::succeed({"resume", scratch.run(), "--until", "0.03"}).err,
+               Catch::Contains("panel 1 of 2: slow, from the start: a difference needs all frames"));
+    CHECK(report(run).at("frames") == 4);
     CHECK_FALSE(fs::exists(run / "panels/1/raw"));
-    REQUIRE(test::whorl({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")}).code == 0);
+    test::succeed({"render", (run / "scene.resolved.toml").string(), "--quiet", "--out", scratch.run("again")});
     for (const char* picture : {"frames/000001.png", "frames/000004.png"})
-        CHECK((read_whole(run / picture) == read_whole(fs::path(scratch.run("again")) / picture)));
+        CHECK((read_whole(run / picture) == read_whole(scratch / "again" / picture)));
     // If frames are kept, the panels continue from their end.
-    REQUIRE(test::whorl({"render", scratch.scene(), "--until", "0.01", "--export", "raw", "--out", scratch.run("kept"), "--quiet"}).code ==
-            0);
-    const Outcome on = test::whorl({"resume", scratch.run("kept"), "--until", "0.03"});
-    CHECK(on.code == 0);
-    CHECK_THAT(on.err, !Catch::Contains("from the start"));
-    CHECK((read_whole(fs::path(scratch.run("kept")) / "frames/000004.png") == read_whole(run / "frames/000004.png")));
+    scratch.render({"--until", "0.01", "--export", "raw"}, "kept");
+    CHECK_THAT(test::succeed({"resume", scratch.run("kept"), "--until", "0.03"}).err, !Catch::Contains("from the start"));
+    CHECK((read_whole(scratch / "kept" / "frames/000004.png") == read_whole(run / "frames/000004.png")));
 }
 
 TEST_CASE("a difference or chart of a missing panel is refused with its location") {
@@ -387,9 +320,8 @@ TEST_CASE("a difference or chart of a missing panel is refused with its location
         std::string text = turning;
         text.replace(text.find(from), from.size(), to);
         const Scratch scratch(text);
-        const Outcome outcome = test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--quiet"});
-        CHECK(outcome.code == 2);
-        CHECK_THAT(outcome.err, Catch::Contains(why) && Catch::Contains("scene.toml:"));
+        CHECK_THAT(test::refusal({"render", scratch.scene(), "--out", scratch.run(), "--quiet"}),
+                   Catch::Contains(why) && Catch::Contains("scene.toml:"));
         CHECK_FALSE(fs::exists(scratch.run()));
     };
     refused("[\"slow\", \"fast\"]", "[\"slow\", \"fats\"]", "has the label \"fats\"; did you mean \"fast\"?");
@@ -404,11 +336,10 @@ TEST_CASE("a film without a range uses the 99th percentile of a coarse run") {
     std::string text = turning;
     text.erase(text.find("[[panel]]"));
     const Scratch scratch(text.replace(text.find("chart = \"flow.kinetic_energy\"\n"), 30, ""));
-    const Outcome outcome =
-        test::whorl({"render", scratch.scene(), "--out", scratch.run(), "--set", "look.field=speed", "--set", "look.colour_map=viridis"});
-    INFO(outcome.err);
-    REQUIRE(outcome.code == 0);
-    CHECK_THAT(outcome.err, Catch::Contains("coarse run of the whole film"));
+    CHECK_THAT(
+        test::succeed({"render", scratch.scene(), "--out", scratch.run(), "--set", "look.field=speed", "--set", "look.colour_map=viridis"})
+            .err,
+        Catch::Contains("coarse run of the whole film"));
     const SceneFile used = read_scene_file(fs::path(scratch.run()) / "scene.resolved.toml");
     CHECK(used.look.range[0] == 0);
     CHECK(used.look.range[1] >= 0.1f);
