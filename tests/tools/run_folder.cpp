@@ -23,24 +23,21 @@ TEST_CASE("a run in the folder is replaced with --overwrite only, and other file
     std::vector<std::string> arguments{"render", scratch.scene(), "--no-images", "--until", "0.03", "--out", scratch.run() + "/"};
     fs::create_directories(scratch / "run");
     std::ofstream(scratch / "run/thesis.txt") << "years of work";
-    const Outcome refused = test::whorl(arguments);
-    CHECK(refused.code == 2);
-    CHECK(refused.err.find("contains files but no run") != std::string::npos);
+    CHECK_THAT(test::refusal(arguments), Catch::Contains("contains files but no run"));
     CHECK(files_in(scratch / "run").size() == 1);
 
     fs::remove(scratch / "run/thesis.txt");
-    REQUIRE(test::whorl(arguments).code == 0);
+    test::succeed(arguments);
     for (const char* own : {"run/notes.txt", "run/talk.gif"}) std::ofstream(scratch / own) << "keep";
     const std::string first = read_whole(scratch / "run/log.txt");
-    const Outcome second = test::whorl(arguments);
-    CHECK(second.code == 2);
-    CHECK_THAT(second.err, Catch::Contains("the folder already contains a run; choose another folder with --out, or replace the run with"));
+    CHECK_THAT(test::refusal(arguments),
+               Catch::Contains("the folder already contains a run; choose another folder with --out, or replace the run with"));
     CHECK(read_whole(scratch / "run/log.txt") == first);
 
     fs::create_directory_symlink(scratch / "run", scratch / "link");
     arguments.back() = (scratch / "link/").string();
     arguments.emplace_back("--overwrite");
-    CHECK(test::whorl(arguments).code == 0);
+    test::succeed(arguments);
     CHECK(fs::is_symlink(scratch / "link"));
     CHECK(read_whole(scratch / "run/log.txt") != first);
     for (const char* own : {"run/notes.txt", "run/talk.gif"}) CHECK(read_whole(scratch / own) == "keep");
@@ -56,7 +53,7 @@ TEST_CASE("a run in the folder is replaced with --overwrite only, and other file
 
 TEST_CASE("without ffmpeg a video is refused before an earlier run is changed", "[tools][render]") {
     const Scratch scratch;
-    REQUIRE(test::whorl({"render", scratch.scene(), "--frames", "2", "--size", "64x36", "--quiet", "--out", scratch.run()}).code == 0);
+    scratch.render({"--frames", "2", "--size", "64x36"});
     const auto first = files_in(scratch / "run");
     const std::string video = read_whole(scratch / "run/little_honey.mp4");
     std::ofstream(scratch / "panels.toml") << test::honey << "[[panel]]\nset = [\"seed=1\"]\n[[panel]]\nset = [\"seed=2\"]\n";
@@ -80,7 +77,7 @@ TEST_CASE("without ffmpeg a video is refused before an earlier run is changed", 
 
 TEST_CASE("every command leaves a folder unchanged while another process works in it", "[tools][render]") {
     const Scratch scratch;
-    REQUIRE(test::whorl({"render", scratch.scene(), "--no-images", "--frames", "1", "--quiet", "--out", scratch.run()}).code == 0);
+    scratch.render({"--no-images", "--frames", "1"});
     const RunFolder held = RunFolder::existing(scratch.run());
     const std::string study = (scratch / "study.toml").string();
     std::ofstream(study) << "scenes = [\"scene.toml\"]\n[accuracy]\ncolumn = \"kinetic_energy\"\n[stability]\n[[knob]]\n"
