@@ -6,7 +6,7 @@
 #include "engine/io/csv.h"
 #include "tests/support/exported.h"
 #include "tests/support/film_runs.h"
-#include "tests/support/program.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using test::Outcome;
@@ -23,25 +23,13 @@ using test::reproducible;
 using Scratch = test::FilmScratch;
 
 TEST_CASE("exported particles keep their ids through sorting, emitters, drains and a resume, and age", "[tools][export]") {
-    const Scratch scratch(honey + R"(
-[[drain]]
-shape = "box"
-min = [-0.02, -0.01, -0.02]
-max = [0.02, 0.004, 0.02]
-delay = 0.1
-)");
-    const auto render = [&](const std::string& until) {
-        return test::whorl(
-            {"render", scratch.scene(), "--no-images", "--export", "points", "--until", until, "--quiet", "--out", scratch.run()});
-    };
-    REQUIRE(render("0.15").code == 0);
+    const Scratch scratch(honey + test::text::drain({-0.02, -0.01, -0.02}, {0.02, 0.004, 0.02}, "delay = 0.1"));
+    scratch.render({"--no-images", "--export", "points", "--until", "0.15"});
     std::string text = read_whole(scratch / "run/scene.resolved.toml");
     const std::size_t end = text.find("end = 0.15");
     REQUIRE(end != std::string::npos);
     std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(end, 10, "end = 0.3");
-    const Outcome resumed = test::whorl({"resume", scratch.run(), "--quiet"});
-    INFO(resumed.err);
-    REQUIRE(resumed.code == 0);
+    test::succeed({"resume", scratch.run(), "--quiet"});
 
     struct Seen {
         Vec3f place;
@@ -78,33 +66,27 @@ delay = 0.1
     CHECK(some_left);
 
     // An export of particles cannot start in the middle of a run.
-    const std::vector<std::string> other{"render", scratch.scene(), "--no-images", "--until",
-                                         "0.05",   "--quiet",       "--out",       scratch.run("other")};
-    REQUIRE(test::whorl(other).code == 0);
+    scratch.render({"--no-images", "--until", "0.05"}, "other");
     text = read_whole(scratch / "other/scene.resolved.toml");
     std::ofstream(scratch / "other/scene.resolved.toml") << text.replace(text.find("export = []"), 11, "export = [\"vtk\"]");
-    const Outcome refused = test::whorl({"resume", scratch.run("other")});
-    CHECK(refused.code == 2);
-    CHECK(refused.err.find("need other columns of the particles (number, age)") != std::string::npos);
+    CHECK_THAT(test::refusal({"resume", scratch.run("other")}), Catch::Contains("need other columns of the particles (number, age)"));
 }
 
 TEST_CASE("every export writes files named as the scene, changes no particle, and resumes identically", "[tools][export]") {
     const Scratch scratch;
     const auto render = [&](const std::string& kinds, const std::string& until, const std::string& folder) {
-        std::vector<std::string> words{"render", scratch.scene(), "--no-images", "--until", until, "--quiet", "--out", scratch.run(folder)};
         // An extended run keeps the box that its camera began with.
-        words.insert(words.end(), {"--set", "camera.min=[-0.03, 0, -0.03]", "--set", "camera.max=[0.03, 0.05, 0.03]"});
+        std::vector<std::string> words{
+            "--no-images", "--until", until, "--set", "camera.min=[-0.03, 0, -0.03]", "--set", "camera.max=[0.03, 0.05, 0.03]"};
         if (!kinds.empty()) words.insert(words.end(), {"--export", kinds});
-        const Outcome done = test::whorl(words);
-        INFO(done.err);
-        REQUIRE(done.code == 0);
+        scratch.render(words, folder);
     };
     const std::string all = "points,mesh,obj,vdb,scene,vtk";
     render(all, "0.1", "whole"), render("", "0.1", "none"), render(all, "0.05", "run");
     CHECK(reproducible(lines(scratch / "whole/diagnostics.csv")) == reproducible(lines(scratch / "none/diagnostics.csv")));
     std::string text = read_whole(scratch / "run/scene.resolved.toml");
     std::ofstream(scratch / "run/scene.resolved.toml") << text.replace(text.find("end = 0.05"), 10, "end = 0.1");
-    REQUIRE(test::whorl({"resume", scratch.run(), "--quiet"}).code == 0);
+    test::succeed({"resume", scratch.run(), "--quiet"});
     for (const char* file : {"points/little_honey.0005.ply", "mesh/little_honey.0005.ply", "obj/little_honey.0005.obj",
                              "vdb/little_honey.0005.vdb", "scene/little_honey.glb", "vtk/little_honey_points.0005.vtp",
                              "vtk/little_honey_mesh.0005.vtp", "vtk/little_honey_flow.0005.vti", "vtk/little_honey.pvd"}) {

@@ -32,6 +32,14 @@ style = "particles"
 field = "speed"
 )")) << panels;
     }
+    /// Another scene of this name, with another line for a key; returns its path.
+    std::string variant(const std::string& name, const std::string& key, const std::string& line) const {
+        std::string text = read_whole(*this / "scene.toml");
+        text.replace(text.find("little_honey"), 12, name);
+        text.replace(text.find(key), text.find('\n', text.find(key)) - text.find(key), line);
+        std::ofstream(*this / (name + ".toml")) << text;
+        return *this / (name + ".toml");
+    }
     Outcome whorl(std::vector<std::string> words, const std::string& out) const {
         words.insert(words.begin() + 1, (*this / "scene.toml").string());
         words.insert(words.end(), {"--threads", "1", "--out", (*this / out).string()});
@@ -56,10 +64,8 @@ void check_same_pictures(const fs::path& a, const fs::path& b, std::size_t count
 TEST_CASE("a scene simulated once and drawn in pieces is bit-identical to a single run", "[tools][farm]") {
     const Scratch scratch;
     REQUIRE(scratch.whorl({"render", "--quiet", "--export", "scene,vtk,mesh"}, "whole").code == 0);
-    const Outcome farmed = scratch.whorl({"farm", "--on", "local", "--pieces", "3", "--export", "scene,vtk,mesh"}, "farmed");
-    INFO(farmed.err);
-    REQUIRE(farmed.code == 0);
-    CHECK(farmed.err.find("simulate 1 of 1, draw 3 of 3, encode 1 of 1") != std::string::npos);
+    CHECK_THAT(test::succeed(scratch.whorl({"farm", "--on", "local", "--pieces", "3", "--export", "scene,vtk,mesh"}, "farmed")).err,
+               Catch::Contains("simulate 1 of 1, draw 3 of 3, encode 1 of 1"));
     check_same_pictures(scratch / "whole", scratch / "farmed", 9);
     CHECK(fs::exists(scratch / "farmed/little_honey.mp4"));
     CHECK(fs::exists(scratch / "farmed/contact.png"));
@@ -77,9 +83,7 @@ TEST_CASE("panels are separate runs, put side by side at the end", "[tools][farm
     const Scratch scratch(
         "[[panel]]\nlabel = \"thick\"\n[[panel]]\nlabel = \"thin\"\nset = [\"fluid.viscosity=60\", \"fluid.density=40000\"]\n");
     REQUIRE(scratch.whorl({"render", "--quiet"}, "whole").code == 0);
-    const Outcome farmed = scratch.whorl({"farm"}, "farmed");
-    INFO(farmed.err);
-    REQUIRE(farmed.code == 0);
+    const Outcome farmed = test::succeed(scratch.whorl({"farm"}, "farmed"));
     CHECK(farmed.err.find("panels 2 of 2, gather 1 of 1") != std::string::npos);
     CHECK(farmed.err.find("warning: panel 2: fluid.density = 40000: liquids have") != std::string::npos);
     check_same_pictures(scratch / "whole", scratch / "farmed", 9);
@@ -94,21 +98,15 @@ TEST_CASE("a farm reports the failed task with its output, and refuses an unknow
     CHECK(diverged.err.find("simulate, little_honey: ended with 1: ") != std::string::npos);
     CHECK(diverged.err.find("diverged at 0.") != std::string::npos);
     CHECK(diverged.err.find("diverged/farm/simulate.0.log") != std::string::npos);
-    const Outcome nowhere = scratch.whorl({"farm", "--on", "slrum"}, "nowhere");
-    CHECK(nowhere.code == 2);
-    CHECK(nowhere.err.find("did you mean \"slurm\"?") != std::string::npos);
+    CHECK_THAT(test::refusal(scratch.whorl({"farm", "--on", "slrum"}, "nowhere")), Catch::Contains("did you mean \"slurm\"?"));
     CHECK_THAT(scratch.whorl({"farm", "--jobs", "2"}, "nowhere").err, Catch::Contains("--jobs: has no effect with --on local"));
     CHECK_FALSE(fs::exists(scratch / "nowhere"));
 }
 
 TEST_CASE("a failing scene does not stop the others of a farm, and is named at the end", "[tools][farm]") {
     const Scratch scratch;
-    std::string bad = read_whole(scratch / "scene.toml");
-    bad.replace(bad.find("little_honey"), 12, "bad");
-    bad.replace(bad.find("viscosity"), bad.find('\n', bad.find("viscosity")) - bad.find("viscosity"),
-                std::string("viscosity = \"") + test::diverging_viscosity + "\"");
-    std::ofstream(scratch / "bad.toml") << bad;
-    const Outcome farmed = scratch.whorl({"farm", (scratch / "bad.toml").string(), "--pieces", "2"}, "films");
+    const std::string bad = scratch.variant("bad", "viscosity", std::string("viscosity = \"") + test::diverging_viscosity + "\"");
+    const Outcome farmed = scratch.whorl({"farm", bad, "--pieces", "2"}, "films");
     INFO(farmed.err);
     CHECK(farmed.code == 1);
     CHECK(farmed.err.find("simulate, bad: ended with 1: ") != std::string::npos);
@@ -121,18 +119,13 @@ TEST_CASE("a failing scene does not stop the others of a farm, and is named at t
 
 TEST_CASE("one invalid scene stops all at the start, and an interrupted farm prints how to continue", "[tools][farm]") {
     const Scratch scratch;
-    std::string huge = read_whole(scratch / "scene.toml");
-    huge.replace(huge.find("little_honey"), 12, "huge");
-    huge.replace(huge.find("spacing"), huge.find('\n', huge.find("spacing")) - huge.find("spacing"), "spacing = 1e-7");
-    std::ofstream(scratch / "huge.toml") << huge;
-    const Outcome refused = scratch.whorl({"farm", (scratch / "huge.toml").string()}, "films");
-    INFO(refused.err);
-    CHECK(refused.code == 2);
+    const std::string huge = scratch.variant("huge", "spacing", "spacing = 1e-7");
+    test::refusal(scratch.whorl({"farm", huge}, "films"));
     CHECK_FALSE(fs::exists(scratch / "films"));
     // Also if the folder of the second is not available: the first keeps its existing run.
     for (const char* name : {"little_honey", "huge"}) fs::create_directories(scratch / "films" / name);
     for (const char* file : {"little_honey/scene.resolved.toml", "huge/thesis.txt"}) std::ofstream(scratch / "films" / file) << "# text";
-    const auto together = [&] { return scratch.whorl({"farm", "--overwrite", (scratch / "huge.toml").string()}, "films").err; };
+    const auto together = [&] { return scratch.whorl({"farm", "--overwrite", huge}, "films").err; };
     CHECK_THAT(together(), Catch::Contains("films/huge: the folder contains files but no run"));
     fs::remove(scratch / "films/huge/thesis.txt");
     {
@@ -150,8 +143,8 @@ TEST_CASE("one invalid scene stops all at the start, and an interrupted farm pri
     CHECK(stopped.err.find("whorl: little_honey was interrupted; continue with: whorl resume " + run + " --no-draw, then whorl draw " +
                            run + "\n") != std::string::npos);
     const std::string short_film = std::to_string(exported_frames(run).size() + 2);
-    CHECK(test::whorl({"resume", run, "--no-draw", "--frames", short_film, "--quiet"}).code == 0);
-    CHECK(test::whorl({"draw", run, "--quiet"}).code == 0);
+    test::succeed({"resume", run, "--no-draw", "--frames", short_film, "--quiet"});
+    test::succeed({"draw", run, "--quiet"});
     CHECK(fs::exists(scratch / "run/little_honey.mp4"));
 }
 
@@ -176,9 +169,8 @@ TEST_CASE("a task continues from its checkpoint, and fails instead of restarting
     CHECK(read_whole(scratch / "run/diagnostics.csv") == rows);
     fs::remove_all(scratch / "run/checkpoints");
     CHECK(again() == 0);
-    const Outcome none = test::Program({(scratch / "run/farm/simulate.sh").string(), "1"}, "bash").wait();
-    CHECK(none.code == 2);
-    CHECK(none.err.find("unknown task 1: 0 to 0") != std::string::npos);
+    CHECK_THAT(test::refusal(test::Program({(scratch / "run/farm/simulate.sh").string(), "1"}, "bash").wait()),
+               Catch::Contains("unknown task 1: 0 to 0"));
     CHECK(!fs::exists(scratch / "run/farm/simulate.1.code"));
 }
 
@@ -197,22 +189,19 @@ TEST_CASE("while jobs of a farm run, another farm in its folder is refused", "[t
     };
     test::Program first(farm(), "bash");
     REQUIRE(first.wait_until([&] { return fs::exists(scratch / "run/farm/jobs.txt"); }));
-    const Outcome other = test::Program(farm(), "bash").wait();
-    CHECK(other.code == 2);
+    test::refusal(test::Program(farm(), "bash").wait());
     first.signal(SIGINT);
     CHECK(first.wait().code == 130);
     CHECK_THAT(read_whole(scratch / "asked"), Catch::Contains("--dependency=afterok:7 --kill-on-invalid-dep=yes"));
-    const Outcome second = test::Program(farm(), "bash").wait();
-    CHECK(second.code == 2);
-    CHECK(second.err.find("jobs of an earlier farm are at work in this folder: 7") != std::string::npos);
-    CHECK(second.err.find("scancel 7") != std::string::npos);
+    const std::string second = test::refusal(test::Program(farm(), "bash").wait());
+    CHECK(second.find("jobs of an earlier farm are at work in this folder: 7") != std::string::npos);
+    CHECK(second.find("scancel 7") != std::string::npos);
     for (const char* how : {"", " --overwrite"}) {
-        const Outcome film = test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec " WHORL_PROGRAM " render " +
-                                                      (scratch / "scene.toml").string() + " --frames 1 --out " + run + how},
-                                           "bash")
-                                 .wait();
-        CHECK(film.code == 2);
-        CHECK(film.err.find("jobs of an earlier farm") != std::string::npos);
+        CHECK_THAT(test::refusal(test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec " WHORL_PROGRAM " render " +
+                                                          (scratch / "scene.toml").string() + " --frames 1 --out " + run + how},
+                                               "bash")
+                                     .wait()),
+                   Catch::Contains("jobs of an earlier farm"));
     }
     CHECK(
         test::Program({"-c", "PATH=" + scratch.path().string() + ":$PATH exec bash " + run + "/farm/simulate.sh 0"}, "bash").wait().code ==
@@ -220,9 +209,7 @@ TEST_CASE("while jobs of a farm run, another farm in its folder is refused", "[t
     {  // A farm on this machine, between two of its jobs.
         program("squeue", "exit 1");
         const RunFolder held = RunFolder::any(scratch / "run/farm");
-        const Outcome third = scratch.whorl({"farm"}, "run");
-        CHECK(third.code == 2);
-        CHECK(third.err.find("another run is at work") != std::string::npos);
+        CHECK_THAT(test::refusal(scratch.whorl({"farm"}, "run")), Catch::Contains("another run is at work"));
     }
 }
 

@@ -76,9 +76,7 @@ bool well_formed(const std::string& xml) {
 
 TEST_CASE("every probe's table is plotted with names, units and the experiment", "[tools][probe]") {
     const Dam scratch;
-    const Outcome done = scratch.render("run");
-    INFO(done.err);
-    REQUIRE(done.code == 0);
+    test::succeed(scratch.render("run"));
     const auto plot = [&](const std::string& name) {
         const std::string svg = read_whole(scratch / ("run/probes/" + name + ".svg"));
         INFO(name);
@@ -121,9 +119,7 @@ TEST_CASE("a resumed run gives the same tables and plots, byte for byte", "[tool
     const Dam scratch;
     REQUIRE(scratch.render("whole").code == 0);
     REQUIRE(scratch.render("run", {"--frames", "4"}).code == 0);
-    const Outcome resumed = test::whorl({"resume", scratch.run(), "--frames", "7", "--quiet"});
-    INFO(resumed.err);
-    REQUIRE(resumed.code == 0);
+    test::succeed({"resume", scratch.run(), "--frames", "7", "--quiet"});
     for (const char* name : {"wave", "gate", "reach", "up"})
         for (const char* end : {".csv", ".svg"}) {
             INFO(name << end);
@@ -148,10 +144,8 @@ TEST_CASE("a table that does not fit its probe is refused at its key before the 
     const Dam scratch;
     const auto refused = [&](const std::string& why) {
         for (const std::string command : {"plan", "render"}) {
-            const Outcome outcome = command == "plan" ? test::whorl({"plan", scratch.scene()}) : scratch.render("run");
-            INFO(outcome.err);
-            CHECK(outcome.code == 2);
-            CHECK_THAT(outcome.err, Catch::Contains("scene.toml:24:11: probe[0].compare: ") && Catch::Contains(why));
+            CHECK_THAT(test::refusal(command == "plan" ? test::whorl({"plan", scratch.scene()}) : scratch.render("run")),
+                       Catch::Contains("scene.toml:24:11: probe[0].compare: ") && Catch::Contains(why));
             CHECK_FALSE(fs::exists(scratch / "run"));
         }
     };
