@@ -261,6 +261,7 @@ struct Scene {
     BudgetKeys budget;
     std::uint64_t seed = 1;
     bool grains = false;      ///< particles have a random number for drawing; not a key, it follows from the look
+    bool foam = false;        ///< particles know how much air is in them; not a key, it follows from the look
     bool identities = false;  ///< particles have an id and a source; not a key, it follows from exports and probes
     bool ages = false;        ///< particles have an age; not a key, as above
 

@@ -4,6 +4,7 @@
 
 #include "engine/models/bodies/body_motion.h"
 #include "engine/models/boundary/wall.h"
+#include "engine/models/foam/foam.h"
 #include "engine/models/ink/ink_markers.h"
 #include "engine/models/micropolar/micropolar.h"
 #include "engine/models/motion/fickian.h"
@@ -92,6 +93,7 @@ public:
         else if (traits_.pressure.source == PressureSource::velocity) projection();
         else separate();
         ink_sources();
+        if (scene_.foam) stage("foam", "foam", Foam{});
         if (scene_.marks_ink()) stage("ink markers", "ink", MoveInkMarkers{scene_.fluid.ink_diffusion});
         return std::move(stages_);
     }
@@ -133,7 +135,7 @@ private:
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
         auto system = std::make_shared<CoupledSystem>(options);
-        if (scene_.fluid.ink_diffusion > 0) stages_.push_back(neighbours());
+        if (scene_.fluid.ink_diffusion > 0 || scene_.foam) stages_.push_back(neighbours());
         ink_diffusion();
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
         stage("coupled gradient", "viscosity", CoupledGradient{system});

@@ -11,6 +11,7 @@
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
+#include "render/gl/foam_pass.h"
 #include "render/gl/ground_light.h"
 #include "render/gl/motion_blur.h"
 #include "render/gl/objects.h"
@@ -122,6 +123,7 @@ struct Renderer::Device {
     bool refracts(const Material& material) const { return material.refracts && !field.empty(); }
     LayerView layer_view(const Shot& shot, const NextView& next) const;
     void blur_motion(const Shot& shot, float open);
+    void draw_foam(const Shot& shot, const Frame& frame, float open);
     void draw_sample(const Shot& shot, int sample);
     void draw_from(const Shot& shot, int sample);
     void draw_faces(const Shot& shot, const Eigen::Matrix4f& matrix);
@@ -177,6 +179,7 @@ struct Renderer::Device {
     gl::Framebuffer output = gl::framebuffer({picture.id()}, 0);
     std::optional<AovPass> aov_pass;  // created at first use
     std::optional<MotionBlur> motion_blur;
+    std::optional<FoamPass> foam_pass;
 
     SampleAccumulator samples{width, height, depth};
     Backdrop backdrop{width, height};
@@ -293,7 +296,16 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     }
     for (int i = 0; i < samples.count(); ++i) draw_sample(shot, i);
     if (seen.open < view.open && !shows_field(look)) blur_motion(shot, view.open);
+    if (look.foam > 0 && !shows_field(look)) draw_foam(shot, frame, view.open);
     return shot;
+}
+
+/// After all samples and their blur: points have their own streaks.
+void Renderer::Device::draw_foam(const Shot& shot, const Frame& frame, float open) {
+    if (!foam_pass) foam_pass.emplace(width, height);
+    foam_pass->fill(frame, shot.look.foam);
+    foam_pass->draw(samples.sum(), {shot.view, shot.camera, shot.spacing, open, lighting.shadow_lamp(shot.view), normal.id(), solid.id()},
+                    shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
 }
 
 /// Draws one sample. Each sample has its own position in the pixel, position on the lens, and moment while the shutter is open.

@@ -92,8 +92,10 @@ std::vector<std::string> shown_fields(const LookOptions& look) {
     if (look.style == "slice" && look.streaks) return {look.field, "grain"};
     if (draws_lines(look)) return {look.field, "vorticity", "grain"};
     if (shows_field(look)) return {look.field};
-    if (fluid_material(look, 1).cooling > 0) return {"age", "grain", "ink"};
-    return {"ink"};
+    std::vector<std::string> fields{"ink"};
+    if (fluid_material(look, 1).cooling > 0) fields.insert(fields.end(), {"age", "grain"});
+    if (look.foam > 0) fields.insert(fields.end(), {"foam", "airborne", "grain"});
+    return fields;
 }
 
 }  // namespace whorl

@@ -99,6 +99,12 @@ KeyTable make_look_keys() {
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
     t.key("cooling", &L::cooling, "s", "lava: age at which it has lost most of its glow, if a viscosity depends on age; 0: never" + preset)
         .only_with("style", surface);
+    t.key("foam", &L::foam, "",
+          "white spray and foam where the fluid breaks up: drawn points over the usual number; 0: none, and drops of single particles are "
+          "drawn")
+        .at_least(0)
+        .at_most(10)
+        .only_with("style", surface);
     t.key("background", &L::background, "",
           "backdrop of the scene; transparent: none, for composing over another image (the studio still lights the scene)")
         .one_of(background_names());

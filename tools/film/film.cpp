@@ -4,6 +4,7 @@
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
 #include "render/image/exr.h"
+#include "render/surface/foam.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/process/process.h"
@@ -67,7 +68,8 @@ void Film::make_surfaces() {
         SurfaceOptions how = (*shot)->how->surface;
         how.distance = how.distance && (drawn || exports_.wants_distance());
         const bool wanted = drawn || (exports_.wants_surface() && (*shot)->frame->dimensions == 3);
-        if (wanted) timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, how); });
+        if (wanted)
+            timed("surface", [&] { (*shot)->surface = build_surface(surfaced_part(*(*shot)->frame, (*shot)->how->look.foam), how); });
         if (!to_draw_.push(std::move(*shot))) return;
     }
     to_draw_.close();

@@ -24,7 +24,7 @@ void check_settings(const Checkpoint& checkpoint, const Scene& now, const std::f
             {now.place(now.any_flux() == before.any_flux() ? "output.export" : "probe"),
              "the exports points, mesh and vtk and flux probes need other columns of the particles (number, age) than the run began with",
              "", ""});
-    if (before.grains != now.grains)
+    if (before.grains != now.grains || before.foam != now.foam)
         problems.push_back({now.place("look"), "the new look needs other columns of the particles than the run began with", "", ""});
     for (const std::string& difference : differences(before, now)) problems.push_back({{scene_file.string(), 0, 0}, difference, "", ""});
     if (problems.empty()) return;

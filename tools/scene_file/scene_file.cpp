@@ -147,11 +147,18 @@ void check_look(const SceneFile& file) {
     if (!problems.empty()) throw InputError(in_order(std::move(problems), file.scene.place("").file));
 }
 
-/// Whether drawing needs the identities of particles: streaks of a slice and plates of a crust move with particles.
+/// Whether the run needs the columns of foam.
+bool has_foam(const SceneFile& file) {
+    const auto& changes = file.scene.changes;
+    return file.look.foam > 0 ||
+           std::any_of(changes.begin(), changes.end(), [](const TimedChange& c) { return c.change.path == "look.foam"; });
+}
+
+/// Whether drawing needs the identities of particles: streaks of a slice, plates of a crust and foam move with particles.
 bool tells_particles_apart(const SceneFile& file) {
     const auto shown = shown_fields(file.look);
     const auto& changes = file.scene.changes;
-    return std::find(shown.begin(), shown.end(), "grain") != shown.end() ||
+    return has_foam(file) || std::find(shown.begin(), shown.end(), "grain") != shown.end() ||
            std::any_of(changes.begin(), changes.end(), [](const TimedChange& c) {
                const std::string& key = c.change.path;
                return key == "look.style" || key == "look.streaks" || key == "look.material" || key == "look.cooling";
@@ -161,6 +168,7 @@ bool tells_particles_apart(const SceneFile& file) {
 /// Sets values that have no key but follow from the keys.
 void follow(SceneFile& file) {
     file.scene.grains = tells_particles_apart(file);
+    file.scene.foam = has_foam(file);
     const Scene& scene = file.scene;
     const bool exported = scene.exported("points") || scene.exported("vtk");
     file.scene.identities = exported || scene.any_flux();

@@ -1,0 +1,24 @@
+// White of a point of foam, hidden by solids, and by the fluid the more the deeper it is.
+in vec2 place;
+in vec3 world;
+flat in vec3 shape;
+uniform sampler2D normal_buffer;
+uniform sampler2D solid_buffer;
+uniform float spacing;
+uniform vec3 lamp;
+layout(location = 0) out vec4 colour;
+
+void main() {
+    float off = length(vec2(max(abs(place.x) - shape.y, 0.0), place.y));
+    float opacity = shape.z * clamp(shape.x + 0.5 - off, 0.0, 1.0);
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 fluid = texelFetch(normal_buffer, pixel, 0);
+    float solid = texelFetch(solid_buffer, pixel, 0).a, away = distance(world, eye);
+    if (opacity <= 0.0 || (solid > 0.0 && away > solid)) discard;
+    float depth = fluid.a > 0.0 ? max(away - fluid.a, 0.0) / spacing : 0.0;
+    opacity *= exp(-0.4 * max(depth - 0.5, 0.0));
+    vec3 n = fluid.a > 0.0 && abs(away - fluid.a) < 2.0 * spacing ? octahedral_decode(fluid.xy) : normalize(eye - world);
+    // White bodies let light through: it wraps round.
+    vec3 light = ambient(n) + key_colour * clamp(0.5 + 0.5 * dot(n, lamp), 0.0, 1.0);
+    colour = vec4(held(0.9 * light), 1.0) * opacity;
+}

@@ -1,0 +1,94 @@
+#include "render/surface/foam.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "render/surface/ghosts.h"
+
+namespace whorl {
+namespace {
+
+constexpr int usual_points = 24;     // per particle
+constexpr float scatter = 0.9f;      // farthest point of a particle [spacings]
+constexpr float parting = 0.12f;     // largest velocity of spray relative to its particle, over the particle's
+constexpr float spray_after = 0.02f;  // s
+
+/// Random numbers of a point, 0 .. 1 (PCG, Jarzynski and Olano 2020).
+class PointNumbers {
+public:
+    PointNumbers(float grain, int k) : state_(std::bit_cast<std::uint32_t>(grain) + 0x9e3779b9u * static_cast<std::uint32_t>(k + 1)) {}
+    float next() {
+        state_ = state_ * 747796405u + 2891336453u;
+        std::uint32_t word = ((state_ >> ((state_ >> 28) + 4)) ^ state_) * 277803737u;
+        word = (word >> 22) ^ word;
+        return static_cast<float>(word >> 8) * 0x1p-24f;
+    }
+    /// Uniform in the unit ball.
+    Vec3f in_ball() {
+        const float z = 2 * next() - 1, turn = 6.2831853f * next(), r = std::cbrt(next()), flat = r * std::sqrt(1 - z * z);
+        return {flat * std::cos(turn), flat * std::sin(turn), r * z};
+    }
+
+private:
+    std::uint32_t state_;
+};
+
+const std::vector<float>* find_field(const Frame& frame, const char* name) {
+    const auto found = frame.scalar.find(name);
+    return found == frame.scalar.end() ? nullptr : &found->second;
+}
+
+}  // namespace
+
+std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
+    const std::vector<float>*foam = find_field(frame, "foam"), *airborne = find_field(frame, "airborne"), *grain = find_field(frame, "grain");
+    if (!(amount > 0) || !foam || !airborne || !grain) return {};
+    const int most = std::max(1, static_cast<int>(std::lround(amount * static_cast<float>(usual_points))));
+    const float d = frame.spacing;
+    const Cut cut(frame);
+    std::vector<FoamPoint> points(foam->size() * static_cast<std::size_t>(most), FoamPoint{Vec3f::Zero(), Vec3f::Zero(), 0, 0});
+    parallel_for(static_cast<Index>(foam->size()), [&](Index i) {
+        const float f = (*foam)[i];
+        for (int k = 0; k < most; ++k) {
+            // Each point appears and fades by itself.
+            const float opacity = std::clamp(8 * (f - (static_cast<float>(k) + 0.5f) / static_cast<float>(most)) + 0.5f, 0.0f, 1.0f);
+            if (!(f > 0.01f && opacity > 0)) break;
+            PointNumbers random((*grain)[i], k);
+            const Vec3f off = scatter * d * random.in_ball(), drift = parting * frame.velocity[i].norm() * random.in_ball();
+            FoamPoint& p = points[static_cast<std::size_t>(i) * static_cast<std::size_t>(most) + static_cast<std::size_t>(k)];
+            p.position = frame.position[i] + off + (*airborne)[i] * drift;
+            p.velocity = frame.velocity[i];
+            if ((*airborne)[i] > spray_after) p.velocity += drift;
+            const float size = random.next();
+            p.radius = d * (0.04f + 0.08f * size * size);
+            p.opacity = opacity;
+            for (int turn = 0; turn < 2 && cut.any(); ++turn)
+                if (const Cut::Side& side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)
+                    p.position += (p.radius - side.inside(p.position)) * side.inward;
+        }
+    });
+    std::erase_if(points, [](const FoamPoint& p) { return !(p.opacity > 0); });
+    return points;
+}
+
+Frame surfaced_part(const Frame& frame, float amount) {
+    const std::vector<float>* airborne = find_field(frame, "airborne");
+    if (!(amount > 0) || !airborne || !find_field(frame, "foam") || !find_field(frame, "grain")) return frame;
+    const auto without_spray = [&](auto values) {
+        std::size_t n = 0;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (!((*airborne)[i] > spray_after)) values[n++] = values[i];
+        values.resize(n);
+        return values;
+    };
+    Frame part = frame;
+    part.position = without_spray(frame.position), part.velocity = without_spray(frame.velocity);
+    for (auto& [name, values] : part.scalar) values = without_spray(frame.scalar.at(name));
+    for (auto& [name, values] : part.vector) values = without_spray(frame.vector.at(name));
+    for (auto& [name, values] : part.whole) values = without_spray(frame.whole.at(name));
+    return part;
+}
+
+}  // namespace whorl

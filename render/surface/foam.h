@@ -1,0 +1,22 @@
+#pragma once
+/// Spray and foam: the frame's values of air as white points around the particles.
+#include <vector>
+
+#include "engine/io/frame.h"
+
+namespace whorl {
+
+struct FoamPoint {
+    Vec3f position, velocity;  ///< m, m/s
+    float radius;              ///< m
+    float opacity;             ///< 0 .. 1
+};
+
+/// Up to 24 `amount` points around each particle, the number by its "foam", at places that move with it. Those of spray part from each
+/// other. Points stay inside containers. Empty if the frame has no such fields.
+std::vector<FoamPoint> foam_points(const Frame& frame, float amount);
+
+/// The frame without the particles that are drawn as spray; the frame itself if there are none or `amount` is 0.
+Frame surfaced_part(const Frame& frame, float amount);
+
+}  // namespace whorl
