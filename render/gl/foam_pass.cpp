@@ -10,13 +10,14 @@ void FoamPass::fill(const Frame& frame, float amount) {
     std::vector<Vec3f> position, velocity;
     std::vector<float> form;
     std::vector<std::uint32_t> index;
-    position.reserve(4 * points.size()), velocity.reserve(4 * points.size()), form.reserve(16 * points.size()), index.reserve(6 * points.size());
+    position.reserve(4 * points.size()), velocity.reserve(4 * points.size()), form.reserve(16 * points.size()),
+        index.reserve(6 * points.size());
     for (const FoamPoint& p : points) {
         const auto first = static_cast<std::uint32_t>(position.size());
         for (const float across : {-1.0f, 1.0f})
             for (const float along : {-1.0f, 1.0f}) {
                 position.push_back(p.position), velocity.push_back(p.velocity);
-                form.insert(form.end(), {along, across, p.radius, p.opacity});
+                form.insert(form.end(), {along, across, p.radius, p.mist ? -p.opacity : p.opacity});
             }
         for (const std::uint32_t corner : {0, 1, 2, 2, 1, 3}) index.push_back(first + corner);
     }

@@ -10,7 +10,8 @@ layout(location = 0) out vec4 colour;
 
 void main() {
     float off = length(vec2(max(abs(place.x) - shape.y, 0.0), place.y));
-    float opacity = shape.z * clamp(shape.x + 0.5 - off, 0.0, 1.0);
+    float soft = max(1.0 - off * off / (shape.x * shape.x), 0.0);
+    float opacity = shape.z < 0.0 ? -shape.z * soft * soft : shape.z * clamp(shape.x + 0.5 - off, 0.0, 1.0);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 fluid = texelFetch(normal_buffer, pixel, 0);
     float solid = texelFetch(solid_buffer, pixel, 0).a, away = distance(world, eye);
@@ -20,5 +21,5 @@ void main() {
     vec3 n = fluid.a > 0.0 && abs(away - fluid.a) < 2.0 * spacing ? octahedral_decode(fluid.xy) : normalize(eye - world);
     // White bodies let light through: it wraps round.
     vec3 light = ambient(n) + key_colour * clamp(0.5 + 0.5 * dot(n, lamp), 0.0, 1.0);
-    colour = vec4(held(0.9 * light), 1.0) * opacity;
+    colour = vec4(held(1.15 * light), 1.0) * opacity;
 }

@@ -1,7 +1,7 @@
 // A point of foam as a rectangle about its way while the shutter is open.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 velocity;
-layout(location = 2) in vec4 form;   // place of the corner along and across the way, -1 or 1; radius [m]; opacity
+layout(location = 2) in vec4 form;   // place of the corner along and across the way, -1 or 1; radius [m]; opacity, negative for mist
 uniform mat4 view_projection;
 uniform vec3 eye;
 uniform float ground_height;
@@ -11,7 +11,7 @@ uniform float open;          // s
 uniform vec2 lens;           // radius, and distance where it is sharp [m]
 out vec2 place;              // along and across the way, from its middle [pixels]
 out vec3 world;
-flat out vec3 shape;         // radius, half of the way [pixels]; opacity
+flat out vec3 shape;         // radius, half of the way [pixels]; opacity, negative for mist
 
 void main() {
     world = vec3(position.x, max(position.y, ground_height), position.z);
@@ -21,15 +21,15 @@ void main() {
         return;
     }
     vec2 start = half_size * from.xy / from.w, end = half_size * to.xy / to.w, way = end - start;
-    float far = distance(world, eye), long = length(way);
-    vec2 along = long > 1e-3 ? way / long : vec2(1.0, 0.0);
+    float far = distance(world, eye), travel = length(way);
+    vec2 along = travel > 1e-3 ? way / travel : vec2(1.0, 0.0);
     float sharp = pixels * form.z / far;
     float blur = lens.y > 0.0 ? pixels * lens.x * abs(1.0 / far - 1.0 / lens.y) : 0.0;
     float radius = max(max(sharp, blur), 0.6);
     // A moving point covers each place for a part of the time only. Highlights are far above white, so that streaks fade less than that.
-    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.6 * long / radius);
+    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.6 * travel / radius);
     float margin = radius + 1.0;
-    place = form.xy * vec2(0.5 * long + margin, margin);
-    shape = vec3(radius, 0.5 * long, opacity);
+    place = form.xy * vec2(0.5 * travel + margin, margin);
+    shape = vec3(radius, 0.5 * travel, opacity);
     gl_Position = vec4((0.5 * (start + end) + place.x * along + place.y * vec2(-along.y, along.x)) / half_size, 0.0, 1.0);
 }

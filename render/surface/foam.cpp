@@ -10,10 +10,13 @@
 namespace whorl {
 namespace {
 
-constexpr int usual_points = 24;     // per particle
-constexpr float scatter = 0.9f;      // farthest point of a particle [spacings]
-constexpr float parting = 0.12f;     // largest velocity of spray relative to its particle, over the particle's
+constexpr int usual_points = 40;      // per particle
+constexpr float scatter = 1.3f;       // farthest point of a particle [spacings]
+constexpr float parting = 0.12f;      // largest velocity of spray relative to its particle, over the particle's
 constexpr float spray_after = 0.02f;  // s
+constexpr float faint = 0.06f;        // foam that is not drawn
+constexpr float mist_radius = 1.0f;   // spacings
+constexpr float mist_opacity = 0.3f, mist_of_spray = 0.05f;
 
 /// Random numbers of a point, 0 .. 1 (PCG, Jarzynski and Olano 2020).
 class PointNumbers {
@@ -43,26 +46,33 @@ const std::vector<float>* find_field(const Frame& frame, const char* name) {
 }  // namespace
 
 std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
-    const std::vector<float>*foam = find_field(frame, "foam"), *airborne = find_field(frame, "airborne"), *grain = find_field(frame, "grain");
+    const std::vector<float>*foam = find_field(frame, "foam"), *airborne = find_field(frame, "airborne"),
+          *grain = find_field(frame, "grain");
     if (!(amount > 0) || !foam || !airborne || !grain) return {};
     const int most = std::max(1, static_cast<int>(std::lround(amount * static_cast<float>(usual_points))));
     const float d = frame.spacing;
     const Cut cut(frame);
-    std::vector<FoamPoint> points(foam->size() * static_cast<std::size_t>(most), FoamPoint{Vec3f::Zero(), Vec3f::Zero(), 0, 0});
+    const std::size_t each = static_cast<std::size_t>(most) + 1;
+    std::vector<FoamPoint> points(foam->size() * each, FoamPoint{Vec3f::Zero(), Vec3f::Zero(), 0, 0});
     parallel_for(static_cast<Index>(foam->size()), [&](Index i) {
-        const float f = (*foam)[i];
+        const float f = std::clamp(((*foam)[i] - faint) / (1 - faint), 0.0f, 1.0f);
+        FoamPoint* const own = &points[static_cast<std::size_t>(i) * each];
+        const bool spray = (*airborne)[i] > spray_after;
+        if (f > 0)
+            own[most] = {frame.position[i], frame.velocity[i], mist_radius * d,
+                         std::min(1.0f, amount) * f * (spray ? mist_of_spray : mist_opacity), true};
         for (int k = 0; k < most; ++k) {
             // Each point appears and fades by itself.
             const float opacity = std::clamp(8 * (f - (static_cast<float>(k) + 0.5f) / static_cast<float>(most)) + 0.5f, 0.0f, 1.0f);
-            if (!(f > 0.01f && opacity > 0)) break;
+            if (!(f > 0 && opacity > 0)) break;
             PointNumbers random((*grain)[i], k);
             const Vec3f off = scatter * d * random.in_ball(), drift = parting * frame.velocity[i].norm() * random.in_ball();
-            FoamPoint& p = points[static_cast<std::size_t>(i) * static_cast<std::size_t>(most) + static_cast<std::size_t>(k)];
+            FoamPoint& p = own[k];
             p.position = frame.position[i] + off + (*airborne)[i] * drift;
             p.velocity = frame.velocity[i];
-            if ((*airborne)[i] > spray_after) p.velocity += drift;
+            if (spray) p.velocity += drift;
             const float size = random.next();
-            p.radius = d * (0.04f + 0.08f * size * size);
+            p.radius = d * (0.03f + 0.05f * size * size);
             p.opacity = opacity;
             for (int turn = 0; turn < 2 && cut.any(); ++turn)
                 if (const Cut::Side& side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)

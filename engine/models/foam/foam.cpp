@@ -21,53 +21,57 @@ Real lattice_sum(Real reach, int dimensions) {
     return sum;
 }
 
-/// Sums over a particle's neighbours, over the lattice's sum.
+/// Sums over a particle's neighbours, each times w and over the lattice's sum of w.
 struct Company {
-    Real amount = 0;         ///< 1 inside the fluid
-    Real approach = 0;       ///< m/s
+    Real fluid = 0, solid = 0;  ///< 1 together inside the fluid
+    Real approach = 0;          ///< m/s
+    Real foam = 0;
     Vec3 out = Vec3::Zero();  ///< m, towards where neighbours are missing
 };
 
+Company company_of(Index i, const InteractionContext& context, const Vec3* u, const Real* foam, Real over_sum) {
+    const Real over_R = 1 / context.step.support;
+    const Vec3 own = u[i];
+    Company c;
+    context.pairs.groups_of(i, [&](const Pairs::Group& group) {
+        Real other[3][Pairs::Group::most], other_foam[Pairs::Group::most];
+        group.gather(u, other), group.gather(foam, other_foam);
+        Real amount = 0, approach = 0, air = 0, x = 0, y = 0, z = 0;
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real w = std::max(Real(0), 1 - group.distance[l] * over_R);
+            const Real a = own[0] - other[0][l], b = own[1] - other[1][l], d = own[2] - other[2][l];
+            const Real parting = (a * group.r[0][l] + b * group.r[1][l] + d * group.r[2][l]) / std::max(group.distance[l], min_positive);
+            amount += w, air += w * other_foam[l], approach += w * (std::sqrt(a * a + b * b + d * d) - parting);
+            x += w * group.r[0][l], y += w * group.r[1][l], z += w * group.r[2][l];
+        }
+        c.fluid += over_sum * amount, c.foam += over_sum * air, c.approach += over_sum * approach, c.out += over_sum * Vec3(x, y, z);
+    });
+    context.solid_pairs.of(i, [&](Index, const Vec3& r, Real distance) {
+        const Real w = over_sum * std::max(Real(0), 1 - distance * over_R);
+        c.solid += w, c.out += w * r;
+    });
+    return c;
+}
+
 }  // namespace
 
-void Foam::operator()(const InteractionContext& context, Read<field::velocity> u, Update<field::foam> foam,
+void Foam::operator()(const InteractionContext& context, Read<field::velocity> u, Write<field::old_foam> old_foam, Update<field::foam> foam,
                       Update<field::airborne> airborne) const {
     const StepContext& step = context.step;
-    const Real R = step.support, over_R = 1 / R, over_sum = 1 / lattice_sum(R / step.spacing, step.dimensions());
-    const auto company_of = [&](Index i) {
-        Company c;
-        const auto add = [&](const Pairs::Group& group, const auto& approach) {
-            Real amount = 0, closing = 0, x = 0, y = 0, z = 0;
-            for (Index l = 0; l < group.padded(); ++l) {
-                const Real w = std::max(Real(0), 1 - group.distance[l] * over_R);
-                amount += w, closing += w * approach(group, l);
-                x += w * group.r[0][l], y += w * group.r[1][l], z += w * group.r[2][l];
-            }
-            c.amount += over_sum * amount, c.approach += over_sum * closing, c.out += over_sum * Vec3(x, y, z);
-        };
-        context.pairs.groups_of(i, [&](const Pairs::Group& group) {
-            Real other[3][Pairs::Group::most];
-            group.gather(u.data(), other);
-            add(group, [&](const Pairs::Group& g, Index l) {
-                const Real a = u[i][0] - other[0][l], b = u[i][1] - other[1][l], d = u[i][2] - other[2][l];
-                return std::sqrt(a * a + b * b + d * d) -
-                       (a * g.r[0][l] + b * g.r[1][l] + d * g.r[2][l]) / std::max(g.distance[l], min_positive);
-            });
-        });
-        context.solid_pairs.groups_of(i, [&](const Pairs::Group& group) { add(group, [](const Pairs::Group&, Index) { return Real(0); }); });
-        return c;
-    };
+    const Real over_sum = 1 / lattice_sum(step.support / step.spacing, step.dimensions());
+    parallel_for(foam.size(), [&](Index i) { old_foam[i] = foam[i]; });
     parallel_for(foam.size(), [&](Index i) {
-        const Company near = company_of(i);
-        const Real speed = u[i].norm(), outwards = u[i].dot(near.out) / std::max(speed * near.out.norm(), min_positive);
-        const Real trapped = ramp(near.approach, Real(0.15), Real(0.6)) * ramp(1 - near.amount, Real(0.05), Real(0.2));
-        const Real crest = ramp(outwards, Real(0.5), Real(0.8)) * ramp(near.amount, Real(0.6), Real(0.4));
+        const Company near = company_of(i, context, u.data(), old_foam.data(), over_sum);
+        const Real amount = near.fluid + near.solid, speed = u[i].norm();
+        const Real outwards = u[i].dot(near.out) / std::max(speed * near.out.norm(), min_positive);
+        const Real trapped = ramp(near.approach, Real(0.2), Real(0.7)) * ramp(amount, Real(0.95), Real(0.8));
+        const Real crest = ramp(outwards, Real(0.5), Real(0.8)) * ramp(amount, Real(0.6), Real(0.4));
         const Real energy = ramp(speed * speed / 2, Real(0.05), Real(0.5));
-        const bool spray = near.amount < alone && speed > spray_speed;
-        const Real rate = energy * (trapped + crest) / grow + (spray ? 1 / burst : 0);
-        // Exact for a constant rate, so that no step is too long.
-        const Real all = rate + 1 / decay;
-        foam[i] = rate / all + (foam[i] - rate / all) * std::exp(-all * step.dt);
+        const bool spray = amount < alone && speed > spray_speed;
+        const Real gain = energy * (trapped + crest) / grow + (spray ? 1 / burst : 0), exchange = near.fluid > alone ? 1 / mixing : 0;
+        // Exact for constant rates, so that no step is too long.
+        const Real rate = gain + 1 / decay + exchange, end = (gain + exchange * near.foam / std::max(near.fluid, alone)) / rate;
+        foam[i] = end + (old_foam[i] - end) * std::exp(-rate * step.dt);
         airborne[i] = spray ? airborne[i] + step.dt : airborne[i] * std::exp(-step.dt / landing);
     });
 }

@@ -10,13 +10,18 @@ struct foam {
     using type = Real;
     static constexpr std::string_view name = "foam", unit = "", meaning = "air in the particle's fluid: 0 clear, 1 white";
 };
+struct old_foam {
+    using type = Real;
+    static constexpr std::string_view name = "old_foam", unit = "", meaning = "foam at the start of the step";
+};
 struct airborne {
     using type = Real;
     static constexpr std::string_view name = "airborne", unit = "s", meaning = "time for which the particle has been spray";
 };
 }  // namespace field
 
-/// df/dt = (1 - f) K (T + C)/grow - f/decay,   after Ihmsen et al., "Unified spray, foam and air bubbles for particle-based fluids" (2012)
+/// df/dt = (1 - f) K (T + C)/grow - f/decay + (sum_j w f_j/sum_j w - f)/mixing,   after Ihmsen et al., "Unified spray, foam and air bubbles
+/// for particle-based fluids" (2012)
 ///
 /// T is the air trapped between particles that approach each other, sum_j w (|u_ij| - u_ij.r_ij/r) over the lattice's sum of w, near a
 /// surface; C that of wave crests: a convex surface that moves outwards; K the kinetic energy. Each rises linearly from 0 to 1 between its
@@ -25,10 +30,10 @@ struct airborne {
 ///
 /// A fast particle with almost no neighbours is spray, and white within `burst`. One that falls back stops being spray within `landing`.
 struct Foam {
-    static constexpr Real grow = Real(0.04), decay = Real(0.8), burst = Real(0.03), landing = Real(0.06);  ///< s
-    static constexpr Real alone = Real(0.17);  ///< share of the lattice's sum of w below which a particle is spray
+    static constexpr Real grow = Real(0.04), decay = Real(0.8), mixing = Real(0.2), burst = Real(0.03), landing = Real(0.06);  ///< s
+    static constexpr Real alone = Real(0.26);       ///< share of the lattice's sum of w below which a particle is spray
     static constexpr Real spray_speed = Real(0.3);  ///< m/s
-    void operator()(const InteractionContext& context, Read<field::velocity> u, Update<field::foam> foam,
+    void operator()(const InteractionContext& context, Read<field::velocity> u, Write<field::old_foam> old_foam, Update<field::foam> foam,
                     Update<field::airborne> airborne) const;
 };
 
