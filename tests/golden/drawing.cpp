@@ -90,6 +90,26 @@ TEST_CASE("water waves in a glass box", "[golden]") {
     compare(picture, "water_box");
 }
 
+TEST_CASE("spray over foam on waves in a glass box, in a dark studio", "[golden]") {
+    Picture picture = blank("water");
+    picture.look.background = "dark";
+    picture.look.foam = 1;
+    picture.surface = test::pool(0.05f, 0.02f, 0.001f);
+    add_solid(picture.frame, test::box_mesh(Vec3f(-0.05f, 0, -0.05f), Vec3f(0.05f, 0.06f, 0.05f)), "glass", true);
+    picture.view.open = 0.01f;
+    RandomNumbers random(1);
+    const auto add = [&](const Vec3f& x, const Vec3f& u, float foam, float airborne) {
+        picture.frame.position.push_back(x), picture.frame.velocity.push_back(u);
+        picture.frame.scalar["foam"].push_back(foam), picture.frame.scalar["airborne"].push_back(airborne);
+        picture.frame.scalar["grain"].push_back(static_cast<float>(random()));
+    };
+    const auto place = [&](float from, float to) { return from + (to - from) * static_cast<float>(random()); };
+    for (int k = 0; k < 600; ++k) add({place(-0.05f, 0), place(0.012f, 0.02f), place(-0.05f, 0.05f)}, {0.1f, 0, 0}, place(0, 1), 0);
+    for (int k = 0; k < 60; ++k)
+        add({place(0, 0.03f), place(0.025f, 0.05f), place(-0.02f, 0.02f)}, {place(0, 1), 1, 0}, 1, 0.02f + place(0, 0.05f));
+    compare(picture, "water_foam");
+}
+
 TEST_CASE("a wooden bar in a glass half full of water with a drop of ink", "[golden]") {
     Picture picture = blank("water");
     picture.look.background = "white";

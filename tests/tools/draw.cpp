@@ -199,6 +199,7 @@ TEST_CASE("draw refuses frames that it cannot draw, and changes nothing") {
         CHECK_THAT(test::refusal(words), Catch::Contains(why));
     };
     refused({"--set", "look.exposure=2", "--set", "fluid.viscosity=3"}, "--set fluid.viscosity=3: the change affects the simulation");
+    refused({"--set", "look.foam=1"}, "look.foam: the frames of the run have no foam; render the scene again with look.foam");
     refused({"--frames", "2", "--size", "320x180"}, "--frames: the other images in " + scratch.run() +
                                                         " are 160x90, but the new ones would be 320x180; draw all frames, or choose");
     CHECK_THAT(test::whorl({"draw", scratch.run(), "--frames", "2"}).err, Catch::Contains("1 frame drawn: "));

@@ -60,6 +60,14 @@ void check_size_of_others(const RedrawRequest& request) {
     }
 }
 
+/// @throws InputError if the look draws foam and the frames have none
+void check_foam(const SceneFile& file, const fs::path& run, const std::vector<int>& frames) {
+    if (!(file.look.foam > 0) || shows_field(file.look) || frames.empty()) return;
+    if (exported_frame(run, frames.front()).scalar.count("foam") > 0) return;
+    throw InputError(file.scene.place("look.foam"), "look.foam: the frames of the run have no foam",
+                     "render the scene again with look.foam, or set look.foam = 0");
+}
+
 /// Raw frames to draw. If the run is in progress: the existing frames, then each new one until the run ends.
 class Exported {
 public:
@@ -151,6 +159,7 @@ int redraw(const RedrawRequest& request) {
     const SceneFile file = request.goes_on
                                ? with_choices(request.file, Simulation(scene, make_plan(scene)), watch_coarse_run(request.quiet))
                                : with_choices_from(request.file, request.run, frames.all());
+    check_foam(file, request.run, frames.ready());
     Replay replay(file);
     const auto options_now = [&] {
         const SceneFile& now = replay.now();
