@@ -21,5 +21,5 @@ void main() {
     vec3 n = fluid.a > 0.0 && abs(away - fluid.a) < 2.0 * spacing ? octahedral_decode(fluid.xy) : normalize(eye - world);
     // White bodies let light through: it wraps round.
     vec3 light = ambient(n) + key_colour * clamp(0.5 + 0.5 * dot(n, lamp), 0.0, 1.0);
-    colour = vec4(held(1.15 * light), 1.0) * opacity;
+    colour = vec4(held(1.4 * light), 1.0) * opacity;
 }

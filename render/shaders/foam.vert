@@ -15,7 +15,9 @@ flat out vec3 shape;         // radius, half of the way [pixels]; opacity, negat
 
 void main() {
     world = vec3(position.x, max(position.y, ground_height), position.z);
-    vec4 from = view_projection * vec4(world - 0.5 * open * velocity, 1.0), to = view_projection * vec4(world + 0.5 * open * velocity, 1.0);
+    vec3 before = world - 0.5 * open * velocity, after = world + 0.5 * open * velocity;
+    before.y = max(before.y, ground_height), after.y = max(after.y, ground_height);
+    vec4 from = view_projection * vec4(before, 1.0), to = view_projection * vec4(after, 1.0);
     if (min(from.w, to.w) <= 0.0) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
         return;
@@ -27,7 +29,7 @@ void main() {
     float blur = lens.y > 0.0 ? pixels * lens.x * abs(1.0 / far - 1.0 / lens.y) : 0.0;
     float radius = max(max(sharp, blur), 0.6);
     // A moving point covers each place for a part of the time only. Highlights are far above white, so that streaks fade less than that.
-    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.6 * travel / radius);
+    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.35 * travel / radius);
     float margin = radius + 1.0;
     place = form.xy * vec2(0.5 * travel + margin, margin);
     shape = vec3(radius, 0.5 * travel, opacity);

@@ -64,7 +64,7 @@ void Foam::operator()(const InteractionContext& context, Read<field::velocity> u
         const Company near = company_of(i, context, u.data(), old_foam.data(), over_sum);
         const Real amount = near.fluid + near.solid, speed = u[i].norm();
         const Real outwards = u[i].dot(near.out) / std::max(speed * near.out.norm(), min_positive);
-        const Real trapped = ramp(near.approach, Real(0.2), Real(0.7)) * ramp(amount, Real(0.95), Real(0.8));
+        const Real trapped = ramp(near.approach, Real(0.15), Real(0.55)) * ramp(amount, Real(0.95), Real(0.8));
         const Real crest = ramp(outwards, Real(0.5), Real(0.8)) * ramp(amount, Real(0.6), Real(0.4));
         const Real energy = ramp(speed * speed / 2, Real(0.05), Real(0.5));
         const bool spray = amount < alone && speed > spray_speed;
