@@ -83,10 +83,10 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
     return points;
 }
 
-Frame surfaced_part(const Frame& frame, float amount) {
+Frame without_spray(const Frame& frame) {
     const std::vector<float>* airborne = find_field(frame, "airborne");
-    if (!(amount > 0) || !airborne || !find_field(frame, "foam") || !find_field(frame, "grain")) return frame;
-    const auto without_spray = [&](auto values) {
+    if (!airborne) return frame;
+    const auto kept = [&](auto values) {
         std::size_t n = 0;
         for (std::size_t i = 0; i < values.size(); ++i)
             if (!((*airborne)[i] > spray_after)) values[n++] = values[i];
@@ -94,11 +94,15 @@ Frame surfaced_part(const Frame& frame, float amount) {
         return values;
     };
     Frame part = frame;
-    part.position = without_spray(frame.position), part.velocity = without_spray(frame.velocity);
-    for (auto& [name, values] : part.scalar) values = without_spray(frame.scalar.at(name));
-    for (auto& [name, values] : part.vector) values = without_spray(frame.vector.at(name));
-    for (auto& [name, values] : part.whole) values = without_spray(frame.whole.at(name));
+    part.position = kept(frame.position), part.velocity = kept(frame.velocity);
+    for (auto& [name, values] : part.scalar) values = kept(frame.scalar.at(name));
+    for (auto& [name, values] : part.vector) values = kept(frame.vector.at(name));
+    for (auto& [name, values] : part.whole) values = kept(frame.whole.at(name));
     return part;
+}
+
+Surface build_surface(const Frame& frame, const SurfaceOptions& options, float amount) {
+    return amount > 0 ? build_surface(without_spray(frame), options) : build_surface(frame, options);
 }
 
 }  // namespace whorl

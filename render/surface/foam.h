@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/io/frame.h"
+#include "render/surface/surface.h"
 
 namespace whorl {
 
@@ -17,7 +18,10 @@ struct FoamPoint {
 /// than these. Those of spray part from each other. Points stay inside containers. Empty if the frame has no such fields.
 std::vector<FoamPoint> foam_points(const Frame& frame, float amount);
 
-/// The frame without the particles that are drawn as spray; the frame itself if there are none or `amount` is 0.
-Frame surfaced_part(const Frame& frame, float amount);
+/// The frame without the particles that are drawn as spray.
+Frame without_spray(const Frame& frame);
+
+/// Surface of the fluid that foam_points() does not draw as spray.
+Surface build_surface(const Frame& frame, const SurfaceOptions& options, float amount);
 
 }  // namespace whorl

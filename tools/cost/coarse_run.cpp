@@ -19,6 +19,7 @@
 #include "render/image/exr.h"
 #include "render/look/camera.h"
 #include "render/look/field_values.h"
+#include "render/surface/foam.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -92,7 +93,8 @@ private:
         const CoarseRun::Picture last = run.pictures.empty() ? CoarseRun::Picture{} : run.pictures.back();
         CoarseRun::Picture picture{coarse.time / std::max(f.scene.time.end, 1e-300)};
         Surface surface;
-        if (!shows_field(f.look)) picture.surface = usual_seconds(last.surface, [&] { surface = build_surface(frame, f.surface); });
+        if (!shows_field(f.look))
+            picture.surface = usual_seconds(last.surface, [&] { surface = build_surface(frame, f.surface, f.look.foam); });
         const View view = view_at(f.camera, frame.time, frame.domain_min, frame.domain_max);
         const bool exr = f.scene.output.format == "exr";
         Image image;

@@ -68,8 +68,7 @@ void Film::make_surfaces() {
         SurfaceOptions how = (*shot)->how->surface;
         how.distance = how.distance && (drawn || exports_.wants_distance());
         const bool wanted = drawn || (exports_.wants_surface() && (*shot)->frame->dimensions == 3);
-        if (wanted)
-            timed("surface", [&] { (*shot)->surface = build_surface(surfaced_part(*(*shot)->frame, (*shot)->how->look.foam), how); });
+        if (wanted) timed("surface", [&] { (*shot)->surface = build_surface(*(*shot)->frame, how, (*shot)->how->look.foam); });
         if (!to_draw_.push(std::move(*shot))) return;
     }
     to_draw_.close();

@@ -9,6 +9,7 @@
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
 #include "render/look/camera.h"
+#include "render/surface/foam.h"
 #include "tools/process/process.h"
 
 namespace whorl {
@@ -123,7 +124,7 @@ void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const
     const SurfaceOptions surface = look->how.surface;
     const bool field = shows_field(look->how.look);
     if (is_new || !same(surface, surface_of_) || (surface_.mesh.triangle.empty() && !field))
-        surface_ = field ? Surface{} : build_surface(frame, surface);
+        surface_ = field ? Surface{} : build_surface(frame, surface, look->how.look.foam);
     surface_of_ = surface;
     const double surfaced = wall_seconds();
     // Use a look that was set meanwhile, if it needs no other surface.

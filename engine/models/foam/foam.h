@@ -31,7 +31,7 @@ struct airborne {
 /// A fast particle with almost no neighbours is spray, and white within `burst`. One that falls back stops being spray within `landing`.
 struct Foam {
     static constexpr Real grow = Real(0.04), decay = Real(0.8), mixing = Real(0.2), burst = Real(0.03), landing = Real(0.06);  ///< s
-    static constexpr Real alone = Real(0.34);       ///< share of the lattice's sum of w below which a particle is spray
+    static constexpr Real alone = Real(0.32);       ///< share of the lattice's sum of w below which a particle is spray
     static constexpr Real spray_speed = Real(0.3);  ///< m/s
     void operator()(const InteractionContext& context, Read<field::velocity> u, Write<field::old_foam> old_foam, Update<field::foam> foam,
                     Update<field::airborne> airborne) const;

@@ -31,7 +31,8 @@ Real most(Span<const Real> values) { return *std::max_element(values.begin(), va
 
 /// Share of the particles with more than this foam.
 double share_above(Span<const Real> foam, Real limit) {
-    return static_cast<double>(std::count_if(foam.begin(), foam.end(), [&](Real f) { return f > limit; })) / static_cast<double>(foam.size());
+    return static_cast<double>(std::count_if(foam.begin(), foam.end(), [&](Real f) { return f > limit; })) /
+           static_cast<double>(foam.size());
 }
 
 /// A column of water in a tank.
@@ -69,7 +70,8 @@ TEST_CASE("fast particles without neighbours turn to spray, and clear within sec
     TestWorld w(d, 2, Domain{Vec3::Constant(-1), Vec3::Constant(1)});
     w.use({make_stage("foam", "foam", Foam{})});
     for (int k = 0; k < 5; ++k)
-        w.place(Vec3(static_cast<Real>(3 * k * d), 0, 0), Vec3(static_cast<Real>((3 * k + 1) * d), static_cast<Real>(d), static_cast<Real>(d)), 0,
+        w.place(Vec3(static_cast<Real>(3 * k * d), 0, 0),
+                Vec3(static_cast<Real>((3 * k + 1) * d), static_cast<Real>(d), static_cast<Real>(d)), 0,
                 [](const Vec3&) { return Vec3(0, 1, 0); });
     for (int k = 0; k < 20; ++k) w.step(0.005);
     for (const Real f : w.column<field::foam>()) CHECK(std::clamp(f, Real(0.9), Real(1)) == f);
@@ -96,7 +98,8 @@ TEST_CASE("foam of a dam break starts at the wall, stays between 0 and 1, and mo
     run_until(without, 0.2);
     Simulation again = dam_break();
     run_until(again, 0.2);
-    const auto x = std::as_const(again.world().fluid).column<field::position>(), y = std::as_const(without.world().fluid).column<field::position>();
+    const auto x = std::as_const(again.world().fluid).column<field::position>(),
+               y = std::as_const(without.world().fluid).column<field::position>();
     REQUIRE(x.size() == y.size());
     CHECK(std::equal(x.begin(), x.end(), y.begin()));
 }
