@@ -8,7 +8,7 @@ namespace whorl {
 void FoamPass::fill(const Frame& frame, float amount) {
     const std::vector<FoamPoint> points = foam_points(frame, amount);
     std::vector<Vec3f> position, velocity;
-    std::vector<float> form;
+    std::vector<float> form, spray;
     std::vector<std::uint32_t> index;
     position.reserve(4 * points.size()), velocity.reserve(4 * points.size()), form.reserve(16 * points.size()),
         index.reserve(6 * points.size());
@@ -17,11 +17,12 @@ void FoamPass::fill(const Frame& frame, float amount) {
         for (const float across : {-1.0f, 1.0f})
             for (const float along : {-1.0f, 1.0f}) {
                 position.push_back(p.position), velocity.push_back(p.velocity);
-                form.insert(form.end(), {along, across, p.radius, p.mist ? -p.opacity : p.opacity});
+                form.insert(form.end(), {along, across, p.radius, p.mist ? -p.opacity : p.opacity}), spray.push_back(p.spray ? 1 : 0);
             }
         for (const std::uint32_t corner : {0, 1, 2, 2, 1, 3}) index.push_back(first + corner);
     }
-    corners_.fill({gl::numbers(position), gl::numbers(velocity), {form.data(), form.size()}}, index.data(), index.size());
+    corners_.fill({gl::numbers(position), gl::numbers(velocity), {form.data(), form.size()}, {spray.data(), spray.size()}}, index.data(),
+                  index.size());
 }
 
 void FoamPass::draw(GLuint picture, const FoamView& foam, const std::string& constants, const std::function<void(gl::Program&)>& prepare) {

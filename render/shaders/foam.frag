@@ -1,6 +1,7 @@
 // White of a point of foam, hidden by solids, and by the fluid the more the deeper it is.
 in vec2 place;
 in vec3 world;
+flat in float flies;
 flat in vec3 shape;
 uniform sampler2D normal_buffer;
 uniform sampler2D solid_buffer;
@@ -17,9 +18,11 @@ void main() {
     float solid = texelFetch(solid_buffer, pixel, 0).a, away = distance(world, eye);
     if (opacity <= 0.0 || (solid > 0.0 && away > solid)) discard;
     float depth = fluid.a > 0.0 ? max(away - fluid.a, 0.0) / spacing : 0.0;
-    opacity *= exp(-0.4 * max(depth - 0.5, 0.0));
+    opacity *= exp((shape.z < 0.0 ? -0.3 : -0.7) * max(depth - 0.5, 0.0));  // single bubbles blur into mist before they are hidden
+    // Foam is in the fluid: places beside its particle that are in the air count little.
+    if (flies < 0.5) opacity *= fluid.a > 0.0 ? exp(-1.5 * max((fluid.a - away) / spacing - 0.3, 0.0)) : 0.2;
     vec3 n = fluid.a > 0.0 && abs(away - fluid.a) < 2.0 * spacing ? octahedral_decode(fluid.xy) : normalize(eye - world);
-    // White bodies let light through: it wraps round.
-    vec3 light = ambient(n) + key_colour * clamp(0.5 + 0.5 * dot(n, lamp), 0.0, 1.0);
-    colour = vec4(held(1.4 * light), 1.0) * opacity;
+    // Bubbles face all ways and let light through: the body's form shows little.
+    vec3 light = ambient(normalize(n + vec3(0.0, 1.0, 0.0))) + key_colour * (0.55 + 0.45 * dot(n, lamp));
+    colour = vec4(held(1.2 * light), 1.0) * opacity;
 }

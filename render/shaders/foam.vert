@@ -2,6 +2,7 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 velocity;
 layout(location = 2) in vec4 form;   // place of the corner along and across the way, -1 or 1; radius [m]; opacity, negative for mist
+layout(location = 3) in float spray;
 uniform mat4 view_projection;
 uniform vec3 eye;
 uniform float ground_height;
@@ -11,6 +12,7 @@ uniform float open;          // s
 uniform vec2 lens;           // radius, and distance where it is sharp [m]
 out vec2 place;              // along and across the way, from its middle [pixels]
 out vec3 world;
+flat out float flies;
 flat out vec3 shape;         // radius, half of the way [pixels]; opacity, negative for mist
 
 void main() {
@@ -29,9 +31,10 @@ void main() {
     float blur = lens.y > 0.0 ? pixels * lens.x * abs(1.0 / far - 1.0 / lens.y) : 0.0;
     float radius = max(max(sharp, blur), 0.6);
     // A moving point covers each place for a part of the time only. Highlights are far above white, so that streaks fade less than that.
-    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.35 * travel / radius);
+    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.5 * travel / radius);
     float margin = radius + 1.0;
     place = form.xy * vec2(0.5 * travel + margin, margin);
+    flies = spray;
     shape = vec3(radius, 0.5 * travel, opacity);
     gl_Position = vec4((0.5 * (start + end) + place.x * along + place.y * vec2(-along.y, along.x)) / half_size, 0.0, 1.0);
 }

@@ -10,13 +10,13 @@
 namespace whorl {
 namespace {
 
-constexpr int usual_points = 40;      // per particle
+constexpr int usual_points = 48;      // per particle
 constexpr float scatter = 1.3f;       // farthest point of a particle [spacings]
 constexpr float parting = 0.12f;      // largest velocity of spray relative to its particle, over the particle's
 constexpr float spray_after = 0.02f;  // s
 constexpr float faint = 0.06f;        // foam that is not drawn
 constexpr float mist_radius = 1.0f;   // spacings
-constexpr float mist_opacity = 0.3f, mist_of_spray = 0.05f;
+constexpr float mist_opacity = 0.2f, mist_of_spray = 0.05f;
 
 /// Random numbers of a point, 0 .. 1 (PCG, Jarzynski and Olano 2020).
 class PointNumbers {
@@ -59,8 +59,12 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
         FoamPoint* const own = &points[static_cast<std::size_t>(i) * each];
         const bool spray = (*airborne)[i] > spray_after;
         if (f > 0)
-            own[most] = {frame.position[i], frame.velocity[i], mist_radius * d,
-                         std::min(1.0f, amount) * f * (spray ? mist_of_spray : mist_opacity), true};
+            own[most] = {frame.position[i],
+                         frame.velocity[i],
+                         mist_radius * d,
+                         std::min(1.0f, amount) * f * (spray ? mist_of_spray : mist_opacity),
+                         spray,
+                         true};
         for (int k = 0; k < most; ++k) {
             // Each point appears and fades by itself.
             const float opacity = std::clamp(8 * (f - (static_cast<float>(k) + 0.5f) / static_cast<float>(most)) + 0.5f, 0.0f, 1.0f);
@@ -70,9 +74,9 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
             FoamPoint& p = own[k];
             p.position = frame.position[i] + off + (*airborne)[i] * drift;
             p.velocity = frame.velocity[i];
-            if (spray) p.velocity += drift;
+            if (spray) p.velocity += drift, p.spray = true;
             const float size = random.next();
-            p.radius = d * (0.03f + 0.05f * size * size);
+            p.radius = d * (0.022f + 0.045f * size * size);
             p.opacity = opacity;
             for (int turn = 0; turn < 2 && cut.any(); ++turn)
                 if (const Cut::Side& side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)
