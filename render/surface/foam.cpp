@@ -16,7 +16,8 @@ constexpr float parting = 0.12f;      // largest velocity of spray relative to i
 constexpr float spray_after = 0.02f;  // s
 constexpr float faint = 0.06f;        // foam that is not drawn
 constexpr float mist_radius = 1.0f;   // spacings
-constexpr float mist_opacity = 0.2f, mist_of_spray = 0.05f;
+constexpr float mist_opacity = 0.24f, mist_of_spray = 0.05f;
+constexpr float bubble_opacity = 0.6f;  // of a point in the fluid
 
 /// Random numbers of a point, 0 .. 1 (PCG, Jarzynski and Olano 2020).
 class PointNumbers {
@@ -77,7 +78,7 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
             if (spray) p.velocity += drift, p.spray = true;
             const float size = random.next();
             p.radius = d * (0.022f + 0.045f * size * size);
-            p.opacity = opacity;
+            p.opacity = spray ? opacity : bubble_opacity * opacity;
             for (int turn = 0; turn < 2 && cut.any(); ++turn)
                 if (const Cut::Side& side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)
                     p.position += (p.radius - side.inside(p.position)) * side.inward;
