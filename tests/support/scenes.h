@@ -6,15 +6,6 @@
 
 namespace whorl::test {
 
-/// Water on the plane y = 0, periodic sideways, under gravity; lengths in m, times in s.
-struct WaterColumn {
-    double width = 0.1, height = 0.1, spacing = 0.01;
-    double end = 1, max_step = 5e-3;
-    double room = 0.4;  ///< the domain ends there
-};
-/// @param more further sections: models, a ceiling
-std::string scene_of(const WaterColumn& column, const std::string& more);
-
 /// Honey in a room for a thread 45 mm high: some hundred particles. @param time content of [time] @param more the fluid's shapes, a
 /// plate, probes
 std::string little_honey(const std::string& time, double spacing, const std::string& more);
