@@ -27,6 +27,14 @@ std::vector<T> numbers_at(const std::string& bytes, std::size_t at, std::size_t 
 
 }  // namespace
 
+TriangleMesh tetrahedron() {
+    TriangleMesh mesh;
+    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1.25f, 0}, {0, 0, 1e-3f}};
+    mesh.normal = {{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    mesh.triangle = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    return mesh;
+}
+
 Ply read_ply(const std::filesystem::path& file) {
     const std::string bytes = read_whole(file), end = "end_header\n";
     Ply ply;

@@ -6,7 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/mesh.h"
+
 namespace whorl::test {
+
+/// A closed mesh of four triangles.
+TriangleMesh tetrahedron();
 
 /// A PLY file whose numbers all have four bytes. @throws std::runtime_error if the file is not of this kind
 struct Ply {

@@ -7,9 +7,6 @@
 #include <unordered_map>
 
 namespace whorl::test {
-namespace {
-
-constexpr float pi_f = std::numbers::pi_v<float>;
 
 float interpolated(const Volume& v, const Vec3f& x) {
     const Vec3f u = (x - v.origin) / v.voxel;
@@ -24,6 +21,10 @@ float interpolated(const Volume& v, const Vec3f& x) {
     }
     return sum;
 }
+
+namespace {
+
+constexpr float pi_f = std::numbers::pi_v<float>;
 
 /// Marching tetrahedra: each cube falls into six tetrahedra about its main diagonal; vertices on shared edges are shared.
 class TetrahedraMesher {
@@ -188,6 +189,21 @@ Surface pool(float half_width, float depth, float voxel) {
         return std::max({0.8f * (x.y() - level), side, -0.1f * depth - x.y()});
     };
     return surface_of(distance, Vec3f(-half_width, -0.1f * depth, -half_width), Vec3f(half_width, 2 * depth, half_width), voxel);
+}
+
+std::vector<Vec3f> lattice(int nx, int ny, int nz, float d) {
+    std::vector<Vec3f> x;
+    for (int i = 0; i < nx; ++i)
+        for (int j = 0; j < ny; ++j)
+            for (int k = 0; k < nz; ++k) x.push_back(d * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
+    return x;
+}
+
+FrameSolid solid_of(TriangleMesh mesh, const std::string& material, bool container) {
+    FrameSolid solid;
+    solid.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+    solid.material = material, solid.container = container;
+    return solid;
 }
 
 TriangleMesh box_mesh(const Vec3f& low, const Vec3f& high) {

@@ -3,25 +3,14 @@
 #include <sstream>
 
 #include "render/export/ply.h"
+#include "tests/support/exported.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
 
-namespace {
-
-TriangleMesh tetrahedron() {
-    TriangleMesh mesh;
-    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1.25f, 0}, {0, 0, 1e-3f}};
-    mesh.normal = {{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    mesh.triangle = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-    return mesh;
-}
-
-}  // namespace
-
 TEST_CASE("an OBJ mesh reads back to the same numbers", "[export]") {
     test::ScratchFolder folder;
-    const TriangleMesh mesh = tetrahedron();
+    const TriangleMesh mesh = test::tetrahedron();
     write_obj_mesh(folder / "a.obj", mesh);
     std::ifstream in(folder / "a.obj");
     TriangleMesh back;

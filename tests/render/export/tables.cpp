@@ -47,8 +47,6 @@ std::vector<float> flat(const std::vector<Vec3f>& values) {
     return all;
 }
 
-const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-
 }  // namespace
 
 TEST_CASE("a PLY of particles contains the exported fields bit for bit, with units, and no solver fields", "[export]") {
@@ -76,10 +74,7 @@ TEST_CASE("a PLY of particles contains the exported fields bit for bit, with uni
 
 TEST_CASE("a PLY of a mesh contains normals, fluid values and triangles, and an empty one has 0 faces", "[export]") {
     const test::ScratchFolder folder;
-    TriangleMesh mesh;
-    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1.25f, 0}, {0, 0, 1e-3f}};
-    mesh.normal = {{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    mesh.triangle = triangles;
+    TriangleMesh mesh = test::tetrahedron();
     VertexFields fields;
     fields.vector["velocity"] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}};
     fields.scalar["viscosity"] = {1, 2, 3, 4};
@@ -91,7 +86,7 @@ TEST_CASE("a PLY of a mesh contains normals, fluid values and triangles, and an 
     CHECK(ply.number.at("nz") == component(mesh.normal, 2));
     CHECK(ply.number.at("velocity_x") == component(fields.vector.at("velocity"), 0));
     CHECK(ply.number.at("viscosity") == fields.scalar.at("viscosity"));
-    CHECK(ply.face == triangles);
+    CHECK(ply.face == mesh.triangle);
 
     mesh = {}, fields.vector["velocity"].clear(), fields.scalar["viscosity"].clear();
     write_ply(folder / "none.ply", {}, vertex_attributes(mesh, fields), &mesh.triangle);
@@ -112,9 +107,7 @@ TEST_CASE("VTK files store points and meshes bit-identically, with units in the 
     CHECK(points.number.count("grain") == 0);
     CHECK(points.text.find("Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.4583333333333333") != std::string::npos);
 
-    TriangleMesh mesh;
-    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1.25f, 0}, {0, 0, 1e-3f}};
-    mesh.triangle = triangles;
+    const TriangleMesh mesh = test::tetrahedron();
     write_vtp(folder / "mesh.vtp", 0, vertex_attributes(mesh, {}), &mesh.triangle);
     const test::Vtk surface = test::read_vtk(folder / "mesh.vtp");
     CHECK(surface.number.at("position [m]") == flat(mesh.position));

@@ -3,31 +3,20 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/core/parallel.h"
 #include "render/flow/flow_grid.h"
 #include "render/flow/vortex_lines.h"
+#include "tests/support/flow_frames.h"
+#include "tests/support/on_threads.h"
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
-/// A cube of 1 m, 20 particles wide, with a velocity u(x).
 template <class F>
 Frame cube(F&& velocity) {
-    Frame frame;
-    frame.spacing = 0.05f;
-    frame.domain_min = Vec3f::Zero(), frame.domain_max = Vec3f::Ones();
-    for (int k = 0; k < 20; ++k)
-        for (int j = 0; j < 20; ++j)
-            for (int i = 0; i < 20; ++i) {
-                frame.position.push_back(0.05f *
-                                         Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, static_cast<float>(k) + 0.5f));
-                frame.velocity.push_back(velocity(frame.position.back()));
-            }
-    return frame;
+    return square_or_cube(3, 0, velocity);
 }
-
-Vec3f turning(const Vec3f& x) { return Vec3f(0.5f - x.y(), x.x() - 0.5f, 0); }
 
 }  // namespace
 
@@ -60,13 +49,7 @@ TEST_CASE("grids are bit-identical for any number of threads", "[render][flow]")
     const Frame frame = cube(turning);
     std::vector<Eigen::Vector4f> value;
     for (const Vec3f& x : frame.position) value.push_back(Eigen::Vector4f::Constant(x.x()));
-    const int before = threads();
-    set_threads(1);
-    const FlowGrid one = flow_grid(frame, frame.velocity, value);
-    set_threads(4);
-    const FlowGrid four = flow_grid(frame, frame.velocity, value);
-    CHECK(four.value == one.value);
-    set_threads(before);
+    CHECK(same_on_threads([&] { return flow_grid(frame, frame.velocity, value).value; }));
 }
 
 TEST_CASE("a trail in a rotating flow is an arc, as long as the path of its duration", "[render][flow]") {
@@ -87,15 +70,7 @@ TEST_CASE("a trail in a rotating flow is an arc, as long as the path of its dura
 }
 
 TEST_CASE("the grid of a 2D flow is one node deep and covered, at any resolution", "[render][flow]") {
-    Frame frame;
-    frame.dimensions = 2;
-    frame.spacing = 0.1f;
-    frame.domain_min = Vec3f::Zero(), frame.domain_max = Vec3f(1, 1, 0);
-    for (int j = 0; j < 10; ++j)
-        for (int i = 0; i < 10; ++i) {
-            frame.position.push_back(0.1f * Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, 0));
-            frame.velocity.push_back(turning(frame.position.back()));
-        }
+    const Frame frame = square_or_cube(2, 0, turning);
     for (const float cell : {1.0f, 0.5f}) {
         const FlowGrid grid = flow_grid(frame, frame.velocity, {}, 8'000'000, cell);
         CHECK(grid.n[2] == 1);

@@ -4,11 +4,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/core/parallel.h"
-#include "engine/core/random.h"
 #include "render/flow/marks.h"
 #include "render/flow/slice_image.h"
 #include "render/image/image.h"
+#include "tests/support/flow_frames.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;
@@ -17,31 +17,13 @@ namespace slice_test {
 
 namespace {
 
-constexpr float d = 0.05f;
-
-/// A square or a cube of 1 m with uneven particles, each with its own grain and a velocity that depends on place.
+/// Uneven particles.
 template <class F>
 Frame uneven(int dimensions, F&& velocity) {
-    Frame frame;
-    frame.spacing = d;
-    frame.dimensions = dimensions;
-    frame.domain_min = Vec3f::Zero(), frame.domain_max = dimensions == 3 ? Vec3f(Vec3f::Ones()) : Vec3f(1, 1, 0);
-    RandomNumbers random(3);
-    const auto off = [&] { return 0.3f * d * static_cast<float>(2 * random() - 1); };
-    for (int k = 0; k < (dimensions == 3 ? 20 : 1); ++k)
-        for (int j = 0; j < 20; ++j)
-            for (int i = 0; i < 20; ++i) {
-                const Vec3f cell(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-                Vec3f x = d * (cell + Vec3f::Constant(0.5f)) + Vec3f(off(), off(), off());
-                if (dimensions == 2) x.z() = 0;
-                frame.position.push_back(x);
-                frame.velocity.push_back(velocity(x));
-                frame.scalar["grain"].push_back(static_cast<float>(random()));
-            }
-    return frame;
+    return test::square_or_cube(dimensions, 0.3f, velocity);
 }
 
-Vec3f turning(const Vec3f& x) { return Vec3f(0.5f - x.y(), x.x() - 0.5f, 0); }
+using test::turning;
 
 /// Largest difference from a function of position, over pixels at least `margin` from the edge.
 template <class F>
@@ -102,12 +84,7 @@ TEST_CASE("slices are bit-identical for any number of threads", "[render][slice]
     LookOptions look;
     look.style = "slice";
     const PixelPlane plane = slice_plane(frame, look, 128);
-    const int before = threads();
-    set_threads(1);
-    const FlowSlice one = flow_slice(frame, look, {0, 1}, plane, Vec3f::Ones());
-    set_threads(4);
-    CHECK(flow_slice(frame, look, {0, 1}, plane, Vec3f::Ones()).rgba == one.rgba);
-    set_threads(before);
+    CHECK(test::same_on_threads([&] { return flow_slice(frame, look, {0, 1}, plane, Vec3f::Ones()).rgba; }));
 }
 
 TEST_CASE("noise has mean 0 and variance 1 and moves with the particles", "[render][slice]") {
@@ -169,10 +146,7 @@ TEST_CASE("fluid at rest looks the same in every frame, and moving fluid nearly 
 
 TEST_CASE("sections of solids have the right size", "[render][slice]") {
     Frame frame = uneven(3, turning);
-    FrameSolid ball;
-    ball.mesh = std::make_shared<const TriangleMesh>(test::sphere(Vec3f::Zero(), 0.25f, 0.02f).mesh);
-    ball.translation = Vec3f(0.5f, 0.5f, 0.5f);
-    frame.solids.push_back(ball);
+    frame.solids = {test::solid_of(test::sphere(Vec3f::Constant(0.5f), 0.25f, 0.02f).mesh)};
     LookOptions look;
     look.slice_position = 0.65f;
     const PixelPlane plane = slice_plane(frame, look, 200);

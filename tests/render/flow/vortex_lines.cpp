@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/core/parallel.h"
+#include "tests/support/on_threads.h"
 
 using namespace whorl;
 
@@ -119,11 +119,8 @@ TEST_CASE("vortex lines are bit-identical for any number of threads", "[render][
     Vortex v = box(Vec3f(0.625f, 0.025f, 0.525f), round_axis, everywhere);
     LineShape shape = one_line(0.04f);
     shape.seeds = 50;
-    const int before = threads();
-    set_threads(1);
-    const VortexLines one = vortex_lines(v.frame, v.grid, shape);
-    set_threads(4);
-    const VortexLines four = vortex_lines(v.frame, v.grid, shape);
-    CHECK((one.position == four.position && one.light == four.light && one.index == four.index));
-    set_threads(before);
+    CHECK(test::same_on_threads([&] {
+        const VortexLines made = vortex_lines(v.frame, v.grid, shape);
+        return std::tuple(made.position, made.light, made.index);
+    }));
 }

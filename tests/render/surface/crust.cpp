@@ -3,6 +3,7 @@
 
 #include "engine/core/random.h"
 #include "render/surface/vertex_values.h"
+#include "tests/support/shapes.h"
 
 using namespace whorl;
 
@@ -15,15 +16,7 @@ struct Fluid {
     std::vector<Vec3f> position;
     std::vector<float> grain;
 };
-Fluid block(int n) {
-    Fluid fluid;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-            for (int k = 0; k < n; ++k)
-                fluid.position.push_back(d * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
-    fluid.grain.assign(fluid.position.size(), 0.5f);
-    return fluid;
-}
+Fluid block(int n) { return {test::lattice(n, n, n, d), std::vector<float>(static_cast<std::size_t>(n * n * n), 0.5f)}; }
 
 }  // namespace
 

@@ -5,16 +5,15 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <set>
 
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "engine/geometry/shape.h"
 #include "render/surface/particle_rows.h"
 #include "render/surface/smooth.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/shapes.h"
 #include "tests/support/surface_measures.h"
 
@@ -34,18 +33,6 @@ TriangleMesh mesh_of(const Frame& frame) {
 Frame joined(Frame a, const Frame& b, const Vec3f& offset) {
     for (const Vec3f& p : b.position) a.position.push_back(p + offset);
     return a;
-}
-
-float trilinear(const Volume& v, const Vec3f& at) {
-    const Vec3f p = (at - v.origin) / v.voxel;
-    const Eigen::Vector3i n = p.array().floor().cast<int>();
-    const Vec3f f = p - n.cast<float>();
-    float sum = 0;
-    for (int c = 0; c < 8; ++c) {
-        const int i = n.x() + (c & 1), j = n.y() + (c >> 1 & 1), k = n.z() + (c >> 2);
-        sum += (c & 1 ? f.x() : 1 - f.x()) * (c & 2 ? f.y() : 1 - f.y()) * (c & 4 ? f.z() : 1 - f.z()) * v.value[v.index(i, j, k)];
-    }
-    return sum;
 }
 
 /// Distance from a point to a triangle, from its plane and its sides.
@@ -115,31 +102,18 @@ TEST_CASE("a flat pool is flat, and its surface moves with its particles", "[sur
     REQUIRE(deviation(change).mean == Approx(step.y()).margin(0.008));
 }
 
-TEST_CASE("a single file of particles is one unbroken tube", "[surface]") {
-    for (double distance : {1.0, 1.5, 2.2, 2.4}) {
-        const Topology t = topology(mesh_of(file_frame(distance, 30)));
-        INFO("distance " << distance);
+TEST_CASE("files of particles and a coil are one closed piece, two threads 1 d apart two, without handles", "[surface]") {
+    const auto has_pieces = [](int pieces, const Frame& frame) {
+        const Topology t = topology(mesh_of(frame));
         REQUIRE(t.manifold);
-        REQUIRE(t.components == 1);
-        REQUIRE(t.euler == 2);
-    }
-}
-
-TEST_CASE("two threads of radius 3 d that are 1 d apart stay separate", "[surface]") {
+        REQUIRE(t.components == pieces);
+        REQUIRE(t.euler == 2 * pieces);
+    };
+    for (double distance : {1.0, 1.5, 2.2, 2.4}) has_pieces(1, file_frame(distance, 30));
+    has_pieces(1, coil_frame(2, 9, 6, 2.5, 1));  // turns 2 d apart
     const Vec3f across = Vec3f(1, 0.31f, 0.17f).cross(Vec3f(0.2f, 1, 0.4f)).normalized();
-    for (const std::uint64_t seed : {1, 2, 3}) {
-        const Topology t = topology(mesh_of(joined(cylinder_frame(3, 24, seed), cylinder_frame(3, 24, seed + 7), 7.0f * across)));
-        REQUIRE(t.manifold);
-        REQUIRE(t.components == 2);
-    }
-}
-
-TEST_CASE("a coil of thread is one closed piece without handles", "[surface]") {
-    // Turns are 2 d apart: they touch nowhere.
-    const Topology t = topology(mesh_of(coil_frame(2, 9, 6, 2.5, 1)));
-    REQUIRE(t.manifold);
-    REQUIRE(t.components == 1);
-    REQUIRE(t.euler == 2);
+    for (const std::uint64_t seed : {1, 2, 3})
+        has_pieces(2, joined(cylinder_frame(3, 24, seed), cylinder_frame(3, 24, seed + 7), 7.0f * across));
 }
 
 TEST_CASE("the surface of random particles is closed and manifold", "[surface]") {
@@ -168,22 +142,12 @@ TEST_CASE("stray and non-finite particles do not break or slow a surface", "[sur
 
 TEST_CASE("the surface is bit-identical with 1, 2 and 4 threads", "[surface]") {
     const Frame frame = coil_frame(2, 6, 5, 1.5, 3);
-    std::vector<Surface> made;
-    for (int count : {1, 2, 4}) {
-        set_threads(count);
-        made.push_back(surface_of(frame));
-    }
-    set_threads(0);
-    const auto same = [](const auto& a, const auto& b) {
-        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
-    };
-    for (const Surface& other : {made[1], made[2]}) {
-        REQUIRE(same(other.mesh.triangle, made[0].mesh.triangle));
-        REQUIRE(same(other.mesh.position, made[0].mesh.position));
-        REQUIRE(same(other.mesh.normal, made[0].mesh.normal));
-        REQUIRE(same(other.distance.value, made[0].distance.value));
-    }
-    for (const Vec3f& n : made[0].mesh.normal) REQUIRE(n.allFinite());
+    const auto bytes = [](const auto& all) { return std::string(reinterpret_cast<const char*>(all.data()), all.size() * sizeof all[0]); };
+    CHECK(same_on_threads([&] {
+        const Surface made = surface_of(frame);
+        for (const Vec3f& n : made.mesh.normal) REQUIRE(n.allFinite());
+        return std::array{bytes(made.mesh.triangle), bytes(made.mesh.position), bytes(made.mesh.normal), bytes(made.distance.value)};
+    }));
 }
 
 TEST_CASE("the distance volume is 0 on the mesh, negative inside, and has slope 1", "[surface]") {
@@ -191,13 +155,12 @@ TEST_CASE("the distance volume is 0 on the mesh, negative inside, and has slope 
     const Surface surface = surface_of(frame);
     const Volume& v = surface.distance;
     const double radius = std::cbrt(3 * static_cast<double>(frame.position.size()) / (4 * M_PI));
-    for (const Vec3f& p : surface.mesh.position) REQUIRE(std::abs(trilinear(v, p)) < 0.05f);
+    for (const Vec3f& p : surface.mesh.position) REQUIRE(std::abs(interpolated(v, p)) < 0.05f);
     const Vec3f centre(0.3f, 0.1f, 0.4f);
     for (int k = 0; k < v.nz; ++k)
         for (int j = 0; j < v.ny; ++j)
             for (int i = 0; i < v.nx; ++i) {
-                const Vec3f at = v.origin + v.voxel * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-                const double exact = std::clamp((at - centre).norm() - radius, -8.0 * v.voxel, 8.0 * v.voxel);
+                const double exact = std::clamp((v.at(i, j, k) - centre).norm() - radius, -8.0 * v.voxel, 8.0 * v.voxel);
                 // The mesh has errors of up to 0.08 d in places, the distance to it of up to 0.07 d.
                 const float found = v.value[v.index(i, j, k)];
                 if (std::abs(found - exact) > 0.15) {
@@ -293,10 +256,8 @@ TEST_CASE("the surface of water follows the walls of a box and a cylinder in any
     const bool round = GENERATE(false, true);
     const Mat3f turn = GENERATE(Mat3f::Identity().eval(), Eigen::AngleAxisf(0.7f, Vec3f(1, 2, 3).normalized()).toRotationMatrix());
     const Vec3f low(-8, 0, -8), high(8, 16, 8);
-    FrameSolid vessel;
-    vessel.container = true;
+    FrameSolid vessel = solid_of(round ? cylinder_mesh(Vec3f::Zero(), 8, 16) : box_mesh(low, high), "", true);
     vessel.rotation = turn, vessel.translation = Vec3f(3, -2, 5);
-    vessel.mesh = std::make_shared<TriangleMesh>(round ? cylinder_mesh(Vec3f::Zero(), 8, 16) : box_mesh(low, high));
     Frame frame;
     frame.spacing = 1;
     frame.solids = {vessel};

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "render/surface/surface.h"
+#include "tests/support/shapes.h"
 
 using namespace whorl;
 
@@ -21,10 +22,7 @@ TEST_CASE("a surface has the fluid's age at its vertices if and only if the fram
     Frame frame;
     frame.spacing = 0.1f;
     frame.domain_min = Vec3f::Constant(-1), frame.domain_max = Vec3f::Constant(2);
-    for (int i = 0; i < 10; ++i)
-        for (int j = 0; j < 4; ++j)
-            for (int k = 0; k < 4; ++k)
-                frame.position.push_back(0.1f * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
+    frame.position = test::lattice(10, 4, 4, 0.1f);
     CHECK(build_surface(frame, {}).age.empty());
     for (const Vec3f& x : frame.position) frame.scalar["age"].push_back(x.x());
     const Surface surface = build_surface(frame, {});
@@ -38,15 +36,10 @@ TEST_CASE("linear fields are exact at vertices within the range of values of the
     Frame frame;
     frame.spacing = 0.1f;
     const auto field = [](const Vec3f& x) { return Vec3f(2 * x.x() - x.y(), 3 * x.y() + 1, x.z()); };
-    for (int i = 0; i < 8; ++i)
-        for (int j = 0; j < 8; ++j)
-            for (int k = 0; k < 8; ++k) {
-                const auto n = static_cast<float>(64 * i + 8 * j + k);  // not on a lattice
-                frame.position.push_back(0.1f * Vec3f(static_cast<float>(i) + 0.2f * std::sin(5 * n),
-                                                      static_cast<float>(j) + 0.2f * std::sin(7 * n),
-                                                      static_cast<float>(k) + 0.2f * std::cos(3 * n)));
-            }
-    for (const Vec3f& x : frame.position) {
+    frame.position = test::lattice(8, 8, 8, 0.1f);
+    float n = 0;
+    for (Vec3f& x : frame.position) {
+        x += 0.02f * Vec3f(std::sin(5 * n), std::sin(7 * n), std::cos(3 * n)), ++n;  // not on a lattice
         frame.velocity.push_back(field(x));
         frame.scalar["viscosity"].push_back(1 + x.x());
         frame.scalar["age"].push_back(x.x() - 0.35f);
