@@ -1,13 +1,10 @@
-/// Images of fixed meshes, compared with those in pictures/. They were drawn with Mesa's software driver; on other devices small
-/// differences are expected and the tolerance is the same. WHORL_UPDATE_GOLDEN=1 redraws them: look at them before you commit them.
-#include <catch2/catch.hpp>
+/// Images of fixed meshes. The stored ones were drawn with Mesa's software driver; on other devices small differences are expected and the
+/// tolerance is the same.
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 
 #include "engine/core/random.h"
 #include "render/gl/renderer.h"
-#include "render/image/image.h"
+#include "tests/golden/stored.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;
@@ -21,9 +18,10 @@ struct Picture {
     View view{Vec3f(0.06f, 0.13f, 0.30f), Vec3f(0, 0.035f, 0), Vec3f(0, 1, 0), 24};
 };
 
-Picture blank(const std::string& material) {
+Picture picture_of(const std::string& material, Surface surface = {}, const std::string& background = LookOptions().background) {
     Picture picture;
-    picture.look.material = material;
+    picture.surface = std::move(surface);
+    picture.look.material = material, picture.look.background = background;
     picture.frame.spacing = 0.002f;
     picture.frame.domain_min = Vec3f(-0.1f, 0, -0.1f);
     picture.frame.domain_max = Vec3f(0.1f, 0.14f, 0.1f);
@@ -33,38 +31,21 @@ Picture blank(const std::string& material) {
 Surface coil() { return test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.0015f); }
 
 void add_solid(Frame& frame, TriangleMesh mesh, const std::string& material, bool container = false) {
-    FrameSolid solid;
-    solid.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
-    solid.material = material;
-    solid.container = container;
-    frame.solids.push_back(solid);
+    frame.solids.push_back(test::solid_of(std::move(mesh), material, container));
 }
 
 void compare(const Picture& picture, const std::string& name) {
     Renderer renderer(320, 240);
-    const Image drawn = over_grey(renderer.draw(picture.frame, picture.surface, picture.look, picture.view));
-    const std::filesystem::path file = std::filesystem::path(WHORL_SOURCE_DIR) / "tests/golden/pictures" / (name + ".png");
-    if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
-    const PictureDifference d = difference(drawn, read_png(file));
-    INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E); drawn on "
-              << renderer.device());
-    // A delta E of 2.3 is a just noticeable difference on flat colour. The mean must be invisible. If light is refracted often (1 % of the
-    // pixels), rounding may deflect a ray elsewhere.
-    CHECK(d.mean < 0.3);
-    CHECK(d.p99 < 4);
+    test::compare_with_stored(over_grey(renderer.draw(picture.frame, picture.surface, picture.look, picture.view)), name,
+                              renderer.device());
 }
 
 }  // namespace
 
-TEST_CASE("honey coils on the ground", "[golden]") {
-    Picture picture = blank("honey");
-    picture.surface = coil();
-    compare(picture, "honey_coil");
-}
+TEST_CASE("honey coils on the ground", "[golden]") { compare(picture_of("honey", coil()), "honey_coil"); }
 
 TEST_CASE("honey runs from a metal nozzle onto a ceramic plate", "[golden]") {
-    Picture picture = blank("honey");
-    picture.surface = coil();
+    Picture picture = picture_of("honey", coil());
     picture.frame.domain_min.y() = -0.008f;
     add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, -0.008f, 0), 0.06f, 0.008f), "ceramic");
     add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, 0.118f, 0), 0.007f, 0.04f), "metal");
@@ -74,7 +55,7 @@ TEST_CASE("honey runs from a metal nozzle onto a ceramic plate", "[golden]") {
 }
 
 TEST_CASE("a wooden ball on a ceramic plate, shadowed by a metal rod", "[golden]") {
-    Picture picture = blank("honey");
+    Picture picture = picture_of("honey");
     picture.frame.domain_min.y() = -0.008f;
     add_solid(picture.frame, test::cylinder_mesh(Vec3f(0, -0.008f, 0), 0.07f, 0.008f), "ceramic");
     add_solid(picture.frame, test::sphere(Vec3f(0, 0.0215f, 0), 0.022f, 0.0015f).mesh, "wood");
@@ -84,8 +65,7 @@ TEST_CASE("a wooden ball on a ceramic plate, shadowed by a metal rod", "[golden]
 }
 
 TEST_CASE("water waves in a glass box", "[golden]") {
-    Picture picture = blank("water");
-    picture.surface = test::pool(0.05f, 0.02f, 0.001f);
+    Picture picture = picture_of("water", test::pool(0.05f, 0.02f, 0.001f));
     add_solid(picture.frame, test::box_mesh(Vec3f(-0.05f, 0, -0.05f), Vec3f(0.05f, 0.06f, 0.05f)), "glass", true);
     compare(picture, "water_box");
 }
@@ -111,8 +91,7 @@ TEST_CASE("spray over foam on waves in a glass box, in a dark studio", "[golden]
 }
 
 TEST_CASE("a wooden bar in a glass half full of water with a drop of ink", "[golden]") {
-    Picture picture = blank("water");
-    picture.look.background = "white";
+    Picture picture = picture_of("water", {}, "white");
     Frame& frame = picture.frame;
     frame.spacing = 0.004f;
     for (Vec3f x(-0.038f, 0, 0); x.x() < 0.04f; x.x() += frame.spacing)
@@ -129,23 +108,12 @@ TEST_CASE("a wooden bar in a glass half full of water with a drop of ink", "[gol
     compare(picture, "water_glass");
 }
 
-TEST_CASE("paint is opaque and glossy, in a dark studio", "[golden]") {
-    Picture picture = blank("paint");
-    picture.surface = coil();
-    picture.look.background = "dark";
-    compare(picture, "paint_dark");
-}
+TEST_CASE("paint is opaque and glossy, in a dark studio", "[golden]") { compare(picture_of("paint", coil(), "dark"), "paint_dark"); }
 
-TEST_CASE("chocolate on white", "[golden]") {
-    Picture picture = blank("chocolate");
-    picture.surface = coil();
-    picture.look.background = "white";
-    compare(picture, "chocolate_white");
-}
+TEST_CASE("chocolate on white", "[golden]") { compare(picture_of("chocolate", coil(), "white"), "chocolate_white"); }
 
 TEST_CASE("honey on a table of boards, seen through a wide lens", "[golden]") {
-    Picture picture = blank("honey");
-    picture.surface = coil();
+    Picture picture = picture_of("honey", coil());
     picture.look.table = "wood";
     picture.look.samples = 16;
     picture.view.aperture = 0.02f;
@@ -154,15 +122,13 @@ TEST_CASE("honey on a table of boards, seen through a wide lens", "[golden]") {
 }
 
 TEST_CASE("honey and a glass without a background but for their shadow", "[golden]") {
-    Picture picture = blank("honey");
-    picture.surface = coil();
-    picture.look.background = "transparent";
+    Picture picture = picture_of("honey", coil(), "transparent");
     add_solid(picture.frame, test::box_mesh(Vec3f(0.03f, 0, -0.02f), Vec3f(0.07f, 0.04f, 0.02f)), "glass", true);
     compare(picture, "honey_transparent");
 }
 
 TEST_CASE("a cloth of checks on a box, on a slab of stone", "[golden]") {
-    Picture picture = blank("honey");
+    Picture picture = picture_of("honey");
     picture.look.table = "stone";
     add_solid(picture.frame, test::box_mesh(Vec3f(-0.06f, 0, -0.04f), Vec3f(0.06f, 0.04f, 0.04f)), "cloth");
     picture.view.target = Vec3f(0, 0.02f, 0);
@@ -170,9 +136,7 @@ TEST_CASE("a cloth of checks on a box, on a slab of stone", "[golden]") {
 }
 
 TEST_CASE("lava of all ages with a crust on it, over rock that it lights", "[golden]") {
-    Picture picture = blank("lava");
-    picture.look.background = "dark";
-    picture.surface = coil();
+    Picture picture = picture_of("lava", coil(), "dark");
     std::vector<float> grain;
     std::vector<Vec3f> inside;
     RandomNumbers random(1);
@@ -190,7 +154,7 @@ namespace {
 /// Particles in the coil with the velocity `velocity`.
 template <class F>
 Picture particles(F&& velocity) {
-    Picture picture = blank("honey");
+    Picture picture = picture_of("honey");
     const Volume field = test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.002f).distance;
     for (int k = 0; k < field.nz; ++k)
         for (int j = 0; j < field.ny; ++j)
@@ -222,20 +186,13 @@ TEST_CASE("a signed field with its legend and the time, in a dark studio", "[gol
     compare(picture, "particles_legend");
 }
 
-TEST_CASE("two inks in honey that coils", "[golden]") {
+TEST_CASE("two inks in honey that coils, and in paint", "[golden]") {
     Picture picture = particles([](const Vec3f&) { return Vec3f::Zero(); });
+    picture.surface = coil();
+    for (const Vec3f& x : picture.frame.position) picture.frame.vector["ink"].push_back(x.x() > 0 ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
     picture.look.style = "liquid";
-    picture.surface = coil();
-    for (const Vec3f& x : picture.frame.position) picture.frame.vector["ink"].push_back(x.x() > 0 ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
     compare(picture, "honey_inks");
-}
-
-TEST_CASE("two inks in paint", "[golden]") {
-    Picture picture = particles([](const Vec3f&) { return Vec3f::Zero(); });
-    picture.look.style = "opaque";
-    picture.look.material = "paint";
-    picture.surface = coil();
-    for (const Vec3f& x : picture.frame.position) picture.frame.vector["ink"].push_back(x.x() > 0 ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
+    picture.look.style = "opaque", picture.look.material = "paint";
     compare(picture, "paint_inks");
 }
 
@@ -243,9 +200,8 @@ namespace {
 
 /// A ball of fluid with two linked rings of vorticity or ink.
 Picture linked_rings() {
-    Picture picture = blank("water");
+    Picture picture = picture_of("water", {}, "white");
     picture.look.style = "volume";
-    picture.look.background = "white";
     picture.look.ground = false;
     picture.look.opacity = 3;
     const auto in_ring = [](const Vec3f& x, const Vec3f& centre, const Vec3f& axis) {

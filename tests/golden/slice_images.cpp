@@ -1,12 +1,9 @@
-/// Slices of flows given by formulas, compared with the pictures in pictures/. They need no graphics device.
-/// WHORL_UPDATE_GOLDEN=1 redraws them: look at them before you commit them.
-#include <catch2/catch.hpp>
+/// Slices of flows given by formulas. They need no graphics device.
 #include <cmath>
-#include <cstdlib>
 
 #include "engine/core/random.h"
 #include "render/flow/slice_image.h"
-#include "render/image/image.h"
+#include "tests/golden/stored.h"
 #include "tests/support/shapes.h"
 
 using namespace whorl;
@@ -37,9 +34,7 @@ Frame vortex() {
             const float wound = std::sin(std::atan2(r.y(), r.x()) - 0.4f * turn);
             frame.vector["ink"].emplace_back(std::clamp(0.5f + 4 * wound, 0.0f, 1.0f), std::clamp(0.5f - 4 * wound, 0.0f, 1.0f), 0);
         }
-    FrameSolid post;
-    post.mesh = std::make_shared<const TriangleMesh>(test::sphere(Vec3f(0.2f, 0.06f, 0), 0.012f, 0.001f).mesh);
-    frame.solids.push_back(post);
+    frame.solids = {test::solid_of(test::sphere(Vec3f(0.2f, 0.06f, 0), 0.012f, 0.001f).mesh)};
     return frame;
 }
 
@@ -54,14 +49,7 @@ LookOptions slice_of(const std::string& field) {
 }
 
 void compare_plate(const LookOptions& look, int width, int height, const std::string& name) {
-    const Image drawn = draw_slice_image(vortex(), look, look.range, width, height);
-    const std::filesystem::path file = std::filesystem::path(WHORL_SOURCE_DIR) / "tests/golden/pictures" / (name + ".png");
-    if (std::getenv("WHORL_UPDATE_GOLDEN") != nullptr) write_png(file, drawn);
-    const PictureDifference d = difference(drawn, read_png(file));
-    INFO(name << ": mean " << d.mean << ", 99th percentile " << d.p99 << ", largest " << d.max << " (delta E)");
-    // Text and lines may move by a fraction of a pixel with another version of Cairo; nothing else depends on the machine.
-    CHECK(d.mean < 0.3);
-    CHECK(d.p99 < 4);
+    test::compare_with_stored(draw_slice_image(vortex(), look, look.range, width, height), name, "Cairo");
 }
 
 }  // namespace
