@@ -22,11 +22,8 @@ Frame ball() {
     Frame frame;
     frame.spacing = 0.005f;
     frame.domain_min = Vec3f(-0.1f, 0, -0.1f), frame.domain_max = Vec3f(0.1f, 0.2f, 0.1f);
-    FrameSolid solid;
-    solid.mesh = std::make_shared<const TriangleMesh>(test::sphere(Vec3f::Zero(), 0.04f, 0.002f).mesh);
-    solid.translation = Vec3f(0, 0.1f, 0);
-    solid.material = "white";
-    frame.solids.push_back(solid);
+    frame.solids = {test::solid_of(test::sphere(Vec3f::Zero(), 0.04f, 0.002f).mesh, "white")};
+    frame.solids[0].translation = Vec3f(0, 0.1f, 0);
     return frame;
 }
 
@@ -54,9 +51,7 @@ Seen at(const PictureLayers& layers, int x, int y) {
 TEST_CASE("depth is along the view axis, normals are in world space, and ids count from the fluid on", "[render][exr]") {
     Renderer renderer(width, height);
     Frame frame = ball();
-    FrameSolid wall;
-    wall.mesh = std::make_shared<const TriangleMesh>(test::box_mesh(Vec3f(-1, -1, -0.31f), Vec3f(1, 1, -0.3f)));
-    frame.solids.push_back(wall);
+    frame.solids.push_back(test::solid_of(test::box_mesh(Vec3f(-1, -1, -0.31f), Vec3f(1, 1, -0.3f))));
     const PictureLayers layers = renderer.draw_layers(frame, test::sphere(Vec3f(0.08f, 0.1f, 0), 0.02f, 0.002f), {}, ahead, {ahead, 0.04f});
     const Seen middle = at(layers, width / 2, height / 2);
     // The ball's front is 0.56 m ahead; a pixel off its middle is 2e-5 m deeper, and its mesh lies 1e-4 m inside it.
