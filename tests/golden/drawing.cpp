@@ -155,15 +155,9 @@ namespace {
 template <class F>
 Picture particles(F&& velocity) {
     Picture picture = picture_of("honey");
-    const Volume field = test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.002f).distance;
-    for (int k = 0; k < field.nz; ++k)
-        for (int j = 0; j < field.ny; ++j)
-            for (int i = 0; i < field.nx; ++i)
-                if (field.value[field.index(i, j, k)] < 0) {
-                    const Vec3f x = field.at(i, j, k);
-                    picture.frame.position.push_back(x);
-                    picture.frame.velocity.push_back(velocity(x));
-                }
+    test::each_node(test::coiled_thread(0.005f, 0.018f, 4, 0.12f, 0.002f).distance, [&](const Vec3f& x, float distance) {
+        if (distance < 0) picture.frame.position.push_back(x), picture.frame.velocity.push_back(velocity(x));
+    });
     picture.look.style = "particles";
     return picture;
 }

@@ -13,6 +13,14 @@ using ShapeDistance = std::function<float(const Vec3f&)>;
 /// Samples the distance in the box [low, high] and meshes its zero by marching tetrahedra.
 Surface surface_of(const ShapeDistance& distance, const Vec3f& low, const Vec3f& high, float voxel);
 
+/// Calls f(position, value) at every node.
+template <class F>
+void each_node(const Volume& v, const F& f) {
+    for (int k = 0; k < v.nz; ++k)
+        for (int j = 0; j < v.ny; ++j)
+            for (int i = 0; i < v.nx; ++i) f(v.at(i, j, k), v.value[v.index(i, j, k)]);
+}
+
 /// Trilinear.
 float interpolated(const Volume& v, const Vec3f& x);
 

@@ -156,17 +156,13 @@ TEST_CASE("the distance volume is 0 on the mesh, negative inside, and has slope 
     const double radius = std::cbrt(3 * static_cast<double>(frame.position.size()) / (4 * M_PI));
     for (const Vec3f& p : surface.mesh.position) REQUIRE(std::abs(interpolated(v, p)) < 0.05f);
     const Vec3f centre(0.3f, 0.1f, 0.4f);
-    for (int k = 0; k < v.nz; ++k)
-        for (int j = 0; j < v.ny; ++j)
-            for (int i = 0; i < v.nx; ++i) {
-                const double exact = std::clamp((v.at(i, j, k) - centre).norm() - radius, -8.0 * v.voxel, 8.0 * v.voxel);
-                // The mesh has errors of up to 0.08 d in places, the distance to it of up to 0.07 d.
-                const float found = v.value[v.index(i, j, k)];
-                if (std::abs(found - exact) > 0.15) {
-                    INFO(i << " " << j << " " << k << ": " << found << " for " << exact);
-                    REQUIRE(false);
-                }
-            }
+    each_node(v, [&](const Vec3f& at, float found) {
+        const double exact = std::clamp((at - centre).norm() - radius, -8.0 * v.voxel, 8.0 * v.voxel);
+        // The mesh has errors of up to 0.08 d in places, the distance to it of up to 0.07 d.
+        if (std::abs(found - exact) <= 0.15) return;
+        INFO("at " << at.transpose() << ": " << found << " for " << exact);
+        REQUIRE(false);
+    });
 }
 
 TEST_CASE("the distance volume equals a search over all triangles near the surface, and nearly so farther off", "[surface]") {
@@ -177,21 +173,18 @@ TEST_CASE("the distance volume equals a search over all triangles near the surfa
         const Volume v = distance_volume(lump, voxel, band);
         double near_error = 0, most = 0, least = 0;
         int wrong_sides = 0;
-        for (int k = 0; k < v.nz; ++k)
-            for (int j = 0; j < v.ny; ++j)
-                for (int i = 0; i < v.nx; ++i) {
-                    double exact = std::numeric_limits<double>::max();
-                    for (const auto& t : lump.triangle)
-                        exact = std::min(exact, distance_to(v.at(i, j, k).cast<double>(),
-                                                            {lump.position[t[0]].cast<double>(), lump.position[t[1]].cast<double>(),
-                                                             lump.position[t[2]].cast<double>()}));
-                    const double found = v.value[v.index(i, j, k)];
-                    const bool inside = v.at(i, j, k).cwiseQuotient(Vec3f(1, 0.6f, 0.45f)).norm() < 1;
-                    wrong_sides += exact > 0.05 && (found < 0) != inside;  // the facets lie up to .02 inside the lump
-                    const double over = (std::abs(found) - std::min(exact, double(band) * voxel)) / voxel;
-                    if (exact < 1.75 * voxel) near_error = std::max(near_error, std::abs(over));
-                    most = std::max(most, over), least = std::min(least, over);
-                }
+        each_node(v, [&](const Vec3f& at, double found) {
+            double exact = std::numeric_limits<double>::max();
+            for (const auto& t : lump.triangle)
+                exact =
+                    std::min(exact, distance_to(at.cast<double>(), {lump.position[t[0]].cast<double>(), lump.position[t[1]].cast<double>(),
+                                                                    lump.position[t[2]].cast<double>()}));
+            const bool inside = at.cwiseQuotient(Vec3f(1, 0.6f, 0.45f)).norm() < 1;
+            wrong_sides += exact > 0.05 && (found < 0) != inside;  // the facets lie up to .02 inside the lump
+            const double over = (std::abs(found) - std::min(exact, double(band) * voxel)) / voxel;
+            if (exact < 1.75 * voxel) near_error = std::max(near_error, std::abs(over));
+            most = std::max(most, over), least = std::min(least, over);
+        });
         CHECK(wrong_sides == 0);
         CHECK(near_error < 1e-4);  // voxels: rounding
         CHECK(least > -1e-4);
@@ -204,16 +197,12 @@ TEST_CASE("beyond the sharp edge of a flat body no voxel counts as inside", "[su
     const Vec3d from(0, -0.006, 0), to(0, 0, 0);
     for (const double radius : {0.05, 0.06, 0.07, 0.075, 0.08}) {
         const Volume v = distance_volume(make_cylinder(from, to, radius)->mesh(0, 0), 1.5e-3f, 64);
-        for (int k = 0; k < v.nz; ++k)
-            for (int j = 0; j < v.ny; ++j)
-                for (int i = 0; i < v.nx; ++i) {
-                    const Vec3f at = v.at(i, j, k);
-                    const bool outside = at.y() < -0.0061f || at.y() > 1e-4f || std::hypot(at.x(), at.z()) > radius + 1e-4;
-                    if (outside && v.value[v.index(i, j, k)] < 0) {
-                        INFO("radius " << radius << ", at " << at.transpose());
-                        REQUIRE(false);
-                    }
-                }
+        each_node(v, [&](const Vec3f& at, float found) {
+            const bool outside = at.y() < -0.0061f || at.y() > 1e-4f || std::hypot(at.x(), at.z()) > radius + 1e-4;
+            if (!outside || found >= 0) return;
+            INFO("radius " << radius << ", at " << at.transpose());
+            REQUIRE(false);
+        });
     }
 }
 
