@@ -9,16 +9,15 @@
 #include "engine/scene/read.h"
 
 namespace whorl::test {
-namespace {
 
-const std::string benchmarks_folder = std::string(WHORL_SOURCE_DIR) + "/scenes/studies/benchmarks/";
-
-}  // namespace
-
-Simulation benchmark(const std::string& name, const std::vector<std::string>& changes) {
+Scene shipped_scene(const std::string& name, const std::vector<std::string>& changes) {
     ReadRequest request;
     for (const std::string& change : changes) request.changes.push_back(parse_change(change));
-    const Scene scene = read_scene(benchmarks_folder + name + ".toml", request);
+    return read_scene(std::string(WHORL_SOURCE_DIR) + "/scenes/" + name + ".toml", request);
+}
+
+Simulation benchmark(const std::string& name, const std::vector<std::string>& changes) {
+    const Scene scene = shipped_scene("studies/benchmarks/" + name, changes);
     return Simulation(scene, make_plan(scene));
 }
 
@@ -35,7 +34,7 @@ Table reading(const Simulation& simulation, const std::string& probe) {
 }
 
 Table reference(const std::string& name) {
-    std::ifstream file(benchmarks_folder + name + ".csv");
+    std::ifstream file(std::string(WHORL_SOURCE_DIR) + "/scenes/studies/benchmarks/" + name + ".csv");
     std::string line, cell;
     std::getline(file, line);
     std::vector<std::string> columns;

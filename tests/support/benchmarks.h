@@ -10,7 +10,10 @@ namespace whorl::test {
 
 using Table = std::map<std::string, std::vector<double>>;  ///< columns by name
 
-/// The scene of this name. @param changes "key=value", laid over the file
+/// scenes/NAME.toml. @param changes "key=value", laid over the file
+Scene shipped_scene(const std::string& name, const std::vector<std::string>& changes);
+
+/// The scene of this name in scenes/studies/benchmarks. @param changes "key=value", laid over the file
 Simulation benchmark(const std::string& name, const std::vector<std::string>& changes = {});
 
 /// Current values of the scene's probe of this name.
