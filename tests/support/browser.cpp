@@ -9,6 +9,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -47,24 +48,14 @@ bool Browser::installed() { return !program().empty(); }
 Browser::Browser(int width, int height) : width_(width), height_(height) {
     int in[2], out[2];
     if (pipe(in) != 0 || pipe(out) != 0) throw std::runtime_error("no pipes");
-    const std::string folder = "--user-data-dir=" + profile_.path().string(), window = fmt::format("--window-size={},{}", width, height),
-                      path = program();
     // No sandbox: CI runs as root in a container, and the only page that is opened is ours.
-    const std::vector<std::string> arguments{path,
-                                             "--headless=new",
-                                             "--no-sandbox",
-                                             "--disable-gpu",
-                                             "--disable-dev-shm-usage",
-                                             "--no-first-run",
-                                             "--mute-audio",
-                                             "--remote-debugging-pipe",
-                                             "--disable-background-networking",
-                                             "--disable-component-update",
-                                             "--disable-sync",
-                                             "--disable-extensions",
-                                             folder,
-                                             window,
-                                             "about:blank"};
+    std::istringstream options(
+        "--headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run --mute-audio --remote-debugging-pipe "
+        "--disable-background-networking --disable-component-update --disable-sync --disable-extensions");
+    std::vector<std::string> arguments{program()};
+    for (std::string option; options >> option;) arguments.push_back(option);
+    arguments.insert(arguments.end(),
+                     {"--user-data-dir=" + profile_.path().string(), fmt::format("--window-size={},{}", width, height), "about:blank"});
     std::vector<char*> argv;
     for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);

@@ -35,4 +35,7 @@ private:
 /// Blue noise in a cylinder along y from y = 0 to y = length, periodic along it. Deterministic.
 std::vector<Vec3> blue_noise_cylinder(Real radius, Real length, Real spacing, unsigned seed = 1);
 
+/// Longest link of the minimum spanning tree of all points: the size of the widest gap.
+double longest_link(const std::vector<Vec3d>& x);
+
 }  // namespace whorl::test

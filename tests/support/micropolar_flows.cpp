@@ -42,6 +42,11 @@ void shake(Span<Vec3> x, double by, unsigned seed, int dimensions) {
 
 }  // namespace
 
+std::vector<Stage> micropolar_step_of(const MicropolarOptions& options, Real factor) {
+    return {make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
+            make_stage("micropolar", "micropolar", Micropolar(options)), make_stage("kick", "move", Kick{})};
+}
+
 MicropolarStep micropolar_step(TestWorld& w, MicropolarOptions options) {
     const auto n = static_cast<std::size_t>(w.world.fluid.size());
     MicropolarStep made{std::vector<Vec3>(n, Vec3::Zero()), std::vector<Vec3>(n, Vec3::Zero())};
@@ -92,8 +97,7 @@ VortexError taylor_green_error(const Micropolar2& c, MicropolarOptions options, 
                                int dimensions) {
     const double d = 1.0 / N, depth = dimensions == 2 ? 0 : std::ceil(2 * support) * d;
     TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(1, 1, Real(depth)), {true, true, dimensions == 3}});
-    w.use({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
-           make_stage("micropolar", "micropolar", Micropolar(with_coefficients(options, c, central))), make_stage("kick", "move", Kick{})});
+    w.use(micropolar_step_of(with_coefficients(options, c, central)));
     w.place(Vec3::Zero(), w.world.step.domain.max);
     const auto x = w.column<field::position>();
     const auto u = w.column<field::velocity>();

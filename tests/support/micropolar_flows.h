@@ -5,6 +5,9 @@
 
 namespace whorl::test {
 
+/// Density, gravity, these micropolar terms and kick, without motion. @param factor of the density next to walls
+std::vector<Stage> micropolar_step_of(const MicropolarOptions& options, Real factor = 1);
+
 /// The terms that one step of the stage Micropolar adds: the world's velocities and spins, pairs found and density set.
 struct MicropolarStep {
     std::vector<Vec3> acceleration;  ///< m/s^2

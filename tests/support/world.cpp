@@ -89,6 +89,13 @@ void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
     });
 }
 
+void TestWorld::move_wall(Index wall, const Vec3& velocity) {
+    world.solids.all[wall].pose.velocity = velocity;
+    BoundaryParticles& all = world.boundary_particles;
+    for (Index s = 0; s < all.size(); ++s)
+        if (all.solid[s] == wall) all.velocity[s] = velocity;
+}
+
 void TestWorld::find_pairs() {
     const auto x = column<field::position>();
     for (Vec3& one : x) one = world.step.domain.wrapped(one);
@@ -119,10 +126,6 @@ Vec3d TestWorld::angular_momentum() {
     return sum;
 }
 
-double TestWorld::max_speed() {
-    double most = 0;
-    for (const Vec3& one : column<field::velocity>()) most = std::max(most, static_cast<double>(one.norm()));
-    return most;
-}
+double TestWorld::max_speed() { return largest_speed(column<field::velocity>()); }
 
 }  // namespace whorl::test

@@ -23,6 +23,8 @@ struct TestWorld {
     /// A flat wall that covers the domain: the solid lies on the side that the normal points away from; one layer half a spacing inside.
     /// axis: 0, 1, 2; side: +1 where the normal is +axis.
     void add_wall(int axis, int side, double at, double slip_length = 0);
+    /// Velocity of a wall along itself [m/s]; its particles stay where they are.
+    void move_wall(Index wall, const Vec3& velocity);
 
     /// Neighbours at the current positions.
     void find_pairs();

@@ -4,14 +4,11 @@
 #include <numbers>
 
 #include "engine/models/boundary/wall.h"
-#include "engine/models/motion/motion.h"
 #include "engine/models/pressure/poisson.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
-#include "engine/models/viscosity/explicit_viscosity.h"
-#include "engine/models/viscosity/full_viscosity.h"
-#include "engine/sph/density.h"
 #include "tests/support/runs.h"
-#include "tests/support/world.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/viscous_forms.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -20,34 +17,7 @@ namespace viscosity_test {
 
 namespace {
 
-enum class Form { brookshaw, monaghan, full };
-constexpr Form all_forms[] = {Form::brookshaw, Form::monaghan, Form::full};
-
-bool is_implicit(Form form) { return form == Form::full; }
-
-/// Gravity, kick and the viscosity of that form, without motion and without pressure: the exact flow has none to speak of.
-std::vector<Stage> viscous_step_of(Form form, Real solid_factor, double tolerance = 1e-5) {
-    std::vector<Stage> stages{make_stage("density", "density", Density{solid_factor}), make_stage("gravity", "move", Gravity{})};
-    if (!is_implicit(form))
-        stages.push_back(
-            make_stage("viscosity", "viscosity",
-                       ExplicitViscosity{{.laplacian = form == Form::monaghan ? LaplacianForm::monaghan : LaplacianForm::brookshaw,
-                                          .solid_factor = solid_factor}}));
-    stages.push_back(make_stage("kick", "move", Kick{}));
-    if (form == Form::full) {
-        ViscosityOptions options;
-        options.solid_factor = solid_factor;
-        options.limits.tolerance = tolerance;
-        stages.push_back(make_stage("viscosity", "viscosity", FullViscosity(options)));
-    }
-    return stages;
-}
-
-const char* name(Form form) { return form == Form::brookshaw ? "brookshaw" : form == Form::monaghan ? "monaghan" : "full"; }
-
-/// Kernel radius over spacing. Forces along the pairs are isotropic if the neighbours' fourth moments are. On a lattice with R = 2 d they
-/// make shear 0.70 and stretching 1.45 times as stiff, so they need more neighbours than the other forms.
-double support_of(Form form) { return form == Form::monaghan ? 4 : 2; }
+using Form = ViscousForm;
 
 /// Longest step of an explicit form [s].
 double longest_step(Form form, int dimensions, double d, double nu) {
@@ -57,9 +27,9 @@ double longest_step(Form form, int dimensions, double d, double nu) {
 /// Calls test(form, dimensions, depth of the box along z [m]) for all forms, in 3D and 2D.
 template <class F>
 void in_space_and_plane(double depth, const F& test) {
-    for (Form form : all_forms)
+    for (Form form : viscous_forms)
         for (int dimensions : {3, 2}) {
-            INFO(name(form) << " in " << dimensions << " dimensions");
+            INFO(name_of(form) << " in " << dimensions << " dimensions");
             test(form, dimensions, dimensions == 3 ? depth : 0);
         }
 }
@@ -99,54 +69,49 @@ TEST_CASE("a Taylor-Green vortex decays as exp(-2 nu k^2 t) within 2 % of its ra
     });
 }
 
-namespace {
-
-/// Between y = 0 and 1, nu = 1, 24 particles across, from rest: the largest difference from exact(y, t) at the times, under a uniform
-/// acceleration g and with the upper wall at speed U.
-double start_up_error(Form form, double g, double U, const std::function<double(double, double)>& exact) {
-    const double d = 1.0 / 24, support = support_of(form), width = 8 * d;
-    const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
-    TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), 1, Real(width)), {true, false, true}});
-    w.use(viscous_step_of(form, factor));
-    w.world.step.gravity = Vec3(Real(g), 0, 0);
-    w.add_wall(1, +1, 0);
-    w.add_wall(1, -1, 1);
-    w.world.solids.all[1].pose.velocity = Vec3(Real(U), 0, 0);
-    BoundaryParticles& boundary = w.world.boundary_particles;
-    for (Index s = 0; s < boundary.size(); ++s)
-        if (boundary.solid[s] == 1) boundary.velocity[s] = Vec3(Real(U), 0, 0);
-    w.place(Vec3::Zero(), Vec3(Real(width), 1, Real(width)), 1000);
-    double worst = 0, time = 0;
-    for (const double until : {0.05, 0.1, 0.2}) {
-        const double most = is_implicit(form) ? 1e-3 : 0.9 * longest_step(form, 3, d, 1);
-        const int steps = static_cast<int>(std::ceil((until - time) / most));
-        for (int s = 0; s < steps; ++s) w.step((until - time) / steps);
-        time = until;
-        const auto x = w.column<field::position>(), u = w.column<field::velocity>();
-        for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(u[i].x() - exact(x[i].y(), time)));
-    }
-    return worst;
-}
-
-}  // namespace
-
 TEST_CASE("Couette and Poiseuille flow, added, start as their series within 2 % of the largest speed",
           "[validation][viscosity][boundary]") {
-    const double pi = std::numbers::pi;
-    for (Form form : all_forms) {
-        INFO(name(form));
-        CHECK(start_up_error(form, 8, 1, [&](double y, double t) {
-                  double u = y + 4 * y * (1 - y);
-                  for (int n = 1; n < 40; ++n) {
-                      const double couette = 2 / (n * pi) * (n % 2 == 0 ? 1 : -1), poiseuille = n % 2 == 0 ? 0 : -32 / std::pow(n * pi, 3);
-                      u += (couette + poiseuille) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
-                  }
-                  return u;
-              }) < 0.02 * 1.5625);
+    // Between y = 0 and 1, nu = 1, 24 particles across, from rest, under the acceleration 8 and with the upper wall at the speed 1.
+    const double pi = std::numbers::pi, d = 1.0 / 24, width = 8 * d;
+    const auto exact = [&](double y, double t) {
+        double u = y + 4 * y * (1 - y);
+        for (int n = 1; n < 40; ++n) {
+            const double couette = 2 / (n * pi) * (n % 2 == 0 ? 1 : -1), poiseuille = n % 2 == 0 ? 0 : -32 / std::pow(n * pi, 3);
+            u += (couette + poiseuille) * std::exp(-n * n * pi * pi * t) * std::sin(n * pi * y);
+        }
+        return u;
+    };
+    for (Form form : viscous_forms) {
+        INFO(name_of(form));
+        const double support = support_of(form);
+        const Real factor = continued_lattice_factor(KernelKind::cubic, Real(support * d), Real(d));
+        TestWorld w(d, support, Domain{Vec3::Zero(), Vec3(Real(width), 1, Real(width)), {true, false, true}});
+        w.use(viscous_step_of(form, factor));
+        w.world.step.gravity = Vec3(8, 0, 0);
+        w.add_wall(1, +1, 0);
+        w.add_wall(1, -1, 1);
+        w.move_wall(1, Vec3(1, 0, 0));
+        w.place(Vec3::Zero(), Vec3(Real(width), 1, Real(width)), 1000);
+        double worst = 0, time = 0;
+        for (const double until : {0.05, 0.1, 0.2}) {
+            const double most = is_implicit(form) ? 1e-3 : 0.9 * longest_step(form, 3, d, 1);
+            const int steps = static_cast<int>(std::ceil((until - time) / most));
+            for (int s = 0; s < steps; ++s) w.step((until - time) / steps);
+            time = until;
+            const auto x = w.column<field::position>(), u = w.column<field::velocity>();
+            for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, std::abs(u[i].x() - exact(x[i].y(), time)));
+        }
+        CHECK(worst < 0.02 * 1.5625);
     }
 }
 
 namespace {
+
+/// The published operator. @param assembled as a matrix, or matrix-free
+Stage published_viscosity(bool assembled, const ViscosityOptions& options) {
+    return assembled ? make_stage("viscosity", "viscosity", AssembledViscosity(options))
+                     : make_stage("viscosity", "viscosity", UncorrectedViscosity(options));
+}
 
 /// S/k for u = sin(ky) on a lattice: its uncorrected gradient is S cos(ky), S = sum_j V |W'|/r y sin(ky).
 double gradient_symbol(double k, double d, double support) {
@@ -183,17 +148,9 @@ TEST_CASE("the published full viscosity damps a shear wave by nu times its latti
         const double d = 1.0 / one.particles, k = two_pi, nu = 1, dt = 1 / (nu * k * k);
         const Real width = static_cast<Real>(2 * one.support * d);
         TestWorld w(d, one.support, Domain{Vec3::Zero(), Vec3(width, 1, width), {true, true, true}});
-        std::vector<Stage> stages{make_stage("density", "density", Density{})};
-        if (one.assembled) {
-            ViscosityOptions options;
-            options.limits.tolerance = 1e-6, options.penalty = 0;
-            stages.push_back(make_stage("viscosity", "viscosity", AssembledViscosity(options)));
-        } else {
-            ViscosityOptions options;
-            options.limits.tolerance = 1e-6, options.penalty = 0;
-            stages.push_back(make_stage("viscosity", "viscosity", UncorrectedViscosity(options)));
-        }
-        w.use(std::move(stages));
+        ViscosityOptions options;
+        options.limits.tolerance = 1e-6, options.penalty = 0;
+        w.use({make_stage("density", "density", Density{}), published_viscosity(one.assembled, options)});
         w.place(Vec3::Zero(), Vec3(width, 1, width), 1000 * nu, [&](const Vec3& x) { return Vec3(Real(std::sin(k * x.y())), 0, 0); });
         w.step(dt);
         double amplitude = 0;
@@ -209,31 +166,14 @@ TEST_CASE("the published full viscosity damps a shear wave by nu times its latti
 
 TEST_CASE("a force sin(ky) drives a flow to f/(nu k^2) (1 - exp(-nu k^2 t)) sin(ky) within 1 %", "[validation][viscosity]") {
     // Kolmogorov's flow, so slow that no particle passes its neighbour.
-    Simulation simulation = simulation_of(R"toml([time]
-end = 0.06
-max_step = 1e-3
-[domain]
-min = [0, 0, 0]
-max = [0.25, 1, 0.25]
-periodic = [true, true, true]
-gravity = [0, 0, 0]
-[fluid]
-spacing = 0.03125
-viscosity = 1000
-force = ["0.5*sin(2*pi*y)", "0", "0"]
-[models]
-pressure = "none"
-viscosity = "explicit"
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.25, 1, 0.25]
-)toml");
+    const text::Point low{0, 0, 0}, high{0.25, 1, 0.25};
+    Simulation simulation =
+        simulation_of(text::time(0.06, "max_step = 1e-3") + text::domain(low, high, "periodic = [true, true, true]\ngravity = [0, 0, 0]") +
+                      text::fluid(0.03125, 1000, "force = [\"0.5*sin(2*pi*y)\", \"0\", \"0\"]") + text::models("none", "explicit") +
+                      text::block(low, high));
     run_until(simulation, 0.06);
     const double k = 2 * std::numbers::pi, exact = 0.5 / (k * k) * (1 - std::exp(-k * k * 0.06));
-    const auto x = simulation.world().fluid.column<field::position>(), u = simulation.world().fluid.column<field::velocity>();
-    double amplitude = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) amplitude += 2 * u[i].x() * std::sin(k * x[i].y()) / static_cast<double>(x.size());
+    const double amplitude = mean_of(simulation, [&](const Vec3d& x, const Vec3d& u) { return 2 * u.x() * std::sin(k * x.y()); });
     CHECK(amplitude == Approx(exact).epsilon(0.01));
 }
 
@@ -276,18 +216,10 @@ double published_error(const PublishedFlow& one, int flow) {
     const double pi = std::numbers::pi, d = 1.0 / one.layers, width = 2 * one.support * d, depth = one.dimensions == 3 ? width : 0, t = 0.2;
     const Real factor = continued_lattice_factor({KernelKind::cubic, one.dimensions}, Real(one.support * d), Real(d));
     TestWorld w(d, one.support, Domain{Vec3::Zero(), Vec3(Real(width), 2, Real(depth)), {true, false, one.dimensions == 3}});
-    std::vector<Stage> stages{make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
-                              make_stage("kick", "move", Kick{})};
-    if (one.assembled) {
-        ViscosityOptions options;
-        options.solid_factor = factor, options.penalty = one.penalty;
-        stages.push_back(make_stage("viscosity", "viscosity", AssembledViscosity(options)));
-    } else {
-        ViscosityOptions options;
-        options.solid_factor = factor, options.penalty = one.penalty;
-        stages.push_back(make_stage("viscosity", "viscosity", UncorrectedViscosity(options)));
-    }
-    w.use(std::move(stages));
+    ViscosityOptions options;
+    options.solid_factor = factor, options.penalty = one.penalty;
+    w.use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}), make_stage("kick", "move", Kick{}),
+           published_viscosity(one.assembled, options)});
     w.world.step.gravity = Vec3(Real(flow == 1 ? 2 : 0), 0, 0);
     w.add_wall(1, +1, 0);
     if (flow == 0) w.add_wall(1, -1, 1), w.world.solids.all[1].pose.velocity = Vec3(1, 0, 0);
