@@ -59,26 +59,6 @@ struct HeldThread : CoupledWorld {
     }
 };
 
-/// Longest link of the minimum spanning tree of all points: the size of the widest gap.
-double longest_link(const std::vector<Vec3d>& x) {
-    std::vector<double> nearest(x.size(), 1e30);
-    std::vector<bool> joined(x.size(), false);
-    double longest = 0;
-    for (std::size_t step = 0, at = 0; step + 1 < x.size(); ++step) {
-        joined[at] = true;
-        std::size_t next = 0;
-        double least = 1e30;
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            if (joined[i]) continue;
-            nearest[i] = std::min(nearest[i], (x[i] - x[at]).norm());
-            if (nearest[i] < least) least = nearest[i], next = i;
-        }
-        longest = std::max(longest, least);
-        at = next;
-    }
-    return longest;
-}
-
 }  // namespace
 
 TEST_CASE("a thread pulled at a constant rate carries Trouton's 3 mu A rate, thins and does not tear", "[validation][coupled]") {
