@@ -12,9 +12,10 @@
 #include "engine/models/motion/motion.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/names.h"
-#include "engine/scene/read.h"
 #include "engine/sph/density.h"
+#include "tests/support/benchmarks.h"
 #include "tests/support/micropolar_flows.h"
+#include "tests/support/poured_honey.h"
 #include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
 
@@ -30,8 +31,7 @@ TEST_CASE("a micropolar Taylor-Green vortex follows its equations within 2 %, at
         MicropolarOptions options;
         options.implicit_exchange = implicit;
         VortexError error[3];
-        const int N[3] = {16, 24, 32};
-        for (int k = 0; k < 3; ++k) error[k] = taylor_green_error(coefficients, options, false, N[k]);
+        for (int k = 0; k < 3; ++k) error[k] = taylor_green_error(coefficients, options, false, 16 + 8 * k);
         CHECK(error[2].velocity < 0.02);
         CHECK(error[2].spin < 0.02);
         // The step goes with d^2: space and time together show order 2.
@@ -41,19 +41,16 @@ TEST_CASE("a micropolar Taylor-Green vortex follows its equations within 2 %, at
     }
 }
 
-TEST_CASE("with the composed part of \"split\" the Taylor-Green vortex follows its equations within 2 %",
+TEST_CASE("in 2D the Taylor-Green vortex with spin follows its equations within 2 %, also with \"split\"",
           "[validation][micropolar][plane]") {
-    MicropolarOptions options;
-    options.composed_coupling = 1000;  // 2 (kappa - a)
-    const VortexError error = taylor_green_error({1, 1.5, 0.02, 0.05}, options, false, 32, 2, 0, 2);
-    CHECK(error.velocity < 0.02);
-    CHECK(error.spin < 0.02);
-}
-
-TEST_CASE("in 2D the Taylor-Green vortex with spin follows its two differential equations within 2 %", "[validation][micropolar][plane]") {
-    const VortexError error = taylor_green_error({1, 1.5, 0.02, 0.05}, {}, false, 32, 2, 0, 2);
-    CHECK(error.velocity < 0.02);
-    CHECK(error.spin < 0.02);
+    for (const double composed : {0, 1000}) {  // 2 (kappa - a)
+        MicropolarOptions options;
+        options.composed_coupling = composed;
+        const VortexError error = taylor_green_error({1, 1.5, 0.02, 0.05}, options, false, 32, 2, 0, 2);
+        CAPTURE(composed);
+        CHECK(error.velocity < 0.02);
+        CHECK(error.spin < 0.02);
+    }
 }
 
 TEST_CASE("uniform spin decays as exp(-2 kappa t/theta) within 0.5 %, without overshoot at any implicit step", "[validation][micropolar]") {
@@ -67,8 +64,7 @@ TEST_CASE("uniform spin decays as exp(-2 kappa t/theta) within 0.5 %, without ov
             options.implicit_exchange = implicit;
             options = with_coefficients(options, {1, kappa, s > 1 ? 0 : 0.02, theta}, false);
             TestWorld w(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real(0.6)), {true, true, true}});
-            w.use({make_stage("density", "density", Density{}), make_stage("gravity", "move", Gravity{}),
-                   make_stage("micropolar", "micropolar", Micropolar(options)), make_stage("kick", "move", Kick{})});
+            w.use(micropolar_step_of(options));
             w.place(Vec3::Zero(), Vec3::Constant(Real(0.6)));
             for (Vec3& one : w.column<field::spin>()) one = Vec3(0, 3, 4);
             const int steps = s < 1 ? 200 : 3;
@@ -98,9 +94,7 @@ TEST_CASE("micropolar Poiseuille flow has its closed form within 3 %, with the s
             const Vec3 corner(Real(4 * d), Real(H), c.kappa > c.a ? 0 : Real(4 * d));
             TestWorld w(d, 2, Domain{Vec3::Zero(), corner, {true, false, corner.z() > 0}});
             const Real factor = options.solid_factor = continued_lattice_factor(w.world.step.kernel, Real(2 * d), Real(d));
-            w.use({make_stage("density", "density", Density{factor}), make_stage("gravity", "move", Gravity{}),
-                   make_stage("micropolar", "micropolar", Micropolar(with_coefficients(options, c, false))),
-                   make_stage("kick", "move", Kick{})});
+            w.use(micropolar_step_of(with_coefficients(options, c, false), factor));
             w.world.step.gravity = Vec3(Real(f), 0, 0);
             w.add_wall(1, +1, 0);
             w.add_wall(1, -1, H);
@@ -166,12 +160,6 @@ TEST_CASE("a free blob keeps momentum and total angular momentum to 1e-4 with th
 
 namespace {
 
-Scene scene_of(const std::string& text, const std::vector<std::string>& changes) {
-    ReadRequest request;
-    for (const std::string& change : changes) request.changes.push_back(parse_change(change));
-    return read_scene_text(text, "micropolar.toml", request);
-}
-
 const std::string vortices = text::time(0.4) +
                              text::domain({0, 0, 0}, {1, 1, 0.25}, "periodic = [true, true, true]\ngravity = [0.5, 0, 0]") +
                              text::fluid(0.0625, 5) + text::models("wcsph") + "micropolar = \"eringen\"\n" +
@@ -191,7 +179,7 @@ TEST_CASE("the energy budget closes to 1 % in both pressure models, with any vis
                                                     {"fluid.force=[\"2*sin(2*pi*y)\",0,0]"},
                                                     {"pressure.background_pressure=2000", solid}}) {
         INFO(changes.front());
-        const Scene scene = scene_of(vortices, changes);
+        const Scene scene = scene_with(changes, vortices);
         const Plan plan = make_plan(scene);
         Simulation simulation(scene, plan);
         const auto energy = [&] {
@@ -200,7 +188,7 @@ TEST_CASE("the energy budget closes to 1 % in both pressure models, with any vis
         };
         const double start = energy();
         simulation.count_energy();
-        while (simulation.time() < scene.time.end) REQUIRE(!simulation.step(scene.time.end).diverged);
+        run_until(simulation, scene.time.end);
         const EnergyBudget& work = simulation.totals().work;
         CHECK(std::abs(energy() - start - work.total()) < 0.01 * start);
         // Every cause does work, and dissipative causes lose energy.
@@ -233,9 +221,9 @@ TEST_CASE("forms without the coupling's torque speed a free body up at the plan'
     for (const auto& [shape, dimensions] : {std::pair{ball, 3}, std::pair{disc, 2}})
         for (const auto& [form, model] : {std::pair{"brookshaw", "notes"}, std::pair{"monaghan", "eringen"}}) {
             CAPTURE(dimensions, form);
-            const Scene scene = scene_of(turning(shape, dimensions),
-                                         {"micropolar.transfer_viscosity=0.5", "fluid.spacing=0.006",
-                                          std::string("viscosity.laplacian=") + form, std::string("models.micropolar=") + model});
+            const Scene scene = scene_with({"micropolar.transfer_viscosity=0.5", "fluid.spacing=0.006",
+                                            std::string("viscosity.laplacian=") + form, std::string("models.micropolar=") + model},
+                                           turning(shape, dimensions));
             const Plan plan = make_plan(scene);
             CHECK(plan.spin.turning_growth == Approx((dimensions + 2) * 0.5e-3 / (0.06 * 0.06)).epsilon(0.1));
             CHECK(std::any_of(plan.warnings.begin(), plan.warnings.end(),
@@ -257,20 +245,19 @@ TEST_CASE("spinning fluid never gains energy with the plan's forms, in balls, di
                           "radius = 0.06\ncontainer = true\n";
     const auto holds = [&](const std::string& text, const std::vector<std::string>& changes) {
         INFO(fmt::format("{}", fmt::join(changes, ", ")));
-        const Scene scene = scene_of(text, changes);
+        const Scene scene = scene_with(changes, text);
         const Plan plan = make_plan(scene);
         CHECK(plan.spin.turning_growth == 0);
         Simulation simulation(scene, plan);
         double left = 0;
-        while (simulation.time() < 0.2) {
-            REQUIRE(!simulation.step(0.2).diverged);
+        run_until(simulation, 0.2, [&] {
             const EnergyWork& work = simulation.totals().work;
             const double now = work.viscosity + work.exchange;
             // A step may return the work that pressure did on the mean velocity within it.
             const Measures all = measure(simulation.world(), Vec3d::Zero(), plan.spin.micro_inertia);
             REQUIRE(now <= left + 1e-3 * all.kinetic_energy);
             left = std::min(left, now);
-        }
+        });
     };
     const std::string more = "micropolar.transfer_viscosity=4.9", implicit = "micropolar.exchange=implicit", full = "models.viscosity=full",
                       ppe = "models.pressure=ppe", projection = "pressure.form=projection", constraint = "pressure.form=constraint";
@@ -293,15 +280,13 @@ TEST_CASE("the notes' system follows its equations within 2 %, with the Laplacia
     // particles move by a spacing; the Laplacian along the pairs needs twice the kernel radius, whose curls smooth more (4.5 %).
     const double k = 2 * std::numbers::pi / 4, U_0 = 0.2;
     const auto holds = [&](const std::vector<std::string>& changes, double tolerance, double end = 0.5) {
-        ReadRequest request;
-        for (const std::string& change : changes) request.changes.push_back(parse_change(change));
-        const Scene scene = read_scene(WHORL_SOURCE_DIR "/scenes/studies/notes_vortices.toml", request);
+        const Scene scene = shipped_scene("studies/notes_vortices", changes);
         const Plan plan = make_plan(scene);
         Simulation simulation(scene, plan);
         const double volume = (scene.domain.max - scene.domain.min).prod(), theta = plan.spin.micro_inertia;
         double error_u = 0, error_w = 0, most_w = 0;
         for (double time = 0.25; time <= end; time += 0.25) {
-            while (simulation.time() < time) REQUIRE(!simulation.step(time).diverged);
+            run_until(simulation, time);
             const double dt = time / static_cast<double>(simulation.totals().steps);
             const double smoothing = scene.micropolar.xsph_spin * 0.0375 * plan.support * plan.support / dt;
             const Micropolar2 c{plan.spin.viscosity, plan.spin.coupling, plan.spin.spin_viscosity + theta * smoothing, theta};

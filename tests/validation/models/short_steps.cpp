@@ -3,30 +3,23 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/scene/read.h"
-#include "engine/simulation/simulation.h"
+#include "tests/support/benchmarks.h"
+#include "tests/support/runs.h"
 
 namespace short_steps_test {
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
 /// Rate at which scenes/studies/shear_wave.toml decays, 16 particles a wave, over nu k^2.
 double decay_rate(const std::string& max_step) {
-    ReadRequest request;
-    for (const std::string& change : {std::string("fluid.spacing=0.0625"), "time.max_step=" + max_step})
-        request.changes.push_back(parse_change(change));
-    const Scene scene = read_scene(WHORL_SOURCE_DIR "/scenes/studies/shear_wave.toml", request);
+    const Scene scene = shipped_scene("studies/shear_wave", {"fluid.spacing=0.0625", "time.max_step=" + max_step});
     Simulation simulation(scene, make_plan(scene));
-    const auto energy = [&] {
-        double sum = 0;
-        for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) sum += u.cast<double>().squaredNorm();
-        return sum;
-    };
-    const double start = energy();
-    while (simulation.time() < scene.time.end) REQUIRE(!simulation.step(scene.time.end).diverged);
-    return std::log(start / energy()) / (2 * 0.1 * 4 * std::numbers::pi * std::numbers::pi * scene.time.end);
+    const double start = mean_square_speed(simulation);
+    run_until(simulation, scene.time.end);
+    return std::log(start / mean_square_speed(simulation)) / (2 * 0.1 * 4 * std::numbers::pi * std::numbers::pi * scene.time.end);
 }
 
 }  // namespace
