@@ -3,12 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "engine/scene/read.h"
-#include "engine/simulation/simulation.h"
+#include "tests/support/benchmarks.h"
+#include "tests/support/runs.h"
 
 namespace gate_test {
 
 using namespace whorl;
+using namespace whorl::test;
 
 namespace {
 
@@ -20,32 +21,26 @@ struct Fall {
 };
 
 Fall fall(const std::string& pressure, double gate) {
-    ReadRequest request;
-    for (const std::string& change : {"models.pressure=" + pressure, "boundary.gate=" + std::to_string(gate),
-                                      std::string("domain.max=[0.05,0.3,0.05]"), std::string("block[0].max=[0.05,0.11,0.05]")})
-        request.changes.push_back(parse_change(change));
-    const Scene scene = read_scene(WHORL_SOURCE_DIR "/scenes/studies/gate.toml", request);
+    const Scene scene = shipped_scene("studies/gate", {"models.pressure=" + pressure, "boundary.gate=" + std::to_string(gate),
+                                                       "domain.max=[0.05,0.3,0.05]", "block[0].max=[0.05,0.11,0.05]"});
     Simulation simulation(scene, make_plan(scene));
     const double d = scene.fluid.spacing, end = pressure == "wcsph" ? 0.4 : scene.time.end;  // at rest by then
-    const auto x = [&] { return simulation.world().fluid.column<field::position>(); };
     Fall found;
     int averaged = 0;
     // The lowest layer: particles less than half a spacing above the lowest particle.
-    while (simulation.time() < end) {
-        REQUIRE(!simulation.step(end).diverged);
-        double lowest = 1e9, height = 0, speed = 0, sum = 0;
+    run_until(simulation, end, [&] {
+        double lowest = 1e9, height = 0, sum = 0;
         int count = 0;
-        const auto at = x(), u = simulation.world().fluid.column<field::velocity>();
+        const auto at = positions(simulation), u = velocities(simulation);
         for (const Vec3& one : at) lowest = std::min<double>(lowest, one.y());
         for (std::size_t i = 0; i < at.size(); ++i)
             if (at[i].y() < lowest + 0.5 * d) height += at[i].y(), sum += u[i].y(), ++count;
-        for (const Vec3& one : u) speed = std::max<double>(speed, one.norm());
         const double free = -9.81 * simulation.time();
         if (found.felt_from == 0 && sum / count > 0.98 * free) found.felt_from = lowest / d;
         found.lowest = std::min(found.lowest, lowest / d);
-        found.speed = speed;
+        found.speed = largest_speed(u);
         if (simulation.time() > 0.9 * end) found.rests += height / count / d, ++averaged;
-    }
+    });
     found.rests /= averaged;
     return found;
 }

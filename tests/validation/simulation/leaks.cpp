@@ -13,11 +13,7 @@ using namespace whorl::test;
 
 namespace leaks_test {
 
-namespace {
-
 constexpr double d = 0.0125;
-
-}  // namespace
 
 TEST_CASE("a block of water dropped into a container stays inside its walls, with every pressure model", "[validation][boundary]") {
     for (const std::string pressure : {"ppe", "wcsph"}) {
@@ -29,8 +25,7 @@ TEST_CASE("a block of water dropped into a container stays inside its walls, wit
         run_until(simulation, 0.5);
         CHECK(simulation.totals().lost_particles == 0);
         CHECK(simulation.world().fluid.size() == particles);
-        for (const Vec3& x : simulation.world().fluid.column<field::position>())
-            CHECK(static_cast<double>(simulation.world().solids.all[0].distance(x)) > -1e-3 * d);
+        for (const Vec3& x : positions(simulation)) CHECK(static_cast<double>(simulation.world().solids.all[0].distance(x)) > -1e-3 * d);
     }
 }
 
@@ -42,13 +37,12 @@ TEST_CASE("a plate of three spacings that sweeps through water by a spacing a st
                       text::models("ppe") + text::block({0.0375, 0, 0}, {0.2375, 0.075, 0.1}) + text::tank({0, 0, 0}, {0.2375, 1.9, 0.1}) +
                       text::box({0, -0.05, -0.05}, {0.0375, 1.95, 0.15}, "position = [\"t < 0.016 ? 6.25*t : 0.1\", 0, 0]"));
     const Index particles = simulation.world().fluid.size();
-    while (simulation.time() < 0.1) {
-        REQUIRE_FALSE(simulation.step(0.1).diverged);
+    run_until(simulation, 0.1, [&] {
         int behind = 0;
         const double front = 0.0375 + static_cast<double>(simulation.world().solids.all[1].pose.translation.x());
-        for (const Vec3& x : simulation.world().fluid.column<field::position>()) behind += static_cast<double>(x.x()) < front - 1e-3 * d;
+        for (const Vec3& x : positions(simulation)) behind += static_cast<double>(x.x()) < front - 1e-3 * d;
         CHECK(behind == 0);
-    }
+    });
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(simulation.world().fluid.size() == particles);
 }
@@ -72,7 +66,7 @@ TEST_CASE("no particle of a dam break passes a mesh plate of a fiftieth of a spa
         run_until(simulation, 0.3);
         CHECK(simulation.totals().lost_particles == 0);
         double farthest = -1;
-        for (const Vec3& x : simulation.world().fluid.column<field::position>())
+        for (const Vec3& x : positions(simulation))
             farthest = std::max(farthest, static_cast<double>(x.x()) - 0.15 - tilt * static_cast<double>(x.y()));
         CHECK(farthest < thickness);
         CHECK(farthest > -d);  // the water has arrived

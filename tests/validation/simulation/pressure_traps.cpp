@@ -19,12 +19,6 @@ Simulation trap(const std::string& text, const std::string& preconditioner) {
                          "\"\n" + text);
 }
 
-double kinetic_energy(const Simulation& simulation) {
-    double sum = 0;
-    for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) sum += 0.5 * static_cast<double>(u.squaredNorm());
-    return sum;
-}
-
 double mean_compression(const Simulation& simulation) {
     double sum = 0;
     const auto rho = simulation.world().fluid.column<field::density>();
@@ -46,12 +40,9 @@ TEST_CASE("a Taylor-Green vortex of 16^3 particles in a periodic box never gains
             text::domain({0, 0, 0}, {1, 1, 1}, "periodic = [true, true, true]\ngravity = [0, 0, 0]") + text::fluid(0.0625) +
                 text::block({0, 0, 0}, {1, 1, 1}, R"toml(velocity = ["sin(2*pi*x)*cos(2*pi*y)", "-cos(2*pi*x)*sin(2*pi*y)", "0"])toml"),
             preconditioner);
-        const double start = kinetic_energy(simulation);
+        const double start = mean_square_speed(simulation);
         double most = 0;
-        while (simulation.time() < 0.5) {
-            REQUIRE_FALSE(simulation.step(0.5).diverged);
-            most = std::max(most, kinetic_energy(simulation) / start);
-        }
+        run_until(simulation, 0.5, [&] { most = std::max(most, mean_square_speed(simulation) / start); });
         CHECK(most < 1.01);
         CHECK(simulation.totals().unconverged_solves == 0);
         CHECK(simulation.totals().steps < 200);
@@ -69,16 +60,15 @@ TEST_CASE("two separate pools keep their different heights, with every solve con
     // Pressures in the lower half, over 0.1 s: their own weights within 10 % (lattices that still melt, 20 and 5 layers). Without the
     // lowest layer, which is known to carry a layer's weight too much (docs/physics.md 3).
     double weight[2] = {0, 0}, exact[2] = {0, 0};
-    while (simulation.time() < 0.4) {
-        REQUIRE_FALSE(simulation.step(0.4).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto p = simulation.world().fluid.column<field::pressure>();
+    run_until(simulation, 0.4, [&] {
+        const auto x = positions(simulation);
+        const auto p = pressures(simulation);
         for (std::size_t i = 0; i < x.size(); ++i) {
             const std::size_t pool = x[i].x() > Real(0.15);
             if (x[i].y() < Real(0.01) || x[i].y() > (pool ? Real(0.03) : Real(0.1))) continue;
             weight[pool] += p[i], exact[pool] += 1000 * g * ((pool ? 0.05 : 0.2) - x[i].y());
         }
-    }
+    });
     CHECK(weight[0] / exact[0] == Approx(1).epsilon(0.1));
     CHECK(weight[1] / exact[1] == Approx(1).epsilon(0.1));
 }
@@ -89,8 +79,7 @@ TEST_CASE("a drop next to a pool falls with g t within 1e-3 while the pool is at
         Simulation simulation = trap(tank + text::block({0, 0, 0}, {0.3, 0.05, 0.1}) + text::drop({0.2, 0.38, 0.05}, 0.03), preconditioner);
         const double end = 0.2;
         run_until(simulation, end);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto u = simulation.world().fluid.column<field::velocity>();
+        const auto x = positions(simulation), u = velocities(simulation);
         double falling = 0, pool = 0;
         int drops = 0;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -115,7 +104,7 @@ TEST_CASE("two blocks that overlap at the start are pushed apart without a burst
         const StepReport& report = simulation.step(0.25);
         REQUIRE_FALSE(report.diverged);
         for (const StepReport::Solve& solve : report.solves) CHECK((solve.report.converged || !solve.report.why_not.empty()));
-        for (const Vec3& u : simulation.world().fluid.column<field::velocity>()) fastest = std::max(fastest, static_cast<double>(u.norm()));
+        fastest = std::max(fastest, largest_speed(velocities(simulation)));
     }
     CHECK(fastest < std::sqrt(2 * g * 0.45));
     CHECK(mean_compression(simulation) < 0.01);
