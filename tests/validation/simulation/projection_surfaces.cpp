@@ -32,77 +32,48 @@ double radius_of(const Simulation& simulation) {
     return step.dimensions() == 2 ? std::sqrt(volume / pi) : std::cbrt(3 * volume / (4 * pi));
 }
 
-/// Mean pressure within half the radius over (D - 1) sigma/R, and the mean square speed over sqrt(sigma/(rho R)), after 0.1 s.
-struct Rest {
-    double pressure = 0, speed = 0;
-};
-Rest drop_at_rest(bool space, const char* spacing) {
+/// Checks the mean pressure within half the radius and the root mean square speed over sqrt(sigma/(rho R)), after 0.1 s.
+void rests(bool space, const char* spacing) {
     Simulation simulation =
         benchmark("swinging_drop", with({space ? "block.0.velocity=[0,0,0]" : "block.0.velocity=[0,0]", spacing}, space));
     run_until(simulation, 0.1);
-    const auto x = simulation.world().fluid.column<field::position>();
-    const auto u = simulation.world().fluid.column<field::velocity>();
-    const auto p = simulation.world().fluid.column<field::pressure>();
+    const auto x = positions(simulation);
+    const auto p = pressures(simulation);
     const double R = radius_of(simulation);
-    double sum = 0, square = 0;
+    double sum = 0;
     int inside = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        square += u[i].cast<double>().squaredNorm() / static_cast<double>(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i)
         if (static_cast<double>(x[i].norm()) < R / 2) sum += static_cast<double>(p[i]), ++inside;
-    }
-    return {sum / inside * R / ((space ? 2 : 1) * sigma), std::sqrt(square * rho * R / sigma)};
+    CHECK(sum / inside * R / ((space ? 2 : 1) * sigma) == Approx(1).epsilon(0.02));
+    CHECK(std::sqrt(mean_square_speed(simulation) * rho * R / sigma) < 0.02);
 }
 
-/// The second mode: its period over theory, and the fraction of the amplitude that remains after a period.
-struct Swing {
-    double period = 0, kept = 0;
-};
-Swing swing(bool space, const char* spacing) {
+/// Checks the period of the second mode, and the fraction of its amplitude that remains after a period.
+void swings(bool space, const char* spacing, double kept) {
     std::vector<std::string> changes{spacing};
     if (space) changes.push_back("block.0.velocity=[\"1.5*x\",\"1.5*y\",\"-3*z\"]");
     Simulation simulation = benchmark("swinging_drop", with(changes, space));
     const double R = radius_of(simulation), omega = std::sqrt((space ? 8 : 6) * sigma / (rho * R * R * R));
-    Zeros zeros(pi / omega / 3);
-    std::vector<double> crests{0};  // largest |signal| between zeros
-    while (zeros.at.size() < 5) {
-        REQUIRE(simulation.time() < 0.33);
-        REQUIRE_FALSE(simulation.step(0.33).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        double now = 0;
-        for (const Vec3& at : x)
-            now += static_cast<double>(space ? at.x() * at.x() + at.y() * at.y() - 2 * at.z() * at.z() : at.x() * at.x() - at.y() * at.y());
-        const std::size_t before = zeros.at.size();
-        zeros.sample(simulation.time(), now);
-        if (zeros.at.size() > before) crests.push_back(0);
-        crests.back() = std::max(crests.back(), std::abs(now));
-    }
-    return {(zeros.at[4] - zeros.at[0]) / 2 * omega / (2 * pi), std::sqrt(crests[4] / crests[0])};
+    const auto mode = [&](const Vec3d& x, const Vec3d&) {
+        return space ? x.x() * x.x() + x.y() * x.y() - 2 * x.z() * x.z() : x.x() * x.x() - x.y() * x.y();
+    };
+    const Oscillation found = oscillation(simulation, 5, pi / omega / 3, 0.33, [&] { return mean_of(simulation, mode); });
+    CHECK(found.period == Approx(2 * pi / omega).epsilon(0.05));
+    CHECK(std::sqrt(found.crests[4] / found.crests[0]) > kept);
 }
 
 }  // namespace
 
-TEST_CASE("under the projection a 2D drop rests with the pressure sigma/R within 2 %", "[validation][projection][tension]") {
-    const Rest rest = drop_at_rest(false, "fluid.spacing=4e-4");
-    CHECK(rest.pressure == Approx(1).epsilon(0.02));
-    CHECK(rest.speed < 0.02);
+TEST_CASE("under the projection a 2D drop has the pressure sigma/R within 2 %, theory's period within 5 %",
+          "[validation][projection][tension]") {
+    rests(false, "fluid.spacing=4e-4");
+    swings(false, "fluid.spacing=4e-4", 0.85);
 }
 
-TEST_CASE("under the projection a 3D drop rests with the pressure 2 sigma/R within 2 %", "[validation][projection][tension][long]") {
-    const Rest rest = drop_at_rest(true, "fluid.spacing=6e-4");
-    CHECK(rest.pressure == Approx(1).epsilon(0.02));
-    CHECK(rest.speed < 0.02);
-}
-
-TEST_CASE("under the projection a 2D drop oscillates with the period of theory within 5 %", "[validation][projection][tension]") {
-    const Swing of = swing(false, "fluid.spacing=4e-4");
-    CHECK(of.period == Approx(1).epsilon(0.05));
-    CHECK(of.kept > 0.85);
-}
-
-TEST_CASE("under the projection a 3D drop oscillates with the period of theory within 5 %", "[validation][projection][tension][long]") {
-    const Swing of = swing(true, "fluid.spacing=5e-4");
-    CHECK(of.period == Approx(1).epsilon(0.05));
-    CHECK(of.kept > 0.75);
+TEST_CASE("under the projection a 3D drop has the pressure 2 sigma/R within 2 %, theory's period within 5 %",
+          "[validation][projection][tension][long]") {
+    rests(true, "fluid.spacing=6e-4");
+    swings(true, "fluid.spacing=5e-4", 0.75);
 }
 
 TEST_CASE("capillary-gravity waves under the projection keep the period of theory within 5 %", "[validation][projection][tension][long]") {
@@ -110,17 +81,8 @@ TEST_CASE("capillary-gravity waves under the projection keep the period of theor
     constexpr double k = 2 * pi / 0.4, tension = 40;
     const double period = 2 * pi / std::sqrt((9.81 * k + tension * k * k * k / rho) * std::tanh(k * 0.2));
     Simulation simulation = benchmark("standing_wave", {"fluid.surface_tension=40"});
-    Zeros zeros(period / 4);
-    while (zeros.at.size() < 7) {
-        REQUIRE(simulation.time() < 2.8);
-        REQUIRE_FALSE(simulation.step(2.8).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto u = simulation.world().fluid.column<field::velocity>();
-        double now = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) now += static_cast<double>(u[i].y()) * std::cos(k * static_cast<double>(x[i].x()));
-        zeros.sample(simulation.time(), now);
-    }
-    CHECK((zeros.at[6] - zeros.at[0]) / 3 == Approx(period).epsilon(0.05));
+    const Oscillation found = oscillation(simulation, 7, period / 4, 2.8, [&] { return vertical_wave(simulation, k); });
+    CHECK(found.period == Approx(period).epsilon(0.05));
 }
 
 }  // namespace projection_surfaces_test

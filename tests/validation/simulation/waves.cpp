@@ -45,7 +45,7 @@ TEST_CASE("the front of a collapsing column is within 5 % of the experiment at e
     while (run.back().second < measured.back().second && run.back().first < 4) {
         REQUIRE_FALSE(simulation.step(1).diverged);
         std::vector<Real> x;
-        for (const Vec3& one : simulation.world().fluid.column<field::position>()) x.push_back(one.x());
+        for (const Vec3& one : positions(simulation)) x.push_back(one.x());
         // Two particles may be drops ahead of the front.
         std::nth_element(x.begin(), x.end() - 3, x.end());
         run.emplace_back(simulation.time() * second, (x[x.size() - 3] + d / 2) / a);
@@ -84,17 +84,9 @@ TEST_CASE("a standing wave, 40 particles long in water of 20 layers, has its per
         text::models("ppe") + text::block({0, 0}, {length, h}, "sampling = \"blue_noise\"\n" + passage(U / std::sinh(k * h), k)) +
         text::plane({0, 0}, {0, 1}));
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
-    Zeros zeros(period / 4);  // noise of 1 % may cross zero repeatedly within a step or two
-    while (zeros.at.size() < 6 && simulation.time() < 2) {
-        REQUIRE_FALSE(simulation.step(2).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto u = simulation.world().fluid.column<field::velocity>();
-        double now = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) now += static_cast<double>(u[i].y()) * std::cos(k * static_cast<double>(x[i].x()));
-        zeros.sample(simulation.time(), now);
-    }
-    REQUIRE(zeros.at.size() == 6);
-    CHECK((zeros.at[5] - zeros.at[0]) / 2.5 == Approx(period).epsilon(0.03));
+    // Noise of 1 % may cross zero repeatedly within a step or two.
+    const Oscillation found = oscillation(simulation, 6, period / 4, 2, [&] { return vertical_wave(simulation, k); });
+    CHECK(found.period == Approx(period).epsilon(0.03));
 }
 
 namespace {
@@ -122,10 +114,6 @@ Simulation seiche(double length, double U, const std::string& sampling = "lattic
                          text::tank({0, 0}, {length, 1}, "slip = \"free\""));
 }
 
-}  // namespace
-
-namespace {
-
 /// Half a wave in a tank of 0.5 m with water 0.2 m deep and smooth walls: omega^2 = g k tanh(k h), k = pi/0.5. Started flat with the
 /// velocities of its passage, 1.3 spacings high. The projection's period is 1 % longer, without loss; the constraint's 3 % shorter, and
 /// it loses 15 % a period (33 % when walls showed no images). @param periods to compare the first and the last of
@@ -136,16 +124,12 @@ void seiche_keeps(const std::string& form, int periods, double kept_per_period, 
     const double period = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * h));
     Zeros zeros(period / 4);
     std::vector<std::pair<double, double>> first, last;
-    while (simulation.time() < periods * period) {
-        REQUIRE_FALSE(simulation.step(4).diverged);
-        const auto x = simulation.world().fluid.column<field::position>();
-        const auto u = simulation.world().fluid.column<field::velocity>();
-        double now = 0;
-        for (std::size_t i = 0; i < x.size(); ++i) now += static_cast<double>(u[i].x()) * std::sin(k * static_cast<double>(x[i].x()));
+    run_until(simulation, periods * period, [&] {
+        const double now = mean_of(simulation, [&](const Vec3d& x, const Vec3d& u) { return u.x() * std::sin(k * x.x()); });
         zeros.sample(simulation.time(), now);
         if (simulation.time() < period) first.emplace_back(simulation.time(), now);
         if (simulation.time() > (periods - 1) * period) last.emplace_back(simulation.time(), now);
-    }
+    });
     const std::size_t whole = 2 * static_cast<std::size_t>(periods - 1);
     REQUIRE(zeros.at.size() > whole);
     CHECK((zeros.at[whole] - zeros.at[0]) / (periods - 1) == Approx(period).epsilon(tolerance_of_period));
@@ -174,18 +158,10 @@ TEST_CASE("steep sloshes hold with the projection, crests of half the depth amon
         INFO(U << " m/s, " << sampling);
         Simulation simulation = seiche(1, U, sampling);
         const auto energy = [&] {
-            const auto x = simulation.world().fluid.column<field::position>();
-            const auto u = simulation.world().fluid.column<field::velocity>();
-            double sum = 0;
-            for (std::size_t i = 0; i < x.size(); ++i)
-                sum += static_cast<double>(u[i].squaredNorm()) / 2 + g * (static_cast<double>(x[i].y()) - 0.2);
-            return sum * 0.025 * 0.025;
+            return mean_of(simulation, [](const Vec3d& x, const Vec3d& u) { return u.squaredNorm() / 2 + g * (x.y() - 0.2); });
         };
         const double first = energy();
-        while (simulation.time() < 2.4) {
-            REQUIRE_FALSE(simulation.step(4).diverged);
-            REQUIRE(energy() < 1.2 * first);
-        }
+        run_until(simulation, 2.4, [&] { REQUIRE(energy() < 1.2 * first); });
         CHECK(energy() > 0.3 * first);
     }
 }
@@ -204,16 +180,14 @@ TEST_CASE("piston waves 1.7 spacings high have the height of theory within 8 % o
     std::vector<std::pair<double, double>> near, far;
     const auto depth = [&](double at) {
         double sum = 0;
-        for (const Vec3& x : simulation.world().fluid.column<field::position>()) sum += std::max(0.0, 1 - std::abs(x.x() - at) / b);
+        for (const Vec3& x : positions(simulation)) sum += std::max(0.0, 1 - std::abs(x.x() - at) / b);
         return sum * 0.025 * 0.025 / b;
     };
-    while (simulation.time() < 5) {
-        REQUIRE_FALSE(simulation.step(5).diverged);
-        const double t = simulation.time();
-        if (t < 2.8) continue;
-        near.emplace_back(t, depth(1));
-        far.emplace_back(t, depth(2.5));
-    }
+    run_until(simulation, 2.8);
+    run_until(simulation, 5, [&] {
+        near.emplace_back(simulation.time(), depth(1));
+        far.emplace_back(simulation.time(), depth(2.5));
+    });
     const double half = std::numbers::pi / 1.483 * b, seen = std::pow(std::sin(half) / half, 2);
     const double height_near = 2 * amplitude(near, 1.1) / seen, height_far = 2 * amplitude(far, 1.1) / seen;
     CHECK(height_near == Approx(0.0414).epsilon(0.08));
@@ -235,7 +209,7 @@ TEST_CASE("a dam break on a wet bed has Stoker's depth within 2 %, its bore's po
         simulation_of(text::time(1) + text::domain({-1.2, -0.05}, {1.2, 0.4}) + text::fluid(d) + text::block({-1.1, 0}, {0, high}) +
                       text::block({0, 0}, {1.1, low}) + text::tank({-1.1, 0}, {1.1, 0.4}, "slip = \"free\""));
     const auto volume = [&](double from, double to) {
-        const auto x = dam.world().fluid.column<field::position>();
+        const auto x = positions(dam);
         return d * d *
                static_cast<double>(std::count_if(x.begin(), x.end(), [&](const Vec3& one) { return one.x() > from && one.x() < to; }));
     };
@@ -258,7 +232,7 @@ TEST_CASE("water flows under a sluice gate with the jet's theoretical contractio
                                     text::box({-0.9, -0.1}, {1, 0}, free) + text::box({-0.9, 0}, {-length, 0.6}, free) +
                                     text::box({0, a}, {0.04, 0.6}, free) + text::drain({0.5, 0}, {1, 0.6}));
     const auto depth = [&] {
-        const auto x = tank.world().fluid.column<field::position>();
+        const auto x = positions(tank);
         return d * d / length * static_cast<double>(std::count_if(x.begin(), x.end(), [&](const Vec3& one) { return one.x() < 0; }));
     };
     run_until(tank, 0.1);
