@@ -39,10 +39,7 @@ struct Compression {
 };
 
 double level(const Simulation& simulation) {  // of water on a floor at 0
-    double mean = 0;
-    const auto x = simulation.world().fluid.column<field::position>();
-    for (const Vec3& one : x) mean += 2 * static_cast<double>(one.y()) / static_cast<double>(x.size());
-    return mean;
+    return mean_of(simulation, [](const Vec3d& x, const Vec3d&) { return 2 * x.y(); });
 }
 
 /// 20 layers, 1000 particles.
@@ -54,12 +51,11 @@ const std::string falling_column = text::domain({-0.05, -0.05, -0.05}, {0.69, 0.
 /// Over all steps; the largest of any particle.
 Compression compression_over(Simulation& simulation, double until) {
     Compression all(0, 0);
-    while (simulation.time() < until) {
-        REQUIRE_FALSE(simulation.step(until).diverged);
+    run_until(simulation, until, [&] {
         const Compression now(simulation.world());
         all.mean += now.mean;
         all.largest = std::max(all.largest, now.largest);
-    }
+    });
     all.mean /= static_cast<double>(simulation.totals().steps);
     return all;
 }
@@ -115,7 +111,7 @@ TEST_CASE("water that sloshes for 5 s keeps its volume within 0.5 %", "[validati
     double highest = 0;
     while (simulation.time() < 6) {
         run_until(simulation, simulation.time() + 0.1);
-        for (const Vec3& x : simulation.world().fluid.column<field::position>()) highest = std::max(highest, static_cast<double>(x.y()));
+        for (const Vec3& x : positions(simulation)) highest = std::max(highest, static_cast<double>(x.y()));
     }
     run_until(simulation, 8);
     INFO("highest " << highest << " m");
@@ -131,37 +127,23 @@ TEST_CASE("a rotating square patch has the tension of theory, and keeps symmetry
     Simulation simulation =
         simulation_of(text::time(1) + text::domain({-3, -3}, {3, 3}, "gravity = [0, 0]") + text::fluid(d) +
                       text::block({-0.5, -0.5}, {0.5, 0.5}, "velocity = [\"-y\", \"x\"]") + text::pressure_form("projection"));
-    struct State {
-        double turning = 0, energy = 0, middle = 0;
-    };
-    const auto measure = [&] {
-        State now;
-        int at_middle = 0;
-        const auto& fluid = simulation.world().fluid;
-        const auto x = fluid.column<field::position>(), u = fluid.column<field::velocity>();
-        const auto p = fluid.column<field::pressure>();
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            now.turning += static_cast<double>(x[i].x()) * u[i].y() - static_cast<double>(x[i].y()) * u[i].x();
-            now.energy += static_cast<double>(u[i].squaredNorm());
-            if (x[i].norm() < 1.5 * d) now.middle += p[i], ++at_middle;
-        }
-        now.middle /= at_middle;
-        return now;
-    };
-    const State start = measure();
+    const auto turning = [&] { return mean_of(simulation, [](const Vec3d& x, const Vec3d& u) { return x.cross(u).z(); }); };
+    const double spin = turning(), energy = mean_square_speed(simulation);
     double pressure = 0;
     int steps = 0;
-    for (; simulation.time() < 0.1; ++steps) {
-        REQUIRE_FALSE(simulation.step(0.1).diverged);
-        if (steps > 0) pressure += measure().middle;
-    }
+    run_until(simulation, 0.1, [&] {
+        double sum = 0;
+        int at_middle = 0;
+        for (std::size_t i = 0; i < positions(simulation).size(); ++i)
+            if (positions(simulation)[i].norm() < 1.5 * d) sum += pressures(simulation)[i], ++at_middle;
+        if (steps++ > 0) pressure += sum / at_middle;
+    });
     CHECK(pressure / (steps - 1) == Approx(-147.3).epsilon(0.05));
     run_until(simulation, 0.5);
-    const State now = measure();
-    CHECK(now.turning == Approx(start.turning).epsilon(1e-3));
-    CHECK(now.energy == Approx(start.energy).epsilon(0.01));
+    CHECK(turning() == Approx(spin).epsilon(1e-3));
+    CHECK(mean_square_speed(simulation) == Approx(energy).epsilon(0.01));
     double farthest = 0;
-    const auto x = simulation.world().fluid.column<field::position>();
+    const auto x = positions(simulation);
     for (std::size_t i = 0; i < x.size(); ++i) {
         double nearest = 1e9;
         for (std::size_t j = 0; j < x.size(); ++j)
