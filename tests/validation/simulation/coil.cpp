@@ -9,7 +9,7 @@
 
 #include "engine/probes/probes.h"
 #include "engine/scene/read.h"
-#include "engine/simulation/simulation.h"
+#include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
 
 using namespace whorl;
@@ -38,24 +38,17 @@ Scene coil_on_plate(const CoilCase& c, double spacing, double turns) {
     return read_scene_text(text, "coil.toml");
 }
 
-/// time, frequency, radius, turns, spreads, pile_height, uncertainties, fall
-std::vector<double> measured(const CoilCase& c, double spacing, double turns) {
-    const Scene scene = coil_on_plate(c, spacing, turns);
-    Simulation simulation(scene, make_plan(scene));
-    const auto probe = make_probe(scene.probes.at(0), simulation.world());
-    while (simulation.time() < scene.time.end) {
-        REQUIRE_FALSE(simulation.step(scene.time.end).diverged);
-        probe->after_step(simulation.world(), simulation.time());
-    }
-    CHECK(simulation.totals().lost_particles == 0);
-    return rows_of(*probe, simulation).front();
-}
-
 /// 2.5 particles across the nozzle's radius; the probe's own uncertainty after seven turns is 1 to 2 %. The same at finer spacings:
 /// docs/reports/coils.md. @param off largest deviation from the theory's frequency, relative
 void turns_as_theory_says(const CoilCase& c, double off) {
     INFO(c.speed << " m/s from " << c.fall << " m, " << c.nu << " m^2/s");
-    const std::vector<double> row = measured(c, 2e-3, 7);
+    const Scene scene = coil_on_plate(c, 2e-3, 7);
+    Simulation simulation(scene, make_plan(scene));
+    const auto probe = make_probe(scene.probes.at(0), simulation.world());
+    run_until(simulation, scene.time.end, [&] { probe->after_step(simulation.world(), simulation.time()); });
+    CHECK(simulation.totals().lost_particles == 0);
+    // time, frequency, radius, turns, spreads, pile_height, uncertainties, fall
+    const std::vector<double> row = rows_of(*probe, simulation).front();
     REQUIRE(row.size() >= 10);
     CHECK(row[1] == Approx(c.frequency).epsilon(off));
     CHECK(row[2] == Approx(c.radius).epsilon(0.15));
