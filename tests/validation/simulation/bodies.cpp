@@ -17,8 +17,6 @@ namespace {
 
 constexpr double d = 0.0125;
 
-const RigidBody& body_of(const Simulation& simulation) { return *simulation.world().solids.all.back().body; }
-
 /// Water of the given size [m] in an open box with room above it, and one solid more.
 Simulation pool(const Vec3d& water, const std::string& models, const std::string& solid) {
     return simulation_of(text::time(9, "max_step = 5e-3") +
@@ -31,25 +29,25 @@ const std::string ppe = "[models]\npressure = \"ppe\"\nviscosity = \"xsph\"\n[vi
 
 double deepest_inside(const Simulation& simulation) {
     double deepest = 0;
-    for (const Vec3& x : simulation.world().fluid.column<field::position>())
+    for (const Vec3& x : positions(simulation))
         deepest = std::max(deepest, -static_cast<double>(simulation.world().solids.all.back().distance(x)));
     return deepest;
 }
 
-void floats(double ratio) {
+void floats(double ratio, const std::string& models = ppe, double margin = 0.15) {
     // It starts with a tilt of 8 degrees, and still bobs at 0.002 m/s at the end. Its layer of water, four particles high, settles by 1 %
     // of the pool's depth as the lattice melts, which the bound includes. No particle may be inside it, or lost.
     INFO("density ratio " << ratio);
     Simulation simulation = pool(
-        {0.2, 0.1, 0.2}, ppe,
+        {0.2, 0.1, 0.2}, models,
         fmt::format("shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ntilt = [0, 0, 8]\ndensity = {}\n", 1000 * ratio));
     run_until(simulation, 1.2);
     double mean = 0;
     int rows = 0;
-    for (; simulation.time() < 1.8; ++rows) run_until(simulation, simulation.time() + 0.05), mean += body_of(simulation).centre.y();
+    for (; simulation.time() < 1.8; ++rows) run_until(simulation, simulation.time() + 0.05), mean += last_body(simulation).centre.y();
     const double level = 0.1 + ratio * 0.1 * 0.05 * 0.1 / (0.2 * 0.2), exact = level + 0.025 - 0.05 * ratio;
-    CHECK(mean / rows == Approx(exact).margin(0.15 * d));
-    CHECK((body_of(simulation).turn * Vec3d::UnitY()).y() > 0.99);
+    CHECK(mean / rows == Approx(exact).margin(margin * d));
+    CHECK((last_body(simulation).turn * Vec3d::UnitY()).y() > 0.99);
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(deepest_inside(simulation) < 0.01 * d);
 }
@@ -64,12 +62,7 @@ TEST_CASE("rafts of .1 and .8 times water's density float with that share immers
 }
 
 TEST_CASE("a raft floats as deep in weakly compressible water, within 0.2 spacings", "[validation][bodies][long]") {
-    Simulation simulation = pool({0.2, 0.1, 0.2}, "[models]\npressure = \"wcsph\"\n",
-                                 "shape = \"box\"\nmin = [0.05, 0.11, 0.05]\nmax = [0.15, 0.16, 0.15]\ndensity = 300\n");
-    run_until(simulation, 1.5);
-    const double level = 0.1 + 0.3 * 0.1 * 0.05 * 0.1 / (0.2 * 0.2), exact = level + 0.025 - 0.05 * 0.3;
-    CHECK(body_of(simulation).centre.y() == Approx(exact).margin(0.2 * d));
-    CHECK(simulation.totals().lost_particles == 0);
+    floats(0.3, text::models("wcsph"), 0.2);
 }
 
 TEST_CASE("a sphere in still water starts with (m_f - m) g/(m + C m_f) within 9 %, at densities 0.1 to 8",
@@ -93,9 +86,9 @@ TEST_CASE("a sphere in still water starts with (m_f - m) g/(m + C m_f) within 9 
             Simulation simulation = ball(density);
             std::istringstream in(state.str());
             simulation.load(in);
-            const double before = body_of(simulation).velocity.y();
+            const double before = last_body(simulation).velocity.y();
             run_until(simulation, start + 0.01);
-            return (body_of(simulation).velocity.y() - before) / 0.01;
+            return (last_body(simulation).velocity.y() - before) / 0.01;
         };
         const double drift = acceleration(1000);
         CHECK(std::abs(drift) < 0.5);
@@ -125,7 +118,7 @@ TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water p
         CHECK(deepest < 0.01 * d);
         CHECK(simulation.totals().lost_particles == 0);
         // It must not be inside the floor.
-        CHECK(body_of(simulation).centre.y() > 0.04 - 0.1 * d);
+        CHECK(last_body(simulation).centre.y() > 0.04 - 0.1 * d);
     }
 }
 
@@ -144,7 +137,7 @@ TEST_CASE("cubes 30 and 100 times as dense as water sink without energy gain or 
                      "shape = \"box\"\nmin = [0.045, 0.12, 0.045]\nmax = [0.1175, 0.1925, 0.1175]\ndensity = {}\nvelocity = [0, {}, 0]\n",
                      1000 * thrown.ratio, -thrown.speed));
         const auto energy = [&] {
-            const RigidBody& body = body_of(simulation);
+            const RigidBody& body = last_body(simulation);
             const Measures fluid = measure(simulation.world(), Vec3d(0, -9.81, 0), 1);
             return fluid.kinetic_energy + fluid.potential_energy + body.kinetic_energy() + body.mass * 9.81 * body.centre.y();
         };
@@ -207,7 +200,7 @@ void sinks_as_lubrication_says(double mu) {
                       text::block({-0.045, 0}, {0.045, 0.01}) + text::plane({0, 0}, {0, 1}) + body({-0.04, 0.01}, {0.04, 0.02}, 8000));
     const auto gap = [&](double time) {
         run_until(simulation, time);
-        return start + body_of(simulation).centre.y() - 0.015;
+        return start + last_body(simulation).centre.y() - 0.015;
     };
     const double h = gap(begin), rate = 2 * W / (mu * L * L * L);
     const double sunk = h - gap(end), lubrication = h - 1 / std::sqrt(1 / (h * h) + rate * (end - begin));
