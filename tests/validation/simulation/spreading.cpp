@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -26,24 +27,13 @@ struct Current {
 
 /// The profile in layers of one spacing, of this radius and height.
 std::string puddle(double radius, double height, const std::string& rest) {
-    std::string text = fmt::format(R"toml([time]
-end = 100
-[domain]
-min = [-0.1, -0.02, -0.1]
-max = [0.1, 0.05, 0.1]
-[fluid]
-spacing = {}
-viscosity = {}
-{}
-)toml",
-                                   d, 1000 * nu, rest);
+    std::string scene = text::time(100) + text::domain({-0.1, -0.02, -0.1}, {0.1, 0.05, 0.1}) + text::fluid(d, 1000 * nu) + rest;
     for (int layer = 0; layer * d < height - d / 2; ++layer)
-        text += fmt::format("[[block]]\nshape = \"cylinder\"\nfrom = [0, {}, 0]\nto = [0, {}, 0]\nradius = {}\nsampling = \"blue_noise\"\n",
-                            layer * d, (layer + 1) * d, radius * std::sqrt(1 - std::pow((layer + 0.5) * d / height, 3)));
-    return text;
+        scene +=
+            fmt::format("[[block]]\nshape = \"cylinder\"\nfrom = [0, {}, 0]\nto = [0, {}, 0]\nradius = {}\nsampling = \"blue_noise\"\n",
+                        layer * d, (layer + 1) * d, radius * std::sqrt(1 - std::pow((layer + 0.5) * d / height, 3)));
+    return scene;
 }
-
-const std::string sticking = "[[solid]]\nshape = \"plane\"\n";
 
 void spreads(const std::string& models) {
     // It starts with the profile of the similarity solution and takes twice the time that a point source would have taken: a
@@ -55,12 +45,10 @@ void spreads(const std::string& models) {
     const Current current{count * d * d * d};
     const double start = current.time(24 * d);
     run_until(simulation, start);
-    double square = 0, front = 0;
-    for (const Vec3& p : simulation.world().fluid.column<field::position>()) {
-        const double s = p[0] * p[0] + p[2] * p[2];
-        square += s, front = std::max(front, std::sqrt(s));
-    }
-    const double radius = std::sqrt(7.0 / 3 * square / count), theory = current.radius(start + simulation.time());
+    double front = 0;
+    for (const Vec3& p : positions(simulation)) front = std::max(front, std::hypot(double(p[0]), double(p[2])));
+    const double square = mean_of(simulation, [](const Vec3d& x, const Vec3d&) { return x[0] * x[0] + x[2] * x[2]; });
+    const double radius = std::sqrt(7.0 / 3 * square), theory = current.radius(start + simulation.time());
     CAPTURE(radius / d, theory / d, front / d);
     CHECK(radius == Approx(theory).epsilon(0.02));
     CHECK(front + d / 2 == Approx(theory).epsilon(0.05));
@@ -68,12 +56,10 @@ void spreads(const std::string& models) {
 
 }  // namespace
 
-TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 %, from six layers of particles to five", "[validation][sim][spreading][long]") {
-    spreads("[models]\npressure = \"ppe\"\nviscosity = \"full\"\n" + sticking);
-}
-
-TEST_CASE("a puddle on a plate spreads as t^(1/8) within 2 % with the coupled solve", "[validation][sim][spreading][long]") {
-    spreads("[models]\npressure = \"coupled\"\n" + sticking);
+TEST_CASE("a puddle spreads as t^(1/8) within 2 %, from six layers of particles to five, with ppe and coupled",
+          "[validation][sim][spreading][long]") {
+    for (const std::string& models : {text::models("ppe", "full"), text::models("coupled")})
+        spreads(models + text::plane({0, 0, 0}, {0, 1, 0}));
 }
 
 }  // namespace spreading_test
