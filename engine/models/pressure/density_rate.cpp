@@ -19,7 +19,7 @@ WallImage::WallImage(const InteractionContext& context, SolidGate solid_gate)
 WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_before) : spacing(d), nearest(d / 2), gate(gate_before) {
     with_kernel(form, support, [&](const auto& W) {
         const int reach = static_cast<int>(std::ceil(support / d)), beside_it = form.dimensions - 1;
-        // Kernel sum, and pull along the normal, of the lattice layer that is k spacings away.
+        // Sum of the kernel and of minus its derivative along the normal, over the lattice layer at a distance of k spacings.
         const auto layer = [&](int k, double& value, double& pull) {
             each_lattice_point(beside_it, reach, [&](int a, int b, int) {
                 const Real r = d * std::sqrt(static_cast<Real>(a * a + b * b + k * k));
@@ -27,7 +27,7 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
                 if (k > 0) pull -= static_cast<double>(W.derivative(r) * k * d / r);
             });
         };
-        // sum_j |W'| r of that layer.
+        // Sum of |W'| r over that layer.
         const auto virial_of = [&](int k) {
             double sum = 0;
             each_lattice_point(beside_it, reach, [&](int a, int b, int) {
@@ -42,22 +42,25 @@ WallImage::WallImage(KernelForm form, Real support, Real d, SolidGate gate_befor
         for (int k = 1; k <= reach; ++k) layer(k, all, all_pull), behind += virial_of(k);
         const double volume = power_of(static_cast<double>(d), form.dimensions);
         factor = static_cast<Real>(own * volume * all / first);
-        // f (fluid - stretch wall) + fluid = 0 along the normal: the row of i and the rows of its neighbours.
         const double first_layer = virial_of(0),
                      of_lattice = ((1 - volume * all) * (first_layer + 2 * behind) - (first_layer + behind)) * first / (all * virial_of(1));
         // Settled water is not a lattice. With virial = 1 the pressure at walls is too high, by 6 % in the lowest layer and by 5 % in the
-        // mean over a slot 6 d wide; with the value of the lattice it is 8 and 2 % too low.
+        // mean over a slot 6 d wide. With the value of the lattice these pressures are 8 and 2 % too low.
         virial = static_cast<Real>(of_lattice + 0.55 * (1 - of_lattice));
+        // A uniform pressure must exert no normal force on a particle in the layer at the wall. The particle's own row contributes
+        // f (fluid - stretch wall) to this force, the rows of its neighbours contribute `fluid` (f = 1 there). So the stretch is
+        // fluid/wall (1 + 1/f).
         stretch = static_cast<Real>(all_pull * first / (first_pull * all) * (2 - volume * all));
     });
 }
 
 namespace {
 
-/// Motion of a solid within a step: it turns about its centre, so that its points do not follow straight lines.
+/// Motion of a solid within a step. The solid turns about its centre, so its points do not follow straight lines.
 struct SolidMotion {
     Vec3 centre, velocity;  ///< m, m/s
-    Mat3 back, turn;        ///< rotation from the axes at the end to those at the start; back - 1
+    Mat3 back,              ///< rotation from the solid's axes at the end of the step to those at the start
+        turn;               ///< `back` minus the identity
     bool turns, rests;
     SolidMotion(const Solid& solid, const Pose& pose, Real dt)
         : centre(pose.angular_velocity.isZero(0) ? pose.translation : Vec3(solid.centre().cast<Real>())),
@@ -116,7 +119,7 @@ void DensityRate::build(const WallImage& wall, const InteractionContext& context
                     change += part;
                 },
                 [&](Index s, const Vec3& r, const WallImage::Share& share) {
-                    // The solid's velocity at x_i is used, so that fluid that moves and turns with a solid keeps its density.
+                    // Uses the solid's velocity at x_i, so that fluid that moves and turns with a solid keeps its density.
                     const Pose& pose = context.solids.all[context.boundary.solid[s]].pose;
                     wall_change += share.gradient.dot(u[i] - pose.velocity_at(context.boundary.position[s] + r));
                 });
@@ -142,7 +145,7 @@ void DensityRate::bend(const WallImage& wall, const InteractionContext& context,
     for (std::size_t k = 0; k < poses.size(); ++k) motions.emplace_back(context.solids.all[k], poses[k], dt);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(size(), [&](Index i) {
-            // Change of the fluid's kernel sum, which is rho_i/f_i at x.
+            // The fluid's kernel sum is rho_i/f_i at x. `bent` is its change over the step minus the linear part of that change.
             Real linear = 0, moved = mass * W.value(0);
             const Real left = 1 - mirrors.part(i);
             const Real* c = slope.data() + first[i];
@@ -185,7 +188,7 @@ void DensityRate::bend(const WallImage& wall, const InteractionContext& context,
     });
 }
 
-/// Uses four independent sums: in a single one each addition would wait for the previous one.
+/// Uses four independent sums. In a single sum each addition would wait for the previous one.
 template <bool periodic, class F>
 [[gnu::always_inline]] inline Padded DensityRate::sum_over_row(Index i, const F& term) const {
     const Padded xi = x[i];

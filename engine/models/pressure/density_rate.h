@@ -16,23 +16,24 @@ namespace whorl {
 /// Contribution of a solid to the density of a fluid particle, through the boundary particles. The space behind the surface is treated as
 /// full of fluid with the density of the particle's surroundings,
 ///   rho_i = (m W_ii + sum_j m W_ij)/(1 - w_i),   w_i = sum_s V_s W(|r'_is|).
-/// Like a mirror image, it approaches `stretch` times as fast as the boundary particle: r'_is is r_is, with its part along the normal of s
-/// replaced by d + stretch (r_is.n_s - d). So on a lattice that touches a flat wall the density is that of the lattice without a wall, and
-/// a uniform pressure makes no force.
+/// Like a mirror image, this fluid approaches i `stretch` times as fast as the boundary particle s does: r'_is is r_is, with the component
+/// along the normal of s replaced by d + stretch (r_is.n_s - d). So on a lattice that touches a flat wall the density is that of the
+/// lattice without a wall, and a uniform pressure exerts no force.
 struct WallImage {
     Real factor;   ///< factor on the volumes of boundary particles
     Real stretch;  ///< 1.85 for the cubic kernel with R = 2 d
     Real virial;   ///< factor on the boundary particles' part of a particle's virial (DensityRate::virial)
     Real spacing;  ///< m
     Real nearest;  ///< if an image is closer than this along the normal, w grows linearly [m]
-    /// By solid, 1: w stays constant for images closer than `nearest`. Empty: w grows at all solids. 1 for free bodies lighter than the
-    /// fluid, which would else float 0.05 d higher, up to 0.19 d above Archimedes (tests/validation/simulation/bodies.cpp).
+    /// By solid; 1: w stays constant for images closer than `nearest`. Empty: w grows at all solids. The value is 1 for free bodies lighter
+    /// than the fluid. With growth these would float 0.05 d higher, up to 0.19 d above Archimedes' height
+    /// (tests/validation/simulation/bodies.cpp).
     std::vector<char> constant_when_near;
-    SolidGate gate;  ///< its weight multiplies w_i, in the density and in its derivative
+    SolidGate gate;  ///< the gate's weight multiplies w_i, in the density and in the density's derivative
     WallImage(KernelForm kernel, Real support, Real spacing, SolidGate gate = {});
     WallImage(const InteractionContext& context, SolidGate gate);
 
-    /// Contribution of a boundary particle to w_i, its gradient with respect to x_i, and its pull -V W' |r'|.
+    /// Contribution of a boundary particle: `value` to w_i, `gradient` of this value with respect to x_i, `pull` -V W' |r'|.
     struct Share {
         Real value, pull;
         Vec3 gradient;
@@ -43,7 +44,7 @@ struct WallImage {
         if (boundary.behind[s] == 0) return edge_share(W, r, boundary, s);
         const Real V = factor * boundary.volume[s] * boundary.behind[s], height = r.dot(normal);
         Vec3 g = r;
-        Real beyond = 0;   // how much closer than `nearest`
+        Real beyond = 0;   // by how much the image is closer than `nearest`
         if (height > 0) {  // else i is behind the face of s
             const Real wanted = spacing + stretch * (height - spacing), image = std::max(wanted, nearest);
             beyond = image - wanted;
@@ -55,8 +56,8 @@ struct WallImage {
         if (!constant_when_near.empty() && constant_when_near[boundary.solid[s]]) beyond = 0;
         return {V * (W.value(distance) - slope * nearest * beyond), -V * slope * distance * distance * virial, g};
     }
-    /// Share of a boundary particle on an edge. A convex edge has an image before each face that i is in front of,
-    /// h -> h [1 + (stretch - 1)(h/d - 1)]; other edges are used at their positions.
+    /// Share of a boundary particle on an edge. At a convex edge the height h of i above each face that i is in front of is replaced by h
+    /// [1 + (stretch - 1)(h/d - 1)]. Particles on other edges act at their own positions.
     template <class Kernel>
     [[gnu::noinline]] Share edge_share(const Kernel& W, const Vec3& r, const BoundaryParticles& boundary, Index s) const {
         const Vec3 &normal = boundary.normal[s], &one = boundary.face[s];
@@ -77,8 +78,8 @@ struct WallImage {
         const Real V = factor * boundary.volume[s], distance = image.norm(), slope = W.slope(distance);
         return {V * W.value(distance), -V * slope * distance * distance * virial, V * slope * g};
     }
-    /// Fraction `left` of the volume around i that solids leave to the fluid, if they fill w of it: 1 - w, but always positive. `slope` is
-    /// -d left/dw.
+    /// `left`: fraction of the volume around i that solids leave to the fluid, if they fill the fraction w; 1 - w, but always positive.
+    /// `slope`: -d left/dw.
     struct FreeVolume {
         Real left, slope;
     };
@@ -165,21 +166,21 @@ using Padded = Eigen::Matrix<Real, 4, 1>;
 inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
 
 /// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i,   g_ij = m grad W_ij = c_ij r_ij,   f_i = 1/(1 - w_i)
-/// wall_i is the part of moving solids. D is the exact derivative of the density above, so the forces D^T q that limit the densities derive
-/// from an energy.
+/// wall_i is the contribution of moving solids. D is the exact derivative of the density above, so the forces D^T q that limit the
+/// densities derive from an energy.
 struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that D was built from, each followed by its images
     Span<const Index> other;        ///< particles; images from size() on
-    Column<Real> slope;             ///< c_ij by pair [kg/m^5]; with x a third of the memory and of the reads per product of g_ij
-    mutable Column<Padded> x;       ///< positions of the particles and of their images [m]; the last component is f_i q_i in a product
+    Column<Real> slope;             ///< c_ij by pair [kg/m^5]. Together with x it takes a third of the memory and reads of g_ij
+    mutable Column<Padded> x;       ///< positions of particles and images [m]; in a product the fourth component is f_i q_i
     Vec3 period = Vec3::Zero();     ///< Domain::period()
     Column<Real> fill;              ///< f_i
     Column<Vec3> own;               ///< own_i [kg/m^4]
     Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 if the density cannot change
     /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for an exact gradient, 1.02 on a lattice with R = 2 d, up to 1.05 after
-    /// the lattice has melted. The pressure that the pair forces of q exert (their virial) is q times this.
+    /// the lattice has melted. The pressure that the pair forces of q exert (the virial of these forces) is q times this factor.
     Column<Real> virial;
-    Mirrors mirrors;         ///< their images are neighbours, too
+    Mirrors mirrors;         ///< walls with images of the fluid, which are neighbours, too
     std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle), so the particle has no pressure and does not react
 
     Index size() const { return static_cast<Index>(own.size()); }
@@ -187,8 +188,8 @@ struct DensityRate {
     /// @param rho written @param rate written: D u, including prescribed particles and solids
     void build(const WallImage& wall, const InteractionContext& context, Read<field::role> role, Read<field::velocity> u, Span<Real> rho,
                Span<Real> rate);
-    /// Writes rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3], the error of D for a straight move, with fixed neighbours. Solids turn as
-    /// they do within a step. @param rho at x @param poses of the solids; free bodies move with the velocities in them
+    /// Writes rho_i(x + dt v) - rho_i(x) - dt (D v)_i [kg/m^3]: the error of the linear D for displacements dt v, with the pairs kept.
+    /// Solids rotate as they do within a step. @param rho at x @param poses of the solids; free bodies move with the velocities in them
     void bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> v,
               const std::vector<Pose>& poses, Span<Real> change) const;
     /// Calls f(j, g_ij) for row i: j is a neighbour, or the owner of an image that is a neighbour.

@@ -15,14 +15,15 @@ struct pressure_force {
 };
 }  // namespace field
 
-/// u += dt a, with a the last step's pressure force over the mass, so that viscosity acts on a flow whose weight is supported. Without
-/// this, fluid at rest slips along sticking walls by about dt/rho times the pressure's gradient. Free bodies are treated likewise: without
-/// it, a plate that presses fluid out of a gap h sinks faster by a factor of about 1 + 12 nu dt/h^2.
+/// u += dt a, with a the last step's pressure force over the mass, so that viscosity acts on a flow whose weight is supported. Without this
+/// stage, fluid at rest slips along no-slip walls at about dt/rho times the pressure's gradient. Free bodies are treated likewise.
+/// Otherwise a plate that presses fluid out of a gap of width h sinks faster by a factor of about 1 + 12 nu dt/h^2.
 struct ExpectForce {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
                     Update<field::velocity> u) const {
         const StepContext& step = context.step;
-        const Real most = step.spacing / (10 * step.dt * step.dt);  // more, as in an impact, is not expected again
+        // Limit: a larger force, as in an impact, will not recur in the next step.
+        const Real most = step.spacing / (10 * step.dt * step.dt);
         parallel_for(u.size(), [&](Index i) {
             const Real size = a[i].norm();
             if (role[i] != 0 || !std::isfinite(size)) a[i].setZero();
@@ -45,7 +46,7 @@ struct ExpectForce {
     }
 };
 
-/// Runs before the pressure's solve: u -= dt a. Stores u in a, for TakeForce.
+/// Runs before the pressure's solve: u -= dt a. Then stores this u in a, for TakeForce.
 struct ForgetForce {
     void operator()(const InteractionContext& context, Update<field::pressure_force> a, Update<field::velocity> u) const {
         const StepContext& step = context.step;

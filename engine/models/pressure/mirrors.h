@@ -9,9 +9,10 @@ namespace whorl {
 
 /// The space behind a flat wall is full of images of the fluid, which are neighbours like particles:
 ///   rho_i = (m W_ii + sum_j m W_ij + sum_g (a_i + a_j)/2 m W(x_i - x_g))/(1 - (1 - a_i) w_i),   x_g = x_j - 2 h_j n.
-/// j is the particle whose image is g (also i itself). Near two or three walls at right angles there are images of images. a_i is 1 if the
-/// walls around i are flat, and 0 at others (BoundaryParticles::flat) and nearer than d/10 to a wall, a distance that only impacts reach. W
-/// depends on r_ij^2 + 4 h_i h_j, so g pushes i as the image of i pushes j.
+/// The image g belongs to particle j (which may be i itself), h_j is the height of j above the wall, n the wall's normal and w_i the part
+/// of boundary particles (density_rate.h). Near two or three walls at right angles there are images of images. a_i is 1 if the walls around
+/// i are flat. It is 0 at other walls (BoundaryParticles::flat), and closer to a wall than d/10, which happens only in impacts. The kernel
+/// depends on r_ij^2 + 4 h_i h_j, so the force of g on i equals that of the image of i on j.
 class Mirrors {
 public:
     /// @param none true: no wall has images
@@ -22,7 +23,7 @@ public:
     const Pairs& pairs() const { return pairs_; }
     /// Number of images that are neighbours of i.
     Index count(Index i) const { return images_.empty() ? 0 : pairs_.count(i); }
-    /// Weights (a_i + a_j)/2 of the images of i; readable up to a whole group.
+    /// Weights (a_i + a_j)/2 of the images that are neighbours of i. The array is padded to a whole group.
     const Real* weights(Index i) const { return &weight_[pairs_.first[i]]; }
     /// Calls f(g, r, distance, weight) for each image g that is a neighbour of i.
     template <class F>
@@ -31,7 +32,7 @@ public:
         const Real* weight = weights(i);
         pairs_.of(i, [&](Index g, const Vec3& r, Real distance) { f(g, r, distance, *weight++); });
     }
-    /// Calls f.operator()<image>(group, weights) for neighbours of i, groups of the fluid first.
+    /// Calls f.operator()<image>(group, weights) for groups of neighbours of i. Fluid groups come first (image = false), then images.
     template <class F>
     void groups_of(const Pairs& fluid, Index i, F&& f) const {
         fluid.groups_of(i, [&](const Pairs::Group& group) { f.template operator()<false>(group, nullptr); });
@@ -45,7 +46,7 @@ public:
     /// a_i
     Real part(Index i) const { return part_.empty() ? 0 : part_[i]; }
     Index owner(Index g) const { return images_[g].owner; }
-    /// A flat wall before a particle.
+    /// Flat wall near a particle.
     struct Wall {
         Vec3 normal;  ///< into the fluid
         Real offset;  ///< position of the surface along the normal [m]
@@ -61,7 +62,8 @@ public:
     /// Updates the positions of the images from those of the particles.
     void place(Span<const Vec3> x);
     Span<const Vec3> places() const { return places_; }
-    /// of_images[g] = v of the owner, mirrored: v.n becomes 2 middle(wall) - v.n for each wall. @param middle Wall -> value on the wall
+    /// of_images[g] = v of the owner, reflected in each wall of the image: v.n becomes 2 middle(wall) - v.n. @param middle Wall -> value on
+    /// the wall
     template <class Vector, class Middle>
     void reflect(const Vector* v, Vector* of_images, const Middle& middle) const {
         parallel_for(size(), [&](Index g) {

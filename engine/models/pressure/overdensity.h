@@ -9,19 +9,20 @@
 namespace whorl {
 
 /// The constraint limits rho_i + dt (D u)_i. If a particle hits a wall or another particle within a step, its density rises far above this
-/// linear prediction. While any density exceeds rho_0 (1 + 0.9 most), these particles, and their neighbours denser than
-/// rho_0 (1 + most/2), move their surroundings and themselves,
+/// linear prediction. A sweep selects the particles denser than rho_0 (1 + 0.9 most), and those of their neighbours denser than rho_0 (1 +
+/// most/2). It moves these particles and their surroundings,
 ///   x -= D^T l,   l_i = (rho_i - rho_0)/(2 (D D^T)_ii),   at most a fifth of a spacing,
-/// with the densities and their derivative at the current positions. A pair that is moved apart by -a r_ij and a r_ij gets +a and -a times
-/// its relative velocity across r_ij, so that it turns more slowly: angular momentum is conserved and kinetic energy does not grow. The
-/// centre of mass is fixed except for pushes by solids and moves that are cut off. At most a hundred sweeps; if they are not enough, the
-/// step reports a solve of the kind `crowding`. Not done in full periodic domains, near bodies lighter than the fluid, and in scenes with
-/// bodies and without gravity: there the bodies would have to give way. Writes the densities at the positions at the end of the step.
+/// with the densities and their derivative D at the current positions. Sweeps are repeated until no density exceeds rho_0 (1 + 0.9 most).
+/// If a pair is moved apart by -a r_ij and a r_ij, its velocities change by +a and -a times the relative velocity across r_ij. The pair
+/// then turns more slowly, so angular momentum is conserved and kinetic energy does not grow. The centre of mass is fixed except for the
+/// forces of solids and for displacements at the limit. There are at most a hundred sweeps. If these are not enough, the step reports a
+/// solve of the kind `crowding`. The stage does nothing in full periodic domains. Near bodies lighter than the fluid, and in scenes with
+/// bodies and without gravity, it does nothing because the bodies would have to give way. Writes the densities at the end of the step.
 class RelaxOverdensity {
 public:
     /// @param most tolerated relative density error
     RelaxOverdensity(double most, SolidGate gate) : most_(static_cast<Real>(most)), gate_(gate) {}
-    /// @param pairs, solid_pairs those of `context`; they become the neighbours at the end of the step, found with `search` up to a fifth
+    /// @param pairs, solid_pairs those of `context`. They become the neighbours at the end of the step, which `search` finds up to a fifth
     /// of a spacing farther than the models need
     void operator()(const InteractionContext& context, FluidPairs& pairs, SolidPairs& solid_pairs, NeighbourSearch& search,
                     StepReport& report, Read<field::role> role, Update<field::density> rho, Update<field::position> x,
@@ -33,13 +34,13 @@ private:
         std::vector<Index> dense, crowded, movers, touched;
         std::vector<int> seen;  ///< by particle: the last list that it is in
         int lists = 0;
-        Column<Vec3> push, moves, kicks;  ///< l_i own_i; a mover's displacement [m] and velocity change [m/s]
+        Column<Vec3> push, moves, kicks;  ///< l_i own_i [m]; displacement of a mover [m]; change of its velocity [m/s]
         Column<Real> share;               ///< l_i f_i, 0 if not crowded
         explicit Scratch(Index n) : seen(n, 0), push(n), share(n, 0) {}
         /// The particles of `from` and their neighbours.
         void with_neighbours(const Pairs& pairs, const std::vector<Index>& from, std::vector<Index>& all);
     };
-    /// @returns a text about particles that stay too dense; empty if there are none
+    /// @returns a message about particles that stay too dense; empty if there are none
     template <class Kernel>
     std::string relieve(const WallImage& wall, const Kernel& W, const InteractionContext& context, Read<field::role> role, Span<Real> rho,
                         Span<Vec3> x, Span<Vec3> u, const std::function<void()>& find) const;

@@ -11,20 +11,22 @@
 namespace whorl {
 namespace {
 
-/// A region is singular if its pins are less than this fraction of its diagonals. In a full box alpha comes from uneven neighbours; it is
-/// a hundredth of the diagonal after a lattice has melted. For a few particles on a floor it is as large as the diagonal.
+/// A region is singular if its pins are less than this fraction of its diagonals. The pins of a closed region consist of alpha alone
+/// (pressure_matrix.h). In a full box alpha differs from 0 only because neighbours are uneven; after a lattice has melted, alpha is a
+/// hundredth of the diagonal. For a few particles on a floor alpha is as large as the diagonal.
 constexpr double weakly_tied = 0.05;
-/// The fraction as printed: the pressure level is undetermined only for a drop that has no surface particles and touches no solid.
+/// The same fraction for the printed form. There the pressure level is undetermined only in a drop that has no surface particles and
+/// touches no solid.
 constexpr double untied = 1e-6;
 
-/// Threshold of the divergence of the position over D; smaller values mark a free surface.
+/// Threshold of (divergence of the position)/(number of dimensions). Smaller values mark a free surface.
 constexpr Real full_enough = Real(0.85);
 
 }  // namespace
 
-/// A particle is on the free surface if the divergence of the position is small: 3 inside the fluid (3.06 on a lattice with R = 2 d), 2.24
-/// in the outermost layer of a flat lattice. Solids count like fluid. A compressed particle is never on the surface, even if it has few
-/// neighbours, because it needs a pressure.
+/// A particle is on the free surface if the divergence of the position is small. In 3D it is 3 inside the fluid (3.06 on a lattice with R =
+/// 2 d) and 2.24 in the outermost layer of a flat lattice. Solids count like fluid. A compressed particle is never on the surface, even if
+/// it has few neighbours, because it needs a pressure.
 template <class Kernel>
 void PoissonPressure::classify(const Kernel& kernel, const InteractionContext& context, Read<field::role> role, Read<field::density> rho) {
     const auto D = static_cast<Real>(context.step.dimensions());
@@ -83,9 +85,9 @@ Vec3 PoissonPressure::of_solid(const Kernel& kernel, const InteractionContext& c
     return solid_slope(kernel, context, i, s, distance) * (r + (stretch - 1) * r.dot(normal) * normal);
 }
 
-/// The pressure of boundary particle s is p_i plus the weight of the fluid between them, rho_0 g.(x_s - x_i) along the normal. This part is
-/// known before the solve. Without it the pressure of the lowest layer is too high by the pressure of its own weight, and the topmost
-/// layer of a full box falls.
+/// The pressure of boundary particle s is p_i plus the weight of the fluid between i and s, rho_0 g.(x_s - x_i) along the normal. The
+/// weight is known before the solve. Without the weight the pressure of the lowest layer is too high by the pressure of its own weight, and
+/// the topmost layer of a full box falls.
 template <class Kernel>
 void PoissonPressure::carry(const Kernel& kernel, const InteractionContext& context, Read<field::role> role,
                             Update<field::velocity> u) const {
@@ -166,7 +168,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& c
             matrix_.diagonal[i] = std::max(row + pin, min_positive);
             touches_surface_[i] = surface;
         } else {
-            // Between two facing walls the gradients cancel, so a pressure would push nothing.
+            // Between two facing walls the gradients cancel, so a pressure would accelerate no particle.
             p[i] = alpha > enough ? b_[i] / alpha : 0;
             if (options_.clamp) p[i] = std::max(Real(0), p[i]);
             b_[i] = 0;
@@ -174,9 +176,9 @@ void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& c
     });
 }
 
-/// The tolerance is a relative density error: |r| is compared with the norm of a residual of rho_0/dt^2 at every particle. At small time
-/// steps that alone would leave the pressure unsolved (a density error of 1e-4 in the longest wave of 40 layers is several times their
-/// weight), so |r| is also compared with the right-hand side.
+/// The tolerance is a relative density error: |r| is compared with the norm of a residual of rho_0/dt^2 at every particle. In small time
+/// steps this norm alone would leave the pressure unsolved (in 40 layers, a residual of 1e-4 with the longest wavelength changes the
+/// pressure by several times the layers' weight). So the reference is at most ten times the norm of the right-hand side.
 SolveReport PoissonPressure::solve_rows(const StepContext& step, double unknowns, Span<Real> x) {
     SolveReport solved;
     solved.converged = true;
@@ -207,8 +209,8 @@ void PoissonPressure::take_mean_errors_away(const StepContext& step, Read<field:
     }
 }
 
-/// Without a surface the pressure has no natural zero. Its lowest value is set to the weight of a layer, so that the clamp changes no
-/// pressure.
+/// Without a surface the zero of the pressure is arbitrary. The lowest pressure is set to the weight of a layer, so that the clamp changes
+/// no pressure.
 void PoissonPressure::choose_zero(const StepContext& step, Span<Real> x) const {
     const Real layer = step.rest_density * step.gravity.norm() * step.spacing;
     for (const ClosedRegion& region : closed_.all) {

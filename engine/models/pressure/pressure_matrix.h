@@ -9,7 +9,7 @@
 
 namespace whorl {
 
-/// z approximates A^-1 r, with a symmetric positive definite operator on the unknowns; z = 0 elsewhere.
+/// z = M r, with M approximating A^-1, symmetric and positive definite on the unknowns; z = 0 elsewhere.
 struct PressurePreconditioner {
     std::function<void(Span<const Real> r, Span<Real> z)> apply;
     int levels = 1;
@@ -20,7 +20,8 @@ struct PressurePreconditioner {
 
 /// Rows of the pressure equation over the unknown (Poisson) particles, made symmetric by the factor V_i:
 ///   (A p)_i = sum_j c_ij (p_i - p_j) + d_i p_i,  c_ij = V_i a_ij = c_ji,  d_i = V_i (alpha_i + sum over Dirichlet neighbours a_ij).
-/// Particles that are not unknown have an empty row and a unit diagonal.
+/// alpha_i is the effect of a uniform pressure on row i (docs/physics.md 3), a Dirichlet neighbour one with a known pressure. Particles
+/// that are not unknown have an empty row and a unit diagonal.
 struct PressureMatrix {
     std::vector<std::size_t> first;  ///< n + 1
     Column<Index> other;             ///< unknown neighbours
@@ -32,7 +33,8 @@ struct PressureMatrix {
     Real spacing = 0;
 
     Index size() const { return static_cast<Index>(diagonal.size()); }
-    /// Sets rows with a unit diagonal and with room for the unknown neighbours of each unknown. `unknown` must be set. @param d spacing [m]
+    /// Makes rows with a unit diagonal and with room for the unknown neighbours of each unknown. `unknown` must be set before.
+    /// @param d spacing [m]
     void lay_out(const FluidPairs& pairs, Real d);
     void multiply(Span<const Real> p, Span<Real> Ap) const;
 };
@@ -47,17 +49,17 @@ PressurePreconditioner poisson_unpreconditioned(const PressureMatrix& matrix);
 /// A connected component of unknowns that touches no surface particle.
 struct ClosedRegion {
     std::vector<Index> members;
-    bool singular = false;  ///< p is determined only up to a constant, or nearly so
+    bool singular = false;  ///< true: p is determined only up to a constant, or nearly so
 };
 
 struct ClosedRegions {
     std::vector<ClosedRegion> all;
     /// @param touches_surface by particle @param tied a region is singular if its pins are less than this fraction of its diagonals
     void find(const PressureMatrix& matrix, Span<const char> touches_surface, double tied);
-    /// Sets the pins of singular regions to 0. The small alpha of a full box comes from uneven neighbours; it would turn the mean of the
-    /// right-hand side into a huge uniform pressure.
+    /// Sets the pins d_i of singular regions to 0. In a full box they consist of alpha_i alone, which is small and differs from 0 only
+    /// because neighbours are uneven. If kept, they would turn the mean of the right-hand side into a huge uniform pressure.
     void take_pins_away(PressureMatrix& matrix) const;
-    /// Subtracts the mean of b over each singular region, so that it is solvable; the walls absorb the residual.
+    /// Subtracts the mean of b over each singular region, so that the equation is solvable there.
     void subtract_means(Span<Real> b) const;
 };
 
