@@ -1,5 +1,5 @@
 #pragma once
-/// Viscosity that depends on a particle's age: honey that stiffens as it lies, lava that freezes.
+/// Viscosity that depends on a particle's age, for honey that stiffens at rest or lava that freezes.
 ///
 /// First stage of a step, before those that read the viscosity. If no viscosity depends on age, there is no such stage and no column.
 #include <cmath>
@@ -25,7 +25,7 @@ struct age {
 /// 0: in a block at the start. k > 0: from emitter k - 1.
 struct source {
     using type = std::int16_t;
-    static constexpr std::string_view name = "source", unit = "", meaning = "where the particle came from";
+    static constexpr std::string_view name = "source", unit = "", meaning = "origin of the particle: 0 a block, k > 0 emitter k - 1";
 };
 struct birthplace {
     using type = Vec3;
@@ -36,8 +36,8 @@ struct birthplace {
 inline bool depends_on_age(const Expression& e) { return e.variables().find('a') != std::string::npos; }
 inline bool depends_on_place(const Expression& e) { return e.variables().find_first_of("xyz") != std::string::npos; }
 
-/// mu_i = f(age_i), with f by source; then age_i += dt, except for particles still inside a nozzle. An invalid value ends the run, unless
-/// it is caused by the rounding of ages.
+/// mu_i = f(age_i), with a function f for each source. Then age_i += dt, except for particles inside a nozzle. An invalid mu ends the run,
+/// unless the rounding of ages causes it.
 struct AgeingViscosity {
     std::vector<Expression> of_source;
     void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
@@ -51,7 +51,7 @@ struct AgeingViscosityByPlace {
                     Read<field::source> source, Read<field::birthplace> start, Update<field::age> age, Write<field::viscosity> mu) const;
 };
 
-/// age_i += dt as above, for runs in which no viscosity but an export needs the age.
+/// age_i += dt as above, for runs in which only an export needs the age.
 struct AdvanceAge {
     void operator()(const StepContext& step, Read<field::role> role, Update<field::age> age) const {
         parallel_for(age.size(), [&](Index i) {

@@ -1,7 +1,7 @@
 #pragma once
-/// Implicit viscosity in its full form, assembled: the 27 coefficients of the note (Takahashi et al. 2015, supplement; corrected as in
-/// docs/physics.md 4) in one sparse matrix. It needs tens of times the memory of the matrix-free operator, so it serves small scenes and as
-/// a reference for that operator.
+/// Implicit viscosity in its full form, assembled in one sparse matrix: the 27 coefficients of the first source note (Takahashi et al.
+/// 2015, supplement; docs/physics.md 14), corrected as in docs/physics.md 4. The matrix needs about ten times the memory of the
+/// matrix-free operator (10 kB per particle at R = 2 d). So this form serves small scenes, and as a reference for that operator.
 ///
 /// Stages of a step, in order: Density, VelocityGradient, Gravity, (forces), Kick, AssembledViscosity, (pressure), Move.
 #include <memory>
@@ -11,11 +11,13 @@
 
 namespace whorl {
 
-/// The nine coefficients that a product of grad W and a gives. Rows: equations of u, v, w. Columns: coefficients of u, v, w.
-///   coefficient_ab = (grad W . a) delta_ab + grad W_b a_a
-/// Times m^ mu^_i, with (omega_i, alpha_i) they are c_{u_i u_i}, c_{v_i u_i} ... c_{w_i w_i} (without the 1 of the mass). Those of j,
-/// c_{u_j u_i} ..., are from -(omega_i, a_ij) mu^_i + (grad W_ij, alpha_j) mu^_j; those of k, c_{u_k u_i} ..., from
-/// -sum_j (grad W_ij, a_jk) mu^_j.
+/// The nine coefficients C(g, a) of a product of a kernel gradient g and a. Rows: equations of u, v, w. Columns: coefficients of u, v, w.
+///   C(g, a)_ab = (g . a) delta_ab + g_b a_a
+/// With omega_i = sum_j grad W_ij, alpha_i = sum_j a_ij, a_ij = V_i grad W_ij (as printed V_j), and m^ and mu^ as below, row i has without
+/// penalty the blocks
+///   i itself (c_{u_i u_i} ... c_{w_i w_i}):        1 + m^ mu^_i C(omega_i, alpha_i)
+///   neighbour j (c_{u_j u_i} ...):                 m^ [mu^_j C(grad W_ij, alpha_j) - mu^_i C(omega_i, a_ij)]
+///   neighbour k of a neighbour (c_{u_k u_i} ...):  -m^ sum_j mu^_j C(grad W_ij, a_jk)
 inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
     Mat3 c = a * gradW.transpose();
     c.diagonal().array() += gradW.dot(a);
@@ -23,9 +25,10 @@ inline Mat3 nine_coefficients(const Vec3& gradW, const Vec3& a) {
 }
 
 /// u_i + m^ sum_j (mu^_i Q_i + mu^_j Q_j) grad W_ij = u*_i,   Q_i = 2 T_i - grad u_i - (grad u_i)^T,  m^ = m dt,  mu^ = mu/rho^2,
-/// T the curvature of the move (models/strain/curvature.h).
-/// The second ring k contains i itself and i's neighbours; their coefficients add up in one entry. Solids are neighbours with a known
-/// velocity. With a penalty they continue the shear and mirror the stress, as in viscous_operator.h; without one (as printed) they do not.
+/// T: strain rate that appears at the start of a rotating move (models/viscosity/strain/curvature.h).
+/// The neighbours k of neighbours include i itself and i's neighbours j. Their coefficients add up in one entry. Solids are neighbours with
+/// a known velocity. With a penalty the shear is continued into the solids and they mirror the stress, as in viscous_operator.h. Without
+/// penalty (as printed) neither is done.
 class AssembledOperator final : public ImplicitOperator {
 public:
     /// @param before gradients of the velocities at the start of the step [1/s], which determine T; empty: T = 0
@@ -44,7 +47,7 @@ public:
     Index size() const { return static_cast<Index>(own_.size()); }
     /// Block of row i and column j; zero if there is none.
     Mat3 block(Index i, Index j) const;
-    /// The note's c_{u_i u_i} ... c_{w_i w_i}, with the 1 of the mass and without the second ring's part of the entry.
+    /// The note's c_{u_i u_i} ... c_{w_i w_i}, with the 1 of the mass and without the contribution of i as a neighbour k of its neighbours.
     const Mat3& printed_own(Index i) const { return own_[i]; }
     std::size_t bytes() const;
 
@@ -63,18 +66,18 @@ private:
 
     std::vector<Rows> rows_;
     Column<Mat3> own_;
-    Column<Vec3> known_force_;  ///< from the walls' velocities and T; empty: none
+    Column<Vec3> known_force_;  ///< load from the velocities of walls and from T; empty: none
     BlockDiagonal diagonal_;
     std::vector<char> free_;
     bool touches_wall_ = false, printed_ = false;
     std::shared_ptr<const Gradients> gradients_;  ///< kept if a probe reads ledgers
-    Column<Mat3> known_stress_;                   ///< stress of T and the solids' velocities alone; kept like the gradients
+    Column<Mat3> known_stress_;                   ///< stress of T and the solids' velocities alone; kept if a probe reads ledgers
 };
 
-/// Bytes of the matrix per particle, from the neighbours that a lattice has within twice the kernel radius. @param reach kernel radius over
-/// spacing
+/// Bytes of the matrix per particle, estimated from the number of lattice points within twice the kernel radius. @param reach (kernel
+/// radius)/spacing
 double assembled_bytes(double reach, int dimensions = 3);
-/// Larger matrices are refused: the same operator without a matrix needs a hundredth.
+/// Larger matrices are refused, because the same operator without a matrix needs about a tenth of the memory.
 inline constexpr double most_assembled_bytes = 4e9;
 
 /// The stage.

@@ -16,8 +16,9 @@ struct smoothing {
 };
 }  // namespace field
 
-/// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid; with V_ij = 2 m/(rho_i + rho_j), which conserves momentum, or as printed
-/// m/rho_j (the same if the density is uniform). Solids do not act. It is a viscosity that depends on the time step (xsph_viscosity()).
+/// XSPH: u_i += alpha sum_j V_ij (u_j - u_i) W_ij over the fluid. V_ij = 2 m/(rho_i + rho_j) conserves momentum. The printed form has V_ij
+/// = m/rho_j, which is the same if the density is uniform. Solids do not act. The smoothing acts as a viscosity that depends on the time
+/// step (xsph_viscosity()).
 struct XsphViscosity {
     Real alpha = Real(0.002);
     bool printed = false;
@@ -25,10 +26,10 @@ struct XsphViscosity {
                     Update<field::velocity> u) const;
 };
 
-/// Approximate kinematic viscosity of XSPH [m^2/s]. @param dt time in which the fraction alpha is smoothed [s]
+/// Approximate kinematic viscosity of XSPH [m^2/s]. @param dt time per smoothing by the fraction alpha [s]
 inline double xsph_viscosity(double alpha, double support, double dt) { return alpha * 0.075 * support * support / (2 * dt); }
 
-/// XSPH of the spin, as printed; its work is added to the report. @param micro_inertia theta [m^2]
+/// XSPH of the spin, as printed. Adds the work of the smoothing to the report. @param micro_inertia theta [m^2]
 struct XsphSpin {
     Real beta = Real(0.125);
     double micro_inertia = 1;
@@ -36,30 +37,32 @@ struct XsphSpin {
                     Write<field::smoothing> change, Update<field::spin> w) const;
 };
 
-/// a_i += mu/rho Lap u, with mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress at a jump of mu:
+/// a_i += mu/rho Lap u. A pair has mu_ij = 2 mu_i mu_j/(mu_i + mu_j), which conserves momentum and keeps the stress continuous at a jump of
+/// mu.
 ///   brookshaw:  Lap u_i = f sum_j V_j (u_j - u_i) 2 |grad W_ij|/|r_ij|
-///   monaghan:   Lap u_i = 2 (d + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
-/// The factor f, near 1, corrects for the sums of a lattice (models/boundary/wall.h). No-slip solids act with their velocity, continued
-/// behind the surface (models/boundary/wall.h).
+///   monaghan:   Lap u_i = 2 (D + 2) f sum_j V_j (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij       (Lap u + 2 grad(div u); no torque)
+/// u_ij = u_i - u_j, h = R/2, D is the number of dimensions. The factor f, near 1, makes the sums over a lattice exact
+/// (models/boundary/wall.h). No-slip solids act as neighbours, with the shear continued behind the surface (models/boundary/wall.h).
 struct ExplicitViscosity {
     ViscosityOptions options;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::viscosity> mu,
                     Read<field::velocity> u, Update<field::acceleration> a) const;
 };
 
-/// Stiffness of `monaghan` for stretching along the axes of a cubic lattice and for shear between them, over the exact stiffness: 1 and 1
-/// for dense neighbours, 1.45 and 0.70 with the cubic kernel and R = 2 d. For particles without order the mean counts, which is 1 within a
-/// few per cent.
+/// (Stiffness of `monaghan` on a cubic lattice)/(exact stiffness), for stretching along the axes and for shear between them. Both are 1 for
+/// dense neighbours; with the cubic kernel and R = 2 d they are 1.45 and 0.70. Disordered particles have the mean over directions, which is
+/// 1 within a few per cent.
 struct LatticeStiffness {
     double stretching = 1, shear = 1;
 };
 /// @param support, spacing [m]
 LatticeStiffness monaghan_lattice_stiffness(KernelForm kernel, double support, double spacing);
 
-/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), for `monaghan` with nu times monaghan_stiffness(). A lattice in 3D
-/// is stable up to 2.7 times this limit (`monaghan`: 1.9 times), particles 0.25 d off it up to 2.2 (1.3) times (cubic kernel, R = 2 d).
+/// Limit of the time step of the explicit forms [s]: 0.125 R^2/(4 nu), for `monaghan` with nu times monaghan_stiffness(). With the cubic
+/// kernel and R = 2 d, a lattice in 3D is stable up to 2.7 times this limit (`monaghan`: 1.9 times), and particles displaced from the
+/// lattice by 0.25 d up to 2.2 times (1.3 times).
 double viscous_step(double support, double kinematic_viscosity);
-/// Stiffness of a particle's own block with `monaghan` over that with `brookshaw`: 2 (D + 2)/D along each axis over 2.
+/// (Stiffness of a particle's diagonal block with `monaghan`)/(the same with `brookshaw`). They are 2 (D + 2)/D along each axis, and 2.
 inline double monaghan_stiffness(int dimensions) { return (dimensions + 2.0) / dimensions; }
 
 }  // namespace whorl

@@ -27,7 +27,7 @@ double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<con
         const Vec3 walls = alone ? Vec3(Vec3::Zero()) : Vec3(mean - reference[i]);
         reference[i] = s.role[i] == 0 ? Vec3(s.u[i] - mean + walls) : Vec3(Vec3::Zero());
     });
-    if (all > static_cast<std::size_t>(n)) {  // the bodies: M (u - mean), and the walls' loads
+    if (all > static_cast<std::size_t>(n)) {  // entries of the bodies: M (u - mean), and the loads of walls
         Column<Vec3> apart(all - static_cast<std::size_t>(n)), still_weighed(all - static_cast<std::size_t>(n)),
             weighed(all - static_cast<std::size_t>(n));
         for (std::size_t k = 0; k < apart.size(); ++k) apart[k] = u[n + k] - still[n + k];
@@ -40,8 +40,8 @@ double reference_size(const ImplicitOperator& A, const ImplicitStep& s, Span<con
     return std::sqrt(dot<Vec3>(Span<const Vec3>(reference), Span<const Vec3>(z)));
 }
 
-/// Errors of short steps add up. So the tolerance is relative to the velocities if viscosity changes them by a hundredth in a step, and
-/// smaller if it changes them less, judged by the last step. A factor below 0.03 would be near round-off.
+/// Factor on the tolerance: 1 if viscosity changed the velocities by a hundredth or more in the last step, otherwise proportional to the
+/// change, because errors of short steps add up. A factor below 0.03 would be near round-off.
 double share_of_tolerance(const ImplicitStep& s, Span<const Vec3> last_change) {
     struct Sums {
         Vec3d u = Vec3d::Zero();
@@ -71,7 +71,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     std::copy(s.u.values.begin(), s.u.values.end(), u.begin());
     if (bodies) bodies->read(s.context.solids, Span<Vec3>(u).subspan(n));
 
-    // The first guess must not add momentum from outside: a force of the last step by a wall that the fluid does not touch any more.
+    // The first guess must not add momentum. It could contain the last step's force of a wall that the fluid has left.
     Column<Vec3> change(all, Vec3::Zero()), guess(all), b(all), z(all, Vec3::Zero());
     parallel_for(n, [&](Index i) { change[i] = s.role[i] == 0 ? Vec3(s.context.step.dt * s.last[i]) : Vec3(Vec3::Zero()); });
     rigid.remove(change);
@@ -110,7 +110,7 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
     const Remainder rest(s.context.solids, Push::viscous);
     if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.context.solids);
     if (!s.context.solids.any_probed()) return;
-    // The solve minimised E: (dE/du)/m contains the forces of solids and prescribed particles, and its distance from 0 is the residual.
+    // The solve minimised E. So (dE/du)/m, which contains the forces of solids and prescribed particles, differs from 0 by the residual.
     for (std::size_t k = 0; k < all; ++k) u[k] += change[k];
     A.force(u, z);
     A.write_ledgers(s, u);
@@ -157,8 +157,8 @@ RigidMotions::RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies
             inverse_inertia_ += axes.eigenvectors().col(a) * axes.eigenvectors().col(a).transpose() / axes.eigenvalues()[a];
 }
 
-/// Momentum and angular momentum. @param masses true: the bodies' entries are velocities, to be multiplied by their masses; false: they are
-/// forces and torques
+/// Momentum and angular momentum. @param masses true: the bodies' entries are velocities, which must be multiplied by the bodies' masses;
+/// false: the entries are forces and torques
 Momenta RigidMotions::sum(Span<const Vec3> u, bool masses) const {
     Momenta all = momenta_of(x_, u, centre_);
     if (bodies_)

@@ -18,28 +18,30 @@ struct viscous_acceleration {
 
 struct ImplicitStep;
 
-/// The derivative of E(u) = sum_i m |u_i - u*_i|^2/2 + (viscous energy) at fixed positions, over m: symmetric and positive definite.
-/// Particles that are not free keep their velocity.
+/// A is the linear part of (dE/du)/m at fixed positions, with E(u) = sum_i m |u_i - u*_i|^2/2 + (viscous energy) and u* the velocities
+/// before the solve. A is symmetric and positive definite unless symmetric() is false. Particles that are not free keep their velocity.
 class ImplicitOperator {
 public:
     virtual ~ImplicitOperator() = default;
     /// y = A u; particles that are not free count with 0 and get 0.
     virtual void multiply(Span<const Vec3> u, Span<Vec3> y) const = 0;
-    /// The part of (dE/du)/m that depends on the velocities, without u*: u - dt (viscous force)/m. It includes the curvature, and walls and
-    /// prescribed particles with their velocities.
+    /// (dE/du)/m without u*, which is u - dt (viscous force)/m. It includes the term T (strain/curvature.h), and the known velocities of
+    /// walls and prescribed particles.
     virtual void force(Span<const Vec3> u, Span<Vec3> y) const = 0;
-    /// z approximates A^-1 r, with an operator that is symmetric and positive definite on the free particles; z = 0 for others.
+    /// Sets z to an approximation of A^-1 r that is linear in r, symmetric and positive definite on the free particles; z = 0 for others.
     virtual void precondition(Span<const Vec3> r, Span<Vec3> z) const = 0;
     /// z = B^-1 r with the true 3x3 diagonal blocks B of A, for the norm of the residual.
     virtual void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const = 0;
     virtual bool touches_wall() const = 0;
     /// false: A is not symmetric, so BiCGSTAB replaces conjugate gradients.
     virtual bool symmetric() const { return true; }
-    /// Whether the rotation of a free body costs no energy.
+    /// Whether a rigid rotation of the fluid dissipates no energy.
     virtual bool rotations_are_free() const = 0;
-    /// Free bodies among the unknowns, with two entries each after the particles'. Null: there are none.
+    /// Free bodies among the unknowns, each with two entries (velocity, angular velocity) after those of the particles. Null: there are
+    /// none.
     virtual const ViscousBodies* bodies() const { return nullptr; }
-    /// Writes the impulses of the fluid on solids that are not unknowns to their ledgers. @param u velocities of the last force()
+    /// Adds the impulses that the fluid exerts on solids to the ledgers of those solids that are not unknowns. @param u velocities of the
+    /// last force()
     virtual void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const = 0;
 };
 
@@ -54,16 +56,17 @@ struct ImplicitStep {
 };
 
 /// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). If no solid and no prescribed particle acts,
-/// momentum (and angular momentum, if rotations are free) is conserved to round-off for any tolerance, because the preconditioner works in
-/// the space without rigid motions.
-/// @param limits tolerance for sqrt(r.z), z = precondition(r), over sqrt(b.B^-1 b), with b the velocities before the solve relative to
-/// their mean. It applies to steps in which viscosity changes these by a hundredth, and is smaller if it changes them less
+/// momentum is conserved to round-off for any tolerance, because the preconditioner works in the space without rigid motions. Angular
+/// momentum is then conserved, too, if rotations_are_free().
+/// @param limits tolerance for sqrt(r.z)/sqrt(b.B^-1 b), with r the residual and z = precondition(r). b: velocities before the solve
+/// relative to their mean, plus the loads of walls and prescribed particles. If viscosity changed these velocities by less than a hundredth
+/// in the last step, the tolerance is reduced in proportion, to 0.03 of its value at least.
 void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
 
-/// Inverse of the 3x3 diagonal blocks: z = B^-1 r for the free particles, 0 for the others.
+/// Inverse of the 3x3 diagonal blocks B: z = B^-1 r for the free particles, 0 for the others.
 class BlockDiagonal {
 public:
-    /// @param B written: inverted in place
+    /// Takes the blocks B and stores their inverses.
     void set(Column<Mat3> B, std::vector<char> free);
     void apply(Span<const Vec3> r, Span<Vec3> z) const;
 
@@ -81,17 +84,17 @@ struct Momenta {
 /// @param centre reference point of the angular momentum [m]
 Momenta momenta_of(Span<const Vec3> x, Span<const Vec3> u, const Vec3d& centre);
 
-/// Mean translation and rotation of a velocity field; the field without them has neither momentum nor angular momentum.
+/// Rigid motion (mean translation and rotation) of a velocity field. The field minus this motion has neither momentum nor angular momentum.
 class RigidMotions {
 public:
     /// For no particles: removes and adds nothing.
     RigidMotions() = default;
     /// @param turning false if the domain is periodic, where a rotation is not a rigid motion
-    /// @param bodies with two entries each after the particles'; null: none
+    /// @param bodies each with two entries (velocity, angular velocity) after those of the particles; null: none
     RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies* bodies = nullptr);
     /// Removes the rigid motion from a velocity field.
     void remove(Span<Vec3> u) const;
-    /// Removes from forces (per mass of a particle) the part that makes a rigid motion: mass times rigid motion.
+    /// Removes from forces (per mass of a particle) the part that causes a rigid motion, which is mass times this motion.
     void remove_force(Span<Vec3> f) const;
     /// Adds to u the rigid motion of another velocity field.
     void add(Span<const Vec3> v, Span<Vec3> u) const;
@@ -104,9 +107,9 @@ private:
 
     Span<const Vec3> x_;
     const ViscousBodies* bodies_ = nullptr;
-    double mass_ = 0;  ///< total mass over that of a particle
+    double mass_ = 0;  ///< (total mass)/(mass of a particle)
     Vec3d centre_ = Vec3d::Zero();
-    Mat3d inverse_inertia_ = Mat3d::Zero();  ///< pseudo-inverse: a line of particles has no rotation about itself
+    Mat3d inverse_inertia_ = Mat3d::Zero();  ///< pseudo-inverse, because particles on a line have no inertia about it
 };
 
 }  // namespace whorl

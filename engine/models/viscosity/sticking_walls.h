@@ -26,8 +26,9 @@ public:
     Real stretch(Index s, const Vec3& r) const {
         return options_.stretches() ? WallShear{context_.step.spacing / 2}.stretch(r, context_.boundary.normal[s]) : 1;
     }
-    /// V with  stretch u_i - V = stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)),  u_wall the rigid motion of the solid in the
-    /// middle of the step [m/s].
+    /// Velocity v_s of boundary particle s in the sums [m/s], such that
+    ///   stretch u_i - v_s = stretch (u_i - u_wall(x_i)) + (u_wall(x_i) - u_wall(x_s)),
+    /// with u_wall the rigid motion of the solid in the middle of the step.
     Vec3 velocity(Index s, const Vec3& r, Real stretch) const {
         const Pose& pose = solid(s).pose;
         const Vec3 x = context_.boundary.position[s];

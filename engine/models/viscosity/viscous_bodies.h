@@ -5,17 +5,18 @@
 
 namespace whorl {
 
-/// Body k has two entries after the particles': the velocity v of its centre c and its angular velocity w. For particle i its boundary
-/// particles, continued behind the surface (models/boundary/wall.h), have the velocity
+/// Body k has two entries after those of the particles: the velocity v of its centre c and its angular velocity w. As neighbours of
+/// particle i the body's boundary particles s, with the shear continued behind the surface (models/boundary/wall.h), have the velocity
 ///   V_s = stretch U_i - w x r,   U_i = v + w x a_i,   a_i = x_i - c,   r = x_i - x_s,
-/// so its part of the sums over pairs is linear in U_i and w, with these sums over its boundary particles near i.
+/// So the body's part of the sums over pairs is linear in U_i and w. The coefficients are the sums below over its boundary particles near
+/// i, in which w is the pair weight V |W'|/r.
 struct BodyTouch {
     Index particle = 0, body = 0;
     Vec3 arm = Vec3::Zero();                           ///< a_i [m]
     Vec3 g = Vec3::Zero();                             ///< sum stretch w r
     Mat3 N = Mat3::Zero();                             ///< sum w r r^T
     Real h = 0;                                        ///< sum stretch^2 w
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< by the last product: force and torque of i on the body, over m
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< from the last product: force and torque of i on the body, over m
 
     Vec3 at(const Vec3& v, const Vec3& w) const { return v + w.cross(arm); }
 };
@@ -34,12 +35,12 @@ struct ViscousBodies {
     std::vector<std::size_t> first;  ///< n + 1, into `touch`, by particle
 
     Index entries() const { return static_cast<Index>(2 * body.size()); }
-    /// @param near particles near a free body, in order @param find (i, k) -> BodyTouch with its sums; those with h = 0 are left out
+    /// @param near particles near a free body, in order @param find (i, k) -> BodyTouch with its sums; touches with h = 0 are left out
     template <class Find>
     void set_up(const Solids& solids, Real mass, Index particles, const std::vector<Index>& near, const Find& find);
-    /// Writes the current velocities of the bodies to the entries after the particles'.
+    /// Writes the current velocities of the bodies to their entries.
     void read(const Solids& solids, Span<Vec3> entries) const;
-    /// Applies the changes by the solve to the bodies.
+    /// Adds the changes by the solve to the bodies' velocities.
     void add_change(Span<const Vec3> change, Solids& solids) const;
     /// Sum of y - M (u - change) over all bodies, about the origin. @param y (dE/du)/m without u*
     Wrench residual(Span<const Vec3> y, Span<const Vec3> u, Span<const Vec3> change) const;

@@ -14,21 +14,23 @@ namespace whorl {
 /// u_ij = u_i - u_j:
 ///   G_i = sum_j w_ij u_ij r_ij^T M_i^+    velocity gradient; M_i = sum_j w_ij r_ij r_ij^T, M^+ its (pseudo-)inverse
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2       strain rate; P_i projects on the directions that the neighbours resolve
-///   T_i = P_i T P_i                       curvature of the move (models/strain/curvature.h)
+///   T_i = P_i T P_i                       strain rate that appears at the start of a rotating move (strain/curvature.h)
 ///   E(u) = sum_i m |u_i - u*_i|^2/2
 ///          + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
 ///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)
-/// The last sum is the friction at walls with a slip length (models/boundary/friction.h); counted = 0 elsewhere. A u is (dE/du)/m without
-/// the terms of u*, solids and prescribed particles, which form the right-hand side. A is symmetric and positive definite, because the
-/// force is the transpose of the gradient. A rigid motion costs no energy, so the forces conserve momentum and angular momentum. V is the
-/// volume at rest, which for an incompressible fluid is the true one, also at the surface.
+/// The last sum, with F_i and f_i, is the friction at walls with a slip length (models/boundary/friction.h); counted_i is 0 at other
+/// particles. V is the volume at rest, which for an incompressible fluid is the true volume, also at the surface. A u is (dE/du)/m without
+/// u*, T and the known velocities of solids and prescribed particles, which form the right-hand side. A is symmetric and positive definite,
+/// because the force is the transpose of the gradient. A rigid motion dissipates no energy, so the forces conserve momentum and angular
+/// momentum.
 ///
-/// Uncorrected (correction = false): M^+ = V_i/V and P = 1 in D_i, and V_i = m/rho_i in the gradient and in the energy; a rotation then
-/// costs energy at a free surface. The penalty still uses the G_i above, and so does D_i near no-slip solids, unless penalty is 0.
+/// Uncorrected form (correction = false): M^+ = V_i/V and P = 1 in D_i, and V_i = m/rho_i in the gradient and in the energy. At a free
+/// surface a rotation then dissipates energy. The penalty still uses the G_i above. D_i near no-slip solids also uses this G_i, unless
+/// penalty is 0.
 class ViscousOperator final : public ImplicitOperator {
 public:
     /// Computes the coefficients for these positions.
-    /// @param density of the uncorrected form [kg/m^3]; empty: the rest density
+    /// @param density densities, for the uncorrected form [kg/m^3]; empty: the rest density
     /// @param before gradients of the velocities at the start of the step [1/s], which determine T; empty: T = 0
     void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});
@@ -43,7 +45,7 @@ public:
     bool rotations_are_free() const override { return options_.correction; }
     void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const override;
     Index size() const { return static_cast<Index>(K_.size()); }
-    /// Largest dt nu_i [m^2].
+    /// Largest dt nu_i over the particles [m^2].
     double largest_spread() const;
 
     /// R^T A R.
@@ -52,7 +54,7 @@ public:
     void use_coarse(const CoarseLevel* coarse) { coarse_ = coarse; }
 
 private:
-    /// Sixteen numbers in one or two vector registers: lane 4 a + b belongs to component a of a velocity and b of a pair.
+    /// Sixteen numbers in one or two vector registers. Lane 4 a + b belongs to component a of a velocity and component b of r_ij.
     struct alignas(64) Sixteen {
         Real lane[16];
         /// Sets the matrix in lanes 4 a + b, a fourth column in lanes 4 a + 3, and zeros in the last four.
@@ -63,7 +65,7 @@ private:
         Mat3 matrix() const { return Eigen::Map<const Eigen::Matrix<Real, 4, 4, Eigen::RowMajor>>(lane).topLeftCorner<3, 3>(); }
         Vec3 beside() const { return {lane[3], lane[7], lane[11]}; }
     };
-    /// w r_ij, and the penalty's coupling of the pair: 2 w (c_i + c_j).
+    /// w r_ij, and the coefficient of the penalty's spring between i and j, 2 w (c_i + c_j).
     struct alignas(4 * sizeof(Real)) Pair {
         Vec3 wr;
         Real spring;
@@ -71,7 +73,7 @@ private:
     /// Effect of the solids near a particle, linear in its velocity.
     struct Wall {
         Pair near{Vec3::Zero(), 0};  ///< sum w stretch r, sum 2 c w stretch^2
-        Sixteen moving{};            ///< gradient by the solids' own velocities; fourth column: their pull
+        Sixteen moving{};            ///< gradient by the solids' own velocities; fourth column: force of their springs
     };
     /// dt nu F_i of walls with a slip length.
     Mat3 friction_coefficient(Index i) const { return dt_nu_[i] * friction_.coefficient(i); }
@@ -101,7 +103,7 @@ private:
     Column<Mat3d> wall_moment_;  ///< part of the solids in M
     Column<Sixteen> M_, P_;      ///< M^+ and P
     Column<Sixteen> curvature_;  ///< 2 P T; empty: none
-    Column<Real> K_, c_;         ///< K: dt mu/rho_0 without the volume that the friction counts; c: coefficient of the penalty
+    Column<Real> K_, c_;         ///< K: (1 - counted) dt mu/rho_0; c: coefficient of the penalty
     /// whole_: 0: some directions are unresolved. 1: P = 1. 2: P = 1 and D_i is the note's, with the penalty's M^+ stored in P_.
     std::vector<char> free_, whole_;
     BlockDiagonal diagonal_;
@@ -110,7 +112,7 @@ private:
     bool touches_wall_ = false;
     const CoarseLevel* coarse_ = nullptr;
     mutable Column<Sixteen> u_, Q_;
-    mutable Column<Sixteen> own_;  ///< part of y that needs no neighbour's stress; a component is the sum of four lanes
+    mutable Column<Sixteen> own_;  ///< part of y without the neighbours' stresses; each component is the sum of four lanes
 };
 
 }  // namespace whorl

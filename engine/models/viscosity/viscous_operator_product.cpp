@@ -1,5 +1,5 @@
-// One product with the viscous operator. Two passes over the pairs each gather sixteen numbers per neighbour in one vector register.
-// Between them the matrices of a particle also stay in such registers: lane 4 a + b contains the entry (a, b).
+// One product with the viscous operator, in two passes over the pairs. Each pass gathers sixteen numbers per neighbour in one vector
+// register. The matrix products between the two passes also use such registers: lane 4 a + b contains the entry (a, b).
 #if defined(__AVX512F__)
 #include <immintrin.h>
 #endif
@@ -27,7 +27,8 @@ SixteenLanes in_each_row(const Real* four) {
     return reinterpret_cast<SixteenLanes>(_mm512_broadcast_f32x4(_mm_load_ps(four)));
 #else
     const Four w = reinterpret_cast<const Four&>(*four);
-    const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);  // in a single step GCC 12 goes through memory
+    // Two shuffles, because GCC 12 compiles a single one with stores to memory.
+    const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);
     return __builtin_shufflevector(twice, twice, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 #endif
 }
@@ -90,8 +91,8 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     });
 }
 
-/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G. T and the walls count only with_known. The fourth column of A is the
-/// pull of the penalty's springs.
+/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G. Symbols as in viscous_operator.h. T, the walls' own velocities and
+/// the load of their friction are included only if with_known. The fourth column of A is the force of the penalty's springs.
 void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {

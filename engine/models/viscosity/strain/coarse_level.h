@@ -1,6 +1,6 @@
 #pragma once
-/// Coarse level of a two-level preconditioner: the rigid motions R of groups of particles, and Ac = R^T A R, factored. One application
-/// carries a pull through a whole thread; neighbours pass it on by only one spacing.
+/// Coarse level of a two-level preconditioner for a matrix A. R are the rigid motions of groups of particles, and Ac = R^T A R is factored.
+/// One application of the coarse level transmits a force through a whole thread; the diagonal transmits it by only one spacing.
 #include "engine/core/parallel.h"
 #include "engine/math/block_cholesky.h"
 #include "engine/particles/aggregates.h"
@@ -11,8 +11,8 @@ class CoarseLevel {
 public:
     void clear() { groups_ = 0; }
     int groups() const { return groups_; }
-    /// Whether this step forms new groups. This is so at a frame time (a resumed run then has the set-up of the uninterrupted one), if
-    /// there are no groups, and every `every` steps. Call it once per step.
+    /// Whether this step forms new groups. It does if there are none, every `every` steps, and at a frame time, so that a resumed run has
+    /// the same groups as an uninterrupted run. Call it once per step.
     bool due(bool at_frame_time, int every) {
         const bool now = at_frame_time || groups_ == 0 || steps_ >= every;
         steps_ = now ? 1 : steps_ + 1;
@@ -24,7 +24,7 @@ public:
     const RigidAggregates& motions() const { return motions_; }
     /// Factors Ac. If it is not definite, there is no coarse level.
     void factor(const SymmetricBlocks& Ac);
-    /// z += R Ac^-1 R^T r of the particles; unknowns after them (free bodies) are in no group.
+    /// z += R Ac^-1 R^T r for the particles. Unknowns after the particles (free bodies) are in no group.
     void add(Span<const Vec3> r, Span<Vec3> z) const;
     /// Solves Ac m = R^T r for correction().
     void solve(Span<const Vec3> r) const;
@@ -32,14 +32,14 @@ public:
     Vec3 correction(Index i) const { return groups_ > 0 ? motions_.motion_of(load_, i) : Vec3(Vec3::Zero()); }
 
 private:
-    int groups_ = 0, steps_ = 0;  ///< steps_: number since the groups were formed
+    int groups_ = 0, steps_ = 0;  ///< steps_: number of steps since the groups were formed
     RigidAggregates motions_;
     BlockCholesky factor_;
     mutable std::vector<Real> load_;
 };
 
-/// Contribution of some rows of an operator to Ac: a Sum for each pair of groups that the rows touch. Threads use separate objects, so they
-/// need not wait for each other.
+/// Contribution of some rows of an operator to Ac, as a Sum for each pair of groups that the rows touch. Each thread uses its own object,
+/// so no thread waits for another.
 template <class Sum>
 class GroupSums {
 public:
@@ -77,8 +77,8 @@ private:
     std::vector<Entry> sums_;
 };
 
-/// Adds a small multiple of the largest entry to the diagonal. A group of one particle or a straight file has motions that move no
-/// particle; this keeps Ac definite.
+/// Adds a small multiple of the largest entry to the diagonal. A group that is one particle or a straight line has motions that move no
+/// particle. The multiple keeps Ac definite.
 void keep_definite(SymmetricBlocks& Ac);
 
 /// Sums Ac over all rows, in the order of the tasks.
