@@ -1,6 +1,6 @@
 #pragma once
-/// Ledger entries: the opposite of the solids' forces on the fluid (docs/physics.md 7), and of momentum changes without a force (a
-/// solver's residual, gradients that are not pairwise opposite).
+/// Ledger entries of solids (docs/physics.md 7). They are the opposite of the solids' forces on the fluid, and of changes of the fluid's
+/// momentum without a force (from a solver's residual, or from gradients that are not pairwise opposite).
 #include <vector>
 
 #include "engine/core/parallel.h"
@@ -14,18 +14,19 @@ std::vector<Index> particles_at(const InteractionContext& context, std::size_t k
 /// Particles that have a boundary particle of any free body as a neighbour, in order.
 std::vector<Index> particles_at_bodies(const InteractionContext& context);
 
-/// Solids whose ledger a stage writes: all, or those that are not unknowns of its solve.
+/// Solids whose ledger a stage writes: all solids, or those that are not unknowns of the stage's solve.
 enum class Writes { all, driven };
 
-/// Change of a particle's velocity by a boundary particle, and the point of the solid on which the opposite acts.
+/// Change of a particle's velocity by a boundary particle, and the point of the solid on which the opposite impulse acts.
 struct PushAt {
     Vec3 push, back = Vec3::Zero();     ///< m/s; from that point to the particle [m]
     PushAt(const Vec3& p) : push(p) {}  // NOLINT(google-explicit-constructor): most reactions act at the particle
     PushAt(const Vec3& p, const Vec3& b) : push(p), back(b) {}
 };
 
-/// Writes to the ledgers the opposite of the forces of boundary particles on fluid particles. It acts at the position of the particle,
-/// unless `act` gives another point, so momentum and angular momentum of fluid and solids are conserved for any direction of the force.
+/// Writes to the ledgers the opposite of the forces of boundary particles on fluid particles. Unless `act` gives another point, this
+/// opposite acts at the position of the fluid particle, so momentum and angular momentum of fluid and solids are conserved for any
+/// direction of the force.
 /// @param scale mass [kg], times dt [s] if `act` gives accelerations
 /// @param act i -> (s, r, distance) -> change of the velocity of particle i by boundary particle s: Vec3 or PushAt
 template <class Act>
@@ -66,17 +67,17 @@ Wrench momentum_of(Read<field::role> role, Span<const Vec3> x, const Change& cha
     });
 }
 
-/// Distributes the part of the fluid's momentum change that no force accounts for. Construct it before a stage writes its forces of one
-/// kind to the ledgers. share() then gives the remainder to the driven solids in proportion to the impulses that they have received since,
-/// so that the sum over all solids is the opposite of the fluid's change. If no driven solid touches the fluid, share() does nothing. In
-/// periodic domains angular momentum is left out, because it depends on the origin.
+/// Distributes the part of the fluid's momentum change that no force accounts for. Construct a Remainder before a stage writes its forces
+/// of one kind to the ledgers. share() then gives the remainder to the driven solids, in proportion to the impulses that they have received
+/// since the construction. The sum over all solids is then the opposite of the fluid's change. If no driven solid touches the fluid,
+/// share() does nothing. In periodic domains angular momentum is left out, because it depends on the origin.
 class Remainder {
 public:
     Remainder() = default;
     Remainder(const Solids& solids, Push kind);
     /// Impulse that all solids have received since the construction, about the origin.
     Wrench received(const Solids& solids) const;
-    /// @param rest impulse to distribute, about the origin @param exact solids that receive a part only if no other touches the fluid
+    /// @param rest impulse to distribute, about the origin @param exact solids that receive a part only if no other solid touches the fluid
     void share(Solids& solids, const StepContext& step, const Wrench& rest, const std::vector<std::size_t>& exact = {}) const;
 
 private:
@@ -86,8 +87,8 @@ private:
     std::vector<Wrench> before_;  ///< by solid
 };
 
-/// For inner forces that are not pairwise opposite (of the projection, of images): gives their change of the fluid's momentum to the driven
-/// solids. Does nothing if any particle is in a nozzle, because the nozzle would receive a part.
+/// For internal forces that are not pairwise opposite (in the projection, or of images). Gives the change of the fluid's momentum by these
+/// forces to the driven solids. Does nothing if any particle is in a nozzle, because a part belongs to the nozzle.
 /// @param change i -> change of the velocity since `rest` was constructed [m/s]
 template <class Change>
 void share_rest(const Remainder& rest, const InteractionContext& context, Read<field::role> role, Span<const Vec3> x, const Change& change,

@@ -10,23 +10,23 @@
 
 namespace whorl {
 
-/// Laplacian that the friction belongs to (models/viscosity/explicit_viscosity.h); c is the weight of a neighbour in
-/// Lap u_i = sum_j V c (u_j - u_i).
+/// Form of the Laplacian (models/viscosity/explicit_viscosity.h) to which the friction belongs. c is the weight of neighbour j in Lap u_i =
+/// sum_j V c (u_j - u_i).
 enum class FrictionForm {
     central,  ///< c = 2/lattice_gradient() |W'|/r
     along     ///< c = 2 (D + 2) along_pairs_factor() |W'|/r / (r^2 + 0.01 h^2) r r^T, along the pair
 };
 
-/// Navier's condition on the surface, u_t - u_wall,t = b du_t/dn with the slip length b. It does not restrict the normal velocity, which
-/// the pressure does. If the velocity profile near the wall is linear, du_t/dn = (u_i - u_wall)_t/(h_i + b) at the height h_i. A lattice
-/// that continues behind the surface with the same slope has u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and
+/// Navier's condition on the surface, u_t - u_wall,t = b du_t/dn with the slip length b. The condition does not restrict the normal
+/// velocity; the pressure does. If the velocity profile near the wall is linear, du_t/dn = (u_i - u_wall)_t/(h_i + b) at the height h_i. A
+/// lattice that continues behind the surface with the same slope has u_i - u_l = (h_i + d_l) du_t/dn in its layers l at depths d_l, and
 /// accelerates particle i by nu times
 ///
 ///   -(F_i u_i - f_i),   F_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   f_i = F_i u_wall,   T = 1 - n_s n_s^T
 ///
-/// with each boundary particle s standing for the column of layers behind it (each_layer()). Over a wetted wall these forces add up to
-/// mu du_t/dn times its area for any b: b -> 0 sticks, b -> infinity slides freely. F_i is symmetric and positive, so the force is the
-/// derivative of an energy, nu m u.(F u)/2. Solids with a slip length have no other part in the viscous terms.
+/// Each boundary particle s represents the column of layers l behind it (each_layer()). Over a wetted wall these forces add up to mu
+/// du_t/dn times the wall's area for any b. For b -> 0 the fluid sticks, for b -> infinity it slides freely. F_i is symmetric and positive,
+/// so the force is the derivative of an energy, nu m u.(F u)/2. Solids with a slip length enter the viscous terms in no other way.
 class WallFriction {
 public:
     /// @param gate weight of a particle's friction @param solid_factor see models/boundary/wall.h
@@ -35,10 +35,10 @@ public:
     bool acts() const { return acts_; }
     const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()
     const Vec3& load(Index i) const { return load_[i]; }                ///< f_i [1/(m s)]
-    /// Fraction of i's volume that lies between i and the wall (one half in the layer that touches the wall); the friction already includes
-    /// its shear. A model with its own energy for the volume V counts only the rest.
+    /// Fraction of i's volume that lies between i and the wall (one half in the layer that touches the wall). The friction already includes
+    /// the shear of this fraction, so a model with its own energy for the volume V counts only the rest.
     Real counted(Index i) const { return counted_[i]; }
-    /// Writes the friction of a step to the ledgers. @param u velocities that the friction acts on @param nu i -> kinematic viscosity
+    /// Writes the friction of a step to the ledgers. @param u velocities from which the friction follows @param nu i -> kinematic viscosity
     /// [m^2/s]
     void write_ledgers(const InteractionContext& context, Read<field::role> role, Span<const Vec3> u,
                        const std::function<Real(Index)>& nu) const;

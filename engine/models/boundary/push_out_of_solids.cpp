@@ -6,8 +6,8 @@
 namespace whorl {
 namespace {
 
-/// Whether a step took a particle that is at x through the solid, or into it to a point closer to the solid's far side. If so, sets x to
-/// the point at which the particle met the surface. @param distance of x from the solid [m]
+/// Whether a step took the particle at x through the solid, or closer to the solid's far side than to the side where the particle entered.
+/// If so, sets x to the point at which the particle met the surface. @param distance of x from the solid [m]
 bool back_through(const Solid& solid, Real distance, Real dt, const Vec3& u, Vec3& x) {
     const Vec3 path = dt * (u - solid.velocity_at(x));
     const Real length = path.norm();
@@ -35,8 +35,8 @@ void push_out(const Solid& solid, Real least, Real dt, Vec3& x, Vec3& u) {
     if (inward < 0) u -= inward * n;
 }
 
-/// For a solid with a ledger, which records the impulse and the change of the particle's angular momentum by the move. With a free body
-/// the particle collides. Particles are handled one after the other, in their order, because few are ever inside.
+/// Version for a solid with a ledger. The ledger records the impulse, and the change of the particle's angular momentum by its
+/// displacement. The particle collides with a free body. Particles are handled sequentially, because few are ever inside a solid.
 void push_out(Solid& solid, Real least, Real mass, Real dt, Vec3& x, Vec3& u) {
     const Vec3 x_before = x;
     const Vec3d centre = solid.centre(), u_before = u.cast<double>();
@@ -63,7 +63,7 @@ void PushOutOfSolids::operator()(const InteractionContext& context, Read<field::
     Solids& solids = context.solids;
     const StepContext& step = context.step;
     if (solids.all.empty()) return;
-    // The pairs are those before the move: a particle without solid neighbours was a support radius away.
+    // The pairs were found before the move. A particle without solid neighbours was at least a support radius away from solids.
     const Real far = step.support / 2;
     const auto least = [&](const Solid& solid) { return solid.body ? Real(0) : clearance * step.spacing; };
     const bool ledgers = solids.any_ledger();

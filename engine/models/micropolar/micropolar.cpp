@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// Three components as separate sums, which the compiler keeps in separate registers.
+/// Three separate sums, one per component, which the compiler keeps in separate registers.
 struct Sum3 {
     Real x = 0, y = 0, z = 0;
     Vec3 times(Real s) const { return {s * x, s * y, s * z}; }
@@ -187,7 +187,8 @@ EnergyWork Micropolar::advance(const Kernel& kernel, const InteractionContext& c
         const Vec3 before = a[i];
         a[i] += viscous + spin_push + smoothing;
 
-        // theta dw/dt. If implicit, the decay -2 lambda/rho w uses the spin at the end of the step: one division.
+        // theta dw/dt. If the exchange is implicit, the decay -2 lambda/rho w uses the spin at the end of the step, at the cost of one
+        // division.
         const Vec3 tau = any_torque ? Vec3(change[i]) : Vec3(Vec3::Zero());
         const Vec3 decay = o.co_rotating ? Vec3(Vec3::Zero()) : Vec3(2 * own.push);
         const Vec3 exchanged = lambda * b * (s.curl_u.times(m * lattice) - decay), diffused = s.diffuse.times(m * lattice * gamma);

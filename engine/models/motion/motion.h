@@ -12,7 +12,7 @@
 
 namespace whorl {
 
-/// a = g. The first stage of a step: later ones add to the acceleration.
+/// a = g. First stage of a step; later stages add to the acceleration.
 struct Gravity {
     void operator()(const StepContext& step, Write<field::acceleration> a) const {
         parallel_for(a.size(), [&](Index i) { a[i] = step.gravity; });
@@ -52,7 +52,7 @@ private:
 struct Stream {
     Vec3 min, max;              ///< m
     VectorExpression velocity;  ///< m/s, of t
-    double time = 0;            ///< time in which the difference to it falls to 1/e [s]
+    double time = 0;            ///< time in which the difference between the fluid's velocity and `velocity` falls to 1/e [s]
 };
 
 /// a += (v - u) (1 - exp(-dt/time))/dt in each box, with v the velocity of the stream. Exact for steps of any length if no other force

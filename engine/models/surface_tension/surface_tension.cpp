@@ -69,8 +69,8 @@ void SurfaceTension::find_shares(const Cohesion& cohesion, Index count, double s
     parallel_for(count, [&](Index i) { share_[i] = SurfaceIndicator::share(potential(cohesion, i) * over_inside); });
 }
 
-/// The pulls are the gradient of -phi. At a flat surface a pressure n (phi(surface) - phi) balances them, and phi at the surface is half of
-/// that inside.
+/// The attractions are the gradient of -phi. At a flat surface a pressure n (phi(surface) - phi) balances them. phi at the surface is half
+/// of phi inside.
 void SurfaceTension::set_internal_pressure(const Cohesion& cohesion, const Solids& solids, double spacing, Read<field::position> x) {
     const auto half = static_cast<Real>(cohesion.bulk_energy(spacing) / 2);
     std::vector<Real>& P = *options_.internal_pressure;
