@@ -1,5 +1,5 @@
 #pragma once
-/// Ink: passive colours that particles carry. They show where fluid comes from and how it mixes.
+/// Ink: passive colours that particles carry, to show where fluid comes from and how it mixes.
 #include <vector>
 
 #include "engine/math/expression_field.h"
@@ -17,7 +17,7 @@ struct ink {
 /// Permanent random number of a particle, by which images distinguish particles.
 struct grain {
     using type = Real;
-    static constexpr std::string_view name = "grain", unit = "", meaning = "a random number of the particle's own, 0 to 1";
+    static constexpr std::string_view name = "grain", unit = "", meaning = "permanent random number of the particle, 0 to 1";
 };
 struct ink_change {
     using type = Vec3;
@@ -27,8 +27,8 @@ struct ink_change {
 
 /// c_i += dt D sum_j V |W'|/r (n_i + n_j) (c_j - c_i),   n_i = (dimensions)/sum_j V |W'| r
 ///
-/// Brookshaw's Laplacian with the moments of the particles at their positions. The exchange of a pair is antisymmetric, so the total ink is
-/// conserved. No ink passes walls or surfaces. A step longer than the stability limit is split.
+/// Brookshaw's Laplacian, with the moments n_i computed from the particles' positions. The exchange of a pair is antisymmetric, so the
+/// total ink is conserved. No ink passes walls or surfaces. A step longer than the stability limit is split.
 struct InkDiffusion {
     double diffusion = 0;  ///< m^2/s
     void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
@@ -46,8 +46,8 @@ struct InkSources {
     void operator()(const StepContext& step, Read<field::position> x, Update<field::ink> c, InkMarkers& markers);
 };
 
-/// Runs after ProjectionMove. The shift moves particles but not the ink in space, so each particle gets the ink of its new position, as it
-/// gets the velocity. The new ink stays within the range of the neighbours.
+/// Runs after ProjectionMove. The shift moves particles but not the ink in space. So each particle gets the ink of its new position, as it
+/// gets the velocity there. The new concentration stays within the range of those of the neighbours.
 struct CarryInk {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Write<field::ink_change> change, Update<field::ink> c) const;
