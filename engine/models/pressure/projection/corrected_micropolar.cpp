@@ -65,7 +65,7 @@ CorrectedMicropolar::Terms CorrectedMicropolar::terms(const InteractionContext& 
             .slip = slips(context.solids)};
 }
 
-/// (1 - exp(-z))/z: mean effect over a step of a constant force on a decaying value.
+/// (1 - exp(-z))/z: factor on the effect of a constant force over a step, if the value decays by exp(-z) in the step.
 Real mean_decay(Real z) { return z > 0 ? -std::expm1(-z) / z : Real(1); }
 
 template <class Kernel>

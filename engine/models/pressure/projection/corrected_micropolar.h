@@ -8,8 +8,8 @@ namespace whorl {
 
 /// The system of MicropolarOptions with the gradients G of projection_system.h and the Laplacian of corrected_viscosity.h:
 ///   du/dt += (mu lap u + lambda curl w)/rho,   theta dw/dt = (gamma lap w + lambda (curl u - 2 w))/rho + tau
-/// At no-slip solids velocity and spin are continued behind the wall. Options for the forms of the curls do not apply, and there is no
-/// central viscosity. If implicit_exchange, the spin's own decay is implicit.
+/// At no-slip solids velocity and spin are continued behind the wall. The options for the forms of the curls do not apply, and there is no
+/// central viscosity. With implicit_exchange the decay -2 lambda w is implicit.
 class CorrectedMicropolar {
 public:
     CorrectedMicropolar(std::shared_ptr<ProjectionSystem> system, MicropolarOptions options)
@@ -42,7 +42,7 @@ private:
     Column<Vec3> middle_velocity_, middle_spin_;  ///< values in the middle of the step
 };
 
-/// Runs after ProjectionMove: gives each particle the spin of its shifted position, as for the velocity.
+/// Runs after ProjectionMove. Gives each particle the spin of its shifted position, as ProjectionShift does for the velocity.
 struct CarrySpin {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Write<field::spin_change> change, Update<field::spin> w) const {

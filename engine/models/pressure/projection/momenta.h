@@ -1,5 +1,6 @@
 #pragma once
-/// Conservation of momentum and angular momentum of a single body of fluid in open space, on which no force acts, by a projection step.
+/// Conservation of momentum and angular momentum in a step of the projection, for a single body of fluid in open space on which no force
+/// acts.
 #include <memory>
 
 #include "engine/models/viscosity/implicit_viscosity.h"
@@ -12,8 +13,9 @@ struct RecordMomentum {
     void operator()(Read<field::position> x, Read<field::velocity> u) const { *before = momenta_of(x.values, u.values, Vec3d::Zero()); }
 };
 
-/// Last stage of a step. Corrected gradients are not pairwise opposite, and an implicit viscosity acts at the particles' new positions: a
-/// body that turns at the rate w loses (dt w)^2/2 of its angular momentum per step. The missing momenta are added as a rigid motion:
+/// Last stage of a step. It restores the momenta, because the forces of corrected gradients are not pairwise opposite, and an implicit
+/// viscosity acts at the particles' new positions. By the latter alone, a body that rotates at the rate w would lose the fraction (dt
+/// w)^2/2 of its angular momentum per step. The missing momenta are added as a rigid motion:
 ///   u += dP/n + (I^-1 dL) cross (x - centre),   I = sum (|r|^2 - r r^T) about the centre
 struct RestoreMomentum {
     std::shared_ptr<Momenta> before;

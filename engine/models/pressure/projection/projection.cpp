@@ -11,7 +11,7 @@
 
 namespace whorl {
 
-/// c_ij = V 2 V |W'|/r among the unknowns. Neighbours on the surface have the pressure outside; prescribed ones have that of the particle.
+/// c_ij = V 2 V |W'|/r among the unknowns. Neighbours on the surface have the outside pressure, prescribed neighbours the pressure p_i.
 template <class Kernel>
 void Projection::build(const Kernel& W, const Fields& f) {
     const ProjectionSystem& s = *system_;
@@ -93,8 +93,8 @@ void Projection::damp_surface(const Fields& f) const {
     parallel_for(u.size(), [&](Index i) { u[i] += change[i]; });
 }
 
-/// u -= share dt g, with g the last step's grad p/rho; p starts with that share of the last pressure. The pressure of an impact must not
-/// act again in the next step, so large g are dropped.
+/// u -= share dt g, with g = grad p/rho of the last step. p starts with this share of the last pressure. Large g are dropped, because the
+/// pressure of an impact must not act again in the next step.
 void Projection::take_old_share(const Fields& f, Real share) {
     const auto& [context, step, role, u, p, solved, a] = f;
     const Real most = system_->most_carried(step);
@@ -147,7 +147,7 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     if (first && !s.surface_pressure.empty()) parallel_for(u.size(), [&](Index i) { b_[i] += of_air_[i]; });
     closed_.subtract_means(b_);
     SolveLimits limits = s.options.limits;
-    // With bodies the tolerance stays tight, because a residual that is small for the fluid moves a light body.
+    // With bodies the later solves keep the tolerance of the first, because a residual that is small for the fluid moves a light body.
     if (!first && !on_bodies_.any()) limits.tolerance = std::max(limits.tolerance, s.options.later_tolerance);
     parallel_for(u.size(), [&](Index i) { phi_[i] = first && matrix_.unknown[i] ? solved[i] : 0; });
     const double began = wall_seconds();
@@ -207,7 +207,7 @@ void Projection::operator()(const InteractionContext& context, StepReport& repor
     report.solves.push_back({SolveKind::pressure, all});
 }
 
-/// Records the velocities without any pressure; ExpectPressure may already have applied the last step's.
+/// Records the velocities without any pressure. If ExpectPressure has applied the last step's pressure, the record excludes this pressure.
 void Projection::begin_ledgers(const Fields& f) {
     ProjectionSystem& s = *system_;
     const auto& [context, step, role, u, p, solved, a] = f;
@@ -254,9 +254,9 @@ Real max_speed_of(Span<const Vec3> u) {
     return static_cast<Real>(std::sqrt(parallel_max(n, 0, [&](Index i) { return (u[i] - mean).squaredNorm(); })));
 }
 
-/// Moves particles that protrude from the surface, which the pressure of a smooth curvature does not hold back:
+/// Moves particles that protrude from the surface back, which the pressure of the smoothed curvature does not do:
 ///   dx_i += .1 dt f n_i sum_j W (n_i + n_j)/2.(x_j - x_i)/sum W of a flat layer,   f the frequency of the shortest waves,
-/// over particles on the surface. The sum is 0 on a sphere, and opposite for j.
+/// over particles on the surface. A term of the sum is 0 for two particles on a sphere, and opposite for i and j.
 void ProjectionShift::level_surface(const InteractionContext& context, Read<field::role> role) const {
     ProjectionSystem& s = *system;
     const StepContext& step = context.step;
@@ -302,7 +302,8 @@ void ProjectionShift::operator()(const InteractionContext& context, Read<field::
         }
         const Real length = move.norm(), most = std::min(speed * dt / 2, d / 10);
         if (length > most) move *= most / length;
-        s.walls_of(i, [&](const WallTouch& touch) {  // a wall reverts a move into it, but not the transported velocity
+        // PushOutOfSolids would revert a shift into a wall, but not the change of velocity that belongs to the shift.
+        s.walls_of(i, [&](const WallTouch& touch) {
             const Vec3& normal = context.boundary.normal[touch.s];
             move += std::max(Real(0), -move.dot(normal) - std::max(Real(0), touch.height)) * normal;
         });

@@ -10,27 +10,27 @@ namespace whorl {
 
 /// Coupling of the fluid's pressure and free bodies.
 ///
-/// The velocity of a body contributes to the divergence at fluid particle i by the fluxes at the body's boundary particles. Q_i, V times
-/// these fluxes, is also the force and torque per pressure at i: a pressure p pushes the body by Q p. With M the bodies' masses and tensors
-/// of inertia, the matrix of the projection is
+/// The velocity of a body contributes to the divergence at fluid particle i by the fluxes at the body's boundary particles. Q_i is V times
+/// these fluxes. It is also the force and torque on the body per pressure at i, so pressures p exert Q p. With M the masses and tensors of
+/// inertia of the bodies and A the matrix without bodies, the matrix of the projection is
 ///
 ///   A + rho_0 Q^T M^-1 Q.
 ///
-/// It is symmetric and positive, as A is, and the step is stable for any mass of the body. The fluid particles lie off the surface. So Q is
-/// corrected by a linear function of position, such that a pressure linear in position pushes as on the surface itself: a uniform pressure
-/// makes no force, and a hydrostatic one makes the weight of the displaced fluid.
+/// It is symmetric and positive, as A is, and the step is stable for any mass of the body. The fluid particles do not lie on the body's
+/// surface. So Q is corrected by a linear function of position, such that a pressure that is linear in position exerts the same force as on
+/// the surface. A uniform pressure then exerts no force, and a hydrostatic pressure the weight of the displaced fluid.
 class PressureOnBodies {
 public:
-    /// @param walls with its touches set @param unknown of the pressure equation; the other particles have p = 0
+    /// @param walls with its touches set @param unknown by particle: whether its pressure is an unknown; other particles have p = 0
     void build(const ProjectionSystem& walls, const InteractionContext& context, Read<field::role> role, Span<const char> unknown);
     bool any() const { return !bodies_.empty(); }
     /// Adds rho_0 Q^T M^-1 Q p.
     void add_product(Span<const Real> p, Span<Real> Ap) const;
-    /// Sets the velocities after the pressure p over dt [s] and contact, also those of the boundary particles. add_product() then treats
-    /// the contacts that held as fixed; the next solve takes account of their effect elsewhere.
+    /// Sets the velocities of the bodies and of their boundary particles after the pressure p over dt [s] and contact. add_product() then
+    /// treats the contacts that held as fixed. The next solve accounts for the effect of these contacts on the fluid and other bodies.
     void push(Span<const Real> p, double dt, const InteractionContext& context);
-    /// Replaces the pressure in the ledgers of closed solids that are not free and that a probe reads. The pressure acts on them as on free
-    /// bodies. @param p mean over the step @returns these solids
+    /// For closed solids that are not free and whose ledger a probe reads: replaces the pressure in the ledger. The pressure then acts on
+    /// them as on free bodies. @param p mean over the step @returns these solids
     std::vector<std::size_t> write_closed(const ProjectionSystem& walls, const InteractionContext& context, Read<field::role> role,
                                           Span<const Real> p);
 
@@ -70,7 +70,7 @@ private:
     BodyVector impulses(Span<const Real> p) const;
 
     std::vector<Body> bodies_;  ///< all free bodies, in the order of the solids
-    BodyContacts contacts_;     ///< clearance of two spacings, because the pressure in a thinner film is not resolved
+    BodyContacts contacts_;     ///< with a clearance of two spacings, because the pressure in a thinner film is not resolved
     double rest_density_ = 0;
 };
 
@@ -86,15 +86,16 @@ struct ProjectionBodyMove {
     void operator()(const InteractionContext& context) const;
 };
 
-/// u* = u + (share of the old pressure). Then, `solves` times, for the remaining divergence:
+/// First u changes by the share (1 - theta) of the old pressure. Then, `solves` times, for the remaining divergence:
 ///
 ///   sum_j 2 V |W'|/r (p_i - p_j) + air_i p_i = -rho_0 (D u)_i/(theta dt),    u -= theta dt L sum_j V (p_j - p_i) grad W / rho_0
 ///
-/// The field `pressure` is the mean over the step, theta times the new pressure plus (1 - theta) times the old one. It moves the fluid. The
-/// solved pressure oscillates: an error of a single step changes sign from step to step and decays as ((1 - theta)/theta)^n.
+/// air_i: ProjectionSystem::air; L: LinearSums::correction. The field `pressure` is the mean over the step, theta times the new pressure
+/// plus (1 - theta) times the old pressure. This mean moves the fluid. The solved pressure oscillates: an error of one step changes sign
+/// from step to step, and after n steps has decayed as ((1 - theta)/theta)^n.
 ///
-/// D is the trace of the corrected difference gradient over the fluid, plus, at walls, the flux of the normal velocity of the flow relative
-/// to the wall. Walls have no unknown pressure: no coefficient in the matrix means no flow through them.
+/// D is the trace of the corrected difference gradient over the fluid. At walls D also contains the flux of the flow's normal velocity
+/// relative to the wall. Walls have no unknown pressure and no coefficient in the matrix, so no fluid flows through them.
 class Projection {
 public:
     explicit Projection(std::shared_ptr<ProjectionSystem> system) : system_(std::move(system)) {}
@@ -136,14 +137,15 @@ private:
 
 /// Shifts particles towards even spacing and gives them the velocity at the new position:
 ///   dx = -shift_rate s R/2 dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u + dx^2/(2 D) lap u,   s = max |u_i - mean u|
-/// Particles at a free surface shift only along it; a surface with tension is also levelled. No particle shifts into a wall.
+/// At a free surface particles shift only along the surface. A surface with tension is also levelled by level_surface(). No particle shifts
+/// into a wall.
 struct ProjectionShift {
     std::shared_ptr<ProjectionSystem> system;
     void level_surface(const InteractionContext& context, Read<field::role> role) const;
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::position> x, Update<field::velocity> u) const;
 };
 
-/// End of the step: x += dt/2 (u - u_start), where both velocities include the change by the shift.
+/// End of the step: x += dt/2 (u - u_start). Both velocities include the change by the shift.
 struct ProjectionMove {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::velocity> u, Update<field::position> x) const {

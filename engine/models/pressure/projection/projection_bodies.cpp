@@ -9,7 +9,8 @@
 namespace whorl {
 
 /// Area vectors A_s = a_s (n_s + c + E q_s), with q_s relative to the centre and a_s the particle's area in a flat layer. c and E are such
-/// that a uniform pressure makes no force and a linear one the weight of the displaced fluid:  sum A = 0,  sum A q^T = volume 1.
+/// that a uniform pressure exerts no force, and a pressure linear in position the weight of the displaced fluid:
+///   sum A = 0,   sum A q^T = volume * identity.
 PressureOnBodies::Surface PressureOnBodies::surface_of(const InteractionContext& context, std::size_t solid, double volume,
                                                        const Vec3d& own_centre, bool& closed) {
     const BoundaryParticles& boundary = context.boundary;
@@ -61,8 +62,9 @@ PressureOnBodies::Moments PressureOnBodies::surface_moments(const Surface& surfa
                                                             const std::vector<Index>& near, const Body& body) {
     const BoundaryParticles& boundary = context.boundary;
     const Real d = context.step.spacing;
-    // A point of the surface is at most sqrt(1 + 1/4) d in 2D, sqrt(1 + 2/4) d in 3D, from the nearest particle of a lattice over it. One
-    // dry point in the wetted surface of a body would let a uniform pressure push it.
+    // A point of the surface counts as wetted if a particle is within this distance. From the nearest particle of a lattice over the
+    // surface a point is at most sqrt(1 + 1/4) d away in 2D and sqrt(1 + 2/4) d in 3D. If a single point in the wetted surface were dry, a
+    // uniform pressure would move the body.
     const Real reach = Real(0.85) * std::sqrt(static_cast<Real>(context.step.dimensions())) * d;
     std::vector<char> wet(boundary.size(), 0);
     for (const Index i : near)

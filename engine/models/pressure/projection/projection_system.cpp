@@ -88,8 +88,8 @@ void set_linear_sums(const Kernel& W, const InteractionContext& context, Index i
     sums.imbalance[i] = context.step.volume * imbalance;
 }
 
-/// Scales the fluxes of the walls around i to the deficit of the fluid's sums there, so that the matrix is exact for a linear pressure.
-/// Behind a curved wall the columns of layers of a flat wall are too full: by a third behind a ball of four spacings.
+/// Scales the fluxes of the walls around i to the deficit of the fluid's sums at i, so that the matrix is exact for a linear pressure. The
+/// columns of layers belong to a flat wall. Behind a curved wall they contain too much: a third too much for a ball of four spacings.
 void match_fluxes(const InteractionContext& context, Index i, const Vec3& imbalance, ProjectionSystem& s) {
     Vec3 total = Vec3::Zero();
     s.walls_of(i, [&](const WallTouch& touch) { total += touch.flux * context.boundary.normal[touch.s]; });
@@ -124,7 +124,7 @@ void find_surface(const InteractionContext& context, Read<field::role> role, con
         if (role[i] != 0 || fullness[i] > densely) return;
         if (fullness[i] > loosely && !(s.inward[i].norm() > full.one_sided / 2)) return;
         Vec3 out = -s.inward[i].normalized();
-        s.walls_of(i, [&](const WallTouch& touch) {  // along the walls: the gap between a particle and a wall is not a surface
+        s.walls_of(i, [&](const WallTouch& touch) {  // only along walls, because the gap between a particle and a wall is not a surface
             const Vec3& normal = context.boundary.normal[touch.s];
             out -= std::min(Real(0), out.dot(normal)) * normal;
         });

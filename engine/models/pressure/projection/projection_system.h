@@ -1,5 +1,6 @@
 #pragma once
-/// Data that the stages of the divergence-free projection share within a step (docs/physics.md).
+/// Data that the stages of the divergence-free projection share within a step (docs/physics.md). Symbols in this folder: V volume of a
+/// particle, W kernel, R its support, d spacing, D dimensions, r = x_i - x_j.
 ///
 /// Order of a step; the neighbours are found at the positions to which the flow takes the particles:
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, PushOutOfSolids.
@@ -29,7 +30,7 @@ struct pressure_acceleration {
 struct solved_pressure {
     using type = Real;
     static constexpr std::string_view name = "solved_pressure", unit = "Pa",
-                                      meaning = "pressure at the end of the last step, which may alternate from step to step";
+                                      meaning = "pressure at the end of the last step, may alternate from step to step";
 };
 }  // namespace field
 
@@ -37,14 +38,16 @@ struct ProjectionOptions {
     /// tolerance: residual of the first solve over the norm of its right-hand side
     SolveLimits limits{1e-3, 200};
     double later_tolerance = 0.1;  ///< tolerance of the later solves, which correct the remainder of the first
-    int solves = 2;                ///< 3 near walls and free surfaces: with 2 a column in a slot creeps down
-    /// Weight of the new pressure in a step; the old pressure has 1 - theta. 1/2 is of second order and oscillates near walls.
+    int solves = 2;                ///< the plan sets 3 near walls and free surfaces, because with 2 a column in a slot creeps down
+    /// Weight of the new pressure in a step; the old pressure has the weight 1 - theta. With 1/2 the step is of second order, and pressures
+    /// oscillate near walls.
     double theta = 0.5;
     bool free_surface = false;
-    /// true: neither weight nor surface tension calms the free surface; near it the force of a pair contains the pressures of both.
+    /// true: for a free surface without gravity and surface tension, which would smooth it. Near the surface the force of a pair then
+    /// contains the pressures of both particles.
     bool bare_surface = false;
     double tension = 0;      ///< surface tension of a free surface [N/m]
-    bool sharp = true;       ///< use the SharpKernel inside the fluid; it makes spins noisy
+    bool sharp = true;       ///< use the SharpKernel inside the fluid; false for fluid with spin, because this kernel makes spins noisy
     Real shift_rate = 1.25;  ///< a larger rate adds energy; with a smaller one a lattice melts into clumps
     SolidGate gate;
     PressurePreconditionerSetup preconditioner;
@@ -53,11 +56,11 @@ struct ProjectionOptions {
 /// A boundary particle near fluid particle i, with the column of lattice layers behind it.
 struct WallTouch {
     Index s;
-    Real flux;    ///< sum_l 2 V W'(r_l)/r_l (r_l.n), <= 0 [1/m]: weight of the normal velocity at the wall in the divergence
+    Real flux;    ///< weight of the normal velocity at the wall in the divergence: sum_l 2 V W'(r_l)/r_l (r_l.n), <= 0 [1/m]
     Real height;  ///< height of i above the wall [m]
 };
 
-/// Sums of a kernel over the fluid neighbours, which make gradients and Laplacians exact for linear fields.
+/// Sums of a kernel over the fluid neighbours. With these sums gradients and Laplacians are exact for linear fields.
 struct LinearSums {
     Column<Mat3> correction;  ///< (-sum_j V W'/r r r^T)^-1
     Column<Real> trace;       ///< trace of the inverse of `correction`
@@ -65,10 +68,10 @@ struct LinearSums {
     void resize(Index n) { correction.resize(n), trace.resize(n), imbalance.resize(n); }
 };
 
-/// Slopes norm W'/r (1 - b r^2) whose fourth moment on a lattice is 0, so that Laplacians and gradients are of fourth order there. With W
-/// itself, R = 3 d and 32 particles per wave, they are 1.2 and 2.4 % too small where waves cross. The largest eigenvalue of the Laplacian
-/// is 6.5/d^2 in 2D and 6.9/d^2 in 3D, so two stages are stable with viscous_step() (models/viscosity/explicit_viscosity.h). For narrower
-/// kernels b is limited so that this holds.
+/// Kernel with the slope norm W'/r (1 - b r^2), whose fourth moment on a lattice is 0. So Laplacians and gradients are of fourth order on a
+/// lattice. With W itself, R = 3 d and 32 particles per wave, Laplacians and gradients of crossing waves are 1.2 and 2.4 % too small. The
+/// largest eigenvalue of the Laplacian is 6.5/d^2 in 2D and 6.9/d^2 in 3D, so two stages are stable with viscous_step()
+/// (models/viscosity/explicit_viscosity.h). For narrower kernels b is limited such that two stages stay stable.
 template <class Kernel>
 struct SharpKernel {
     Kernel W;
@@ -89,10 +92,11 @@ struct SharpKernel {
     Real slope(Real r) const { return norm * (1 - b * r * r) * W.slope(r); }
 };
 
-/// Fraction of the support that the kernel of viscosity, spin and curls has near walls and free surfaces.
+/// Support, as a fraction of the usual one, of the kernel that viscosity, spin and curls use near walls and free surfaces.
 inline constexpr Real one_sided_support = Real(0.8);
 
-/// Calls f(sharp, narrow) with the kernels of viscosity, spin and curls inside the fluid and elsewhere.
+/// Calls f(sharp, narrow) with the two kernels of viscosity, spin and curls. `sharp` is for particles inside the fluid, `narrow` for the
+/// others.
 template <class F>
 void with_viscous_kernels(const StepContext& step, F&& f) {
     with_kernel(step.kernel, step.support, [&]<class Kernel>(const Kernel& W) {
@@ -104,9 +108,9 @@ struct ProjectionSystem {
     explicit ProjectionSystem(ProjectionOptions o) : options(std::move(o)) {}
     ProjectionOptions options;
 
-    Remainder remainder;              ///< of the momentum, from the pressure to the move
+    Remainder remainder;              ///< of the momentum, constructed before the pressure, shared in the move
     std::vector<std::size_t> closed;  ///< solids with an exact pressure (PressureOnBodies::write_closed())
-    Column<Vec3> before;              ///< velocities at the start of the remainder; empty: no probe reads a ledger
+    Column<Vec3> before;              ///< velocities before the pressure of the step; empty: no probe reads a ledger
     bool expected = false;            ///< ExpectPressure applied the whole of the last step's pressure
     Column<Vec3> start_velocity;      ///< at the start of the step
     struct BodyVelocity {
@@ -115,7 +119,7 @@ struct ProjectionSystem {
     std::vector<BodyVelocity> body_start;  ///< velocities of the free bodies at the start of the step
 
     LinearSums whole;               ///< sums of the kernel itself
-    LinearSums viscous;             ///< sums of the SharpKernel for particles inside, of the kernel with one_sided_support for others
+    LinearSums viscous;             ///< sums of the SharpKernel for particles `inside`, of the kernel with one_sided_support for others
     std::vector<char> inside;       ///< 1: not near a wall or a free surface, where the SharpKernel would be less accurate
     Column<Vec3> spread;            ///< sum V [1 + 0.2 (W/W(d))^4] W'/r r over fluid and solids [1/m]
     Column<Vec3> inward;            ///< sum V W'/r r over fluid and solids [1/m]: points into the fluid at a free surface
@@ -131,7 +135,7 @@ struct ProjectionSystem {
 
     Index size() const { return static_cast<Index>(inside.size()); }
     Real pressure_outside(Index i) const { return surface_pressure.empty() ? Real(0) : surface_pressure[i]; }
-    /// Largest grad p/rho that the next step uses again [m/s^2]. A larger one comes from an impact, which must not act twice.
+    /// Largest grad p/rho that the next step reuses [m/s^2]. A larger value comes from an impact, which must not act twice.
     Real most_carried(const StepContext& step) const {
         return options.free_surface ? Real(0.04) * step.spacing / (step.dt * step.dt) : std::numeric_limits<Real>::infinity();
     }
@@ -140,7 +144,7 @@ struct ProjectionSystem {
         const Real d = step.spacing;
         return std::sqrt(step.gravity.norm() / d + static_cast<Real>(options.tension) / (step.rest_density * d * d * d));
     }
-    /// Calls f(touch) for the walls around i.
+    /// Calls f(touch) for the boundary particles around i.
     template <class F>
     void walls_of(Index i, F&& f) const {
         if (!any_walls) return;
@@ -155,9 +159,9 @@ inline Vec3 surface_velocity(const InteractionContext& context, Index q) {
            context.step.spacing / 2 * context.solids.all[boundary.solid[q]].pose.angular_velocity.cross(boundary.normal[q]);
 }
 
-/// Calls f(q, F, continued, to, distance) for each lattice layer behind each boundary particle q near i of the solids that the fluid sticks
-/// to. F = V W'/r [1/m^2]; `continued` is the factor of u_i - u_wall that continues the shear into the layer, at most 12; `to` points from
-/// the layer to i. @param of_layer layer_factor() @param slip slips() of the solids
+/// Calls f(q, F, continued, to, distance) for each lattice layer behind boundary particle q near i. F = V W'/r [1/m^2]. `continued`, at
+/// most 12, is the factor on u_i - u_wall that continues the shear into the layer. `to` points from the layer to i, `distance` is its
+/// length. @param of_layer layer_factor() @param r from q to i
 template <class Kernel, class Visit>
 void each_layer_of(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Real of_layer, Index q,
                    const Vec3& r, Visit&& f) {
@@ -168,6 +172,7 @@ void each_layer_of(const Kernel& W, const ProjectionSystem& s, const Interaction
         f(q, volume * W.slope(distance), above > 0 ? std::min(Real(12), 1 + below / height) : Real(1), to, distance);
     });
 }
+/// Calls each_layer_of() for the boundary particles near i of solids to which the fluid sticks. @param slip slips() of the solids
 template <class Kernel, class Visit>
 void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Real of_layer,
                          const std::vector<char>& slip, Visit&& f) {
@@ -177,8 +182,8 @@ void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const Inter
     });
 }
 
-/// Writes the viscous force on no-slip solids to the ledgers. On a rigid surface the stress is mu d/dn of the velocity relative to the
-/// motion of the solid continued into the fluid.
+/// Writes the viscous force on no-slip solids to the ledgers. On a rigid surface the stress is mu du/dn, with u the velocity relative to
+/// the rigid motion of the solid continued into the fluid.
 /// @param mu i -> viscosity [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
 template <class Kernel, class Viscosity>
 void write_sticking(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Read<field::role> role,
@@ -246,10 +251,10 @@ Vec3 difference_sum(const Kernel& W, const FluidPairs& pairs, Index i, Real volu
 struct DifferenceSums {
     Vec3 laplacian = Vec3::Zero();  ///< sum V W'/r (f_i - f_j)
     Mat3 gradient = Mat3::Zero();   ///< sum V (f_j - f_i) W'/r r^T
-    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), W the kernel `smoothing`
+    Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), with the kernel `smoothing` as W
 };
 
-/// @param smoothing a second kernel; without it `smooth` stays 0
+/// @param smoothing a second kernel; if it is not given, `smooth` stays 0
 template <class Kernel, class Smoothing = std::nullptr_t>
 DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f,
                                const Smoothing& smoothing = nullptr) {
@@ -280,8 +285,8 @@ DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i
     return all;
 }
 
-/// Change of a vector f from x_i to x_i + move: gradient times move, plus |move|^2/(2 D) times the Laplacian for the curvature. With the
-/// gradient alone crests would grow with every move.
+/// Change of a vector f from x_i to x_i + move: gradient times move, plus |move|^2/(2 D) times the Laplacian. The second term is for the
+/// curvature of f; without it crests would grow with every move.
 /// @param sums of the kernel W
 template <class Kernel>
 Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, Real volume, const Vec3* f, const Vec3& move) {
@@ -290,9 +295,9 @@ Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, I
     return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * (of_f.laplacian - G * sums.imbalance[i]);
 }
 
-/// u -= dt g, with g = grad p/rho of the last step, before an implicit viscosity, so that the viscosity resists only strain. Otherwise it
-/// would first remove a part of the motion that the pressure corrects anyway, as in a rotating body. Projection takes back what exceeds the
-/// share of the old pressure.
+/// u -= dt g, with g = grad p/rho of the last step. Runs before an implicit viscosity, so that the viscosity resists only strain. Otherwise
+/// the viscosity would first damp motion that the pressure removes anyway, as in a rotating body. Projection later undoes the part of this
+/// change that exceeds the share of the old pressure.
 struct ExpectPressure {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
@@ -305,7 +310,7 @@ struct ExpectPressure {
     }
 };
 
-/// x* = x + dt u, so that the projection uses the forces of the step at the new positions.
+/// x* = x + dt u, so that the forces of the step act at the new positions.
 struct ProjectionDrift {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const StepContext& step, Read<field::velocity> u, Update<field::position> x) const {
@@ -314,8 +319,8 @@ struct ProjectionDrift {
     }
 };
 
-/// Finds moments of the neighbourhoods, walls and the free surface. The density is the kernel sum, which measures how even the particles
-/// are.
+/// Finds the moments of the neighbourhoods, the walls and the free surface. The density is the kernel sum, a measure of how evenly the
+/// particles are distributed.
 struct ProjectionGeometry {
     std::shared_ptr<ProjectionSystem> system;
     void operator()(const InteractionContext& context, Read<field::role> role, Write<field::density> rho) const;
