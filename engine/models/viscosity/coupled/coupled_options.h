@@ -8,8 +8,9 @@
 namespace whorl {
 
 struct CoupledOptions {
-    /// Tolerance for sqrt(r.M r) / sqrt(b.M b), which follows the velocity's error: 3e-3 suffices for coils, stretched threads need 1e-3.
-    /// It applies to steps in which the fastest fluid moves by 0.4 d; shorter steps have a proportional tolerance.
+    /// Tolerance for sqrt(r.M r) / sqrt(b.M b), with r the residual, b the right-hand side and M the preconditioner. This ratio follows the
+    /// error of the velocity. 3e-3 suffices for coils, stretched threads need 1e-3. The tolerance applies to steps in which the fastest
+    /// fluid moves by 0.4 d. In shorter steps it is proportionally smaller.
     SolveLimits limits{1e-3, 300};
 
     double support = 2.4, widest_support = 4;  ///< kernel radius; it grows until a particle has enough() neighbours
@@ -17,34 +18,40 @@ struct CoupledOptions {
     int enough_neighbours = 16, enough_in_plane = 6;
     int enough(int dimensions) const { return dimensions == 2 ? enough_in_plane : enough_neighbours; }
 
-    double bulk = 10;           ///< lambda over mu: resistance to a change of volume within one step (the multiplier does the rest)
-    double smoothing = 0.15;    ///< penalty on the residual of the linear fit, over mu; removes zero-energy modes
-    double pair_smoothing = 5;  ///< the same along the pair only; keeps necks from growing without stiffening bending
-    double thin_below = 0.8, thin_at = 0.6;  ///< middle/largest eigenvalue of M: thick above, thin (evened) below
+    double bulk = 10;           ///< lambda/mu: resistance to a change of volume within one step; the multiplier removes the rest
+    double smoothing = 0.15;    ///< (penalty on the residual of the linear fit)/mu; removes zero-energy modes
+    double pair_smoothing = 5;  ///< the same along pairs only; keeps necks from growing and does not stiffen bending
+    /// Ratios of the middle to the largest eigenvalue of M. Above the first a thread is thick, below the second thin (evened).
+    double thin_below = 0.8, thin_at = 0.6;
 
     double gate = 1.6;    ///< longer pairs count only if a common neighbour is closer than `bridge` to both,
     double bridge = 1.7;  ///< so that turns of a coil do not interact through the air
 
-    double push = 0.1;               ///< compressed particles separate at the rate push (n/n0 - 1)/dt
-    double no_surface = 0.0125;      ///< loose particles under pressure approach up to this Neighbourhood::surface; none from twice this on
-    double meeting_in_space = 0.25;  ///< fraction of that rate in 3D (1 in 2D), because at rest more particles are loose than compressed
-    Index vessel = -1;  ///< round solid that turns the fluid about the vertical, -1: none. Loose particles then also approach at surfaces,
-    double even_surface = 0.34;  ///< with this Neighbourhood::surface at most: a lattice's has 0.31, a particle on top of it 0.6
-    /// Limit of these rates over (max |u| + sqrt(g d))/d, so that they add no motion of their own in short steps.
+    double push = 0.1;  ///< compressed particles separate at the rate push (n/n0 - 1)/dt
+    /// Loose particles under pressure approach if Neighbourhood::surface is below this. From twice this value on none do.
+    double no_surface = 0.0125;
+    /// Factor on the rate of loose particles in 3D (1 in 2D), because at rest more particles are loose than compressed.
+    double meeting_in_space = 0.25;
+    /// Round solid that turns the fluid about the vertical, -1: none. With a vessel, loose particles at surfaces also approach, if their
+    /// Neighbourhood::surface is at most even_surface: a lattice's has 0.31, a particle on top of it 0.6.
+    Index vessel = -1;
+    double even_surface = 0.34;
+    /// (Limit of these rates)/((max |u| + sqrt(g d))/d). It keeps the rates from adding motion of their own in short steps.
     double fastest_push = 0.2;
-    double memory = 0.98, weight_memory = 0.9999;  ///< kept per step of the multiplier; of its part from 0 to the fluid's weight
+    /// Factors per step on the multiplier, and on the part of it from 0 to the fluid's weight.
+    double memory = 0.98, weight_memory = 0.9999;
 
     double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound per step
     /// Strain rate for that repulsion in fluid at rest, over min(p, rho g d)/mu.
     double weight_strain = 0.01;
     double evening_rate = 1,
-           evening_range = 2;  ///< the same along thin threads, where no close particle fills the gaps that stretching widens
+           evening_range = 2;  ///< the same along thin threads, in which no close particle fills the gaps that stretching widens
 
-    /// Distances from a no-slip wall. Below the first a particle touches it; below the second it also does if a particle within `bridge`
-    /// touches; beyond the third it comes off. New particles touch up to the third, because a lattice may fill a gap loosely.
+    /// Distances from a no-slip wall. Below wall_touch a particle touches the wall. Below wall_spread it also does if a particle within
+    /// `bridge` touches. Beyond wall_reach it detaches. New particles touch up to wall_reach, because a lattice may fill a gap loosely.
     double wall_touch = 0.55, wall_spread = 0.9, wall_reach = 1.6;
     double closest = 0.3;          ///< least distance of a particle from a no-slip solid
-    double sliding_closest = 0.5;  ///< the same for solids that it slides on: half a spacing, a particle's half of a layer
+    double sliding_closest = 0.5;  ///< the same from solids on which the particle slides: half the thickness of a layer
 
     int aggregate = 48;          ///< particles in an aggregate of the coarse level
     int many = 5600;             ///< in fluids of n > many particles an aggregate has `aggregate` sqrt(n/many)

@@ -1,6 +1,6 @@
 #pragma once
-/// Rows of neighbours for the coupled solve: support that grows in thin places, no pairs through the air between two turns of a coil, and a
-/// layout that lets products run at the speed of memory.
+/// Rows of neighbours for the coupled solve. The support grows in thin places, and two turns of a coil have no pairs through the air
+/// between them. The layout makes products as fast as the memory allows.
 #include <array>
 
 #include "engine/geometry/solids.h"
@@ -13,11 +13,11 @@ namespace whorl {
 /// Properties of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
 struct Neighbourhood {
     Real unresolved = 0;          ///< k = sum (1 - pi^2), pi the resolution of a direction: 0 in a volume, 1 in a sheet, 2 in a single file
-    Real thin = 0;                ///< 0 in a thick thread, 1 in a thin one
+    Real thin = 0;                ///< 0 in a thick thread, 1 in a thin thread
     Real weights = 0;             ///< sum w
     Real spread = 0;              ///< sum w r^2
     Real density = 0;             ///< n/n0 with the weight of radius `support` over all neighbours, solids counted as fluid
-    Real volume = 1;              ///< volume of the fluid whose strain the row represents, up to a wall that holds it
+    Real volume = 1;              ///< volume of the fluid whose strain the row represents; it ends at a wall that holds the particle
     Vec3 outward = Vec3::Zero();  ///< unit vector away from the neighbours' centre
     Real surface = 0;             ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
     std::int32_t directions = -1;  ///< index in RowBlock::directions; -1: all directions are resolved, and no thread is thin
@@ -38,7 +38,8 @@ struct FourthMoment {
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
-/// Mean velocity [m/s], over a step of dt [s], of the solid's point that is at x at the start of the step; dt < 0: at its end.
+/// Mean velocity [m/s], over a step of dt [s], of the solid's point that is at x at the start of the step. dt < 0: at x at the end of the
+/// step.
 inline Vec3 velocity_over(const Solid& solid, const Vec3& x, Real dt) { return solid.velocity_at(x + dt / 2 * solid.velocity_at(x)); }
 
 /// Point of a wall that is nearest to a particle that the wall holds: a neighbour that moves with the wall (docs/physics.md 5).
@@ -51,8 +52,8 @@ struct WallPoint {
     Mat3 lateral = Mat3::Zero();  ///< its part of M along the wall
 };
 
-/// One row per lane, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`.
-/// Shorter rows, and lanes without a row, end in pairs of weight 0 with themselves. Pairs with walls come last.
+/// One row per lane, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`. Shorter rows are
+/// filled up with pairs of the particle with itself, which have weight 0, and so are lanes without a row. Pairs with walls come last.
 struct RowSlice {
     std::size_t begin = 0;
     Index width = 0;             ///< pairs of the longest row plus `walls`
@@ -68,8 +69,8 @@ struct RowSlice {
 };
 
 /// The rows of `block_size` particles that are near each other in memory. Pairs refer to neighbours by their index in `touched`, so a
-/// product gathers each velocity once per block and adds forces in the block's own memory: no thread waits, and sums have a fixed order.
-/// Only this index is stored per pair. r and the weight follow from the positions, which are fewer bytes to read.
+/// product gathers each velocity once per block and adds forces in the block's own memory. Thus no thread waits for another, and sums have
+/// a fixed order. Only this index is stored per pair. r and the weight are computed from the positions, which are fewer bytes to read.
 struct RowBlock {
     using LocalIndex = std::uint16_t;
     Index begin = 0, end = 0;     ///< particles whose rows these are
@@ -101,7 +102,7 @@ struct RowBlock {
 
 /// One pair of each row in a slice.
 struct PairLanes {
-    Lanes3 r, v;                        ///< v: difference of the vectors stored with the positions, j minus i
+    Lanes3 r, v;                        ///< v: vector stored with the position of j, minus that of i
     Lanes r2, w;                        ///< r2: never 0
     const RowBlock::LocalIndex* other;  ///< indices of j in `touched`
 };
@@ -203,7 +204,8 @@ public:
     /// Position of the particle when the rows were built [m].
     Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
     /// Positions of the particles that the block touches, in spacings relative to the block's first particle. They are in memory of the
-    /// calling thread, valid until its next call. @param u stored with each position @param moving whether walls have their velocities
+    /// calling thread, valid until its next call. @param u vectors to store with the positions @param moving true: walls have their
+    /// velocities; false: walls are at rest
     const Vec4* positions(const RowBlock& block) const;
     const Vec4* positions(const RowBlock& block, Span<const Vec3> u, bool moving) const;
     SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }

@@ -237,14 +237,14 @@ struct CoupledStep {
     /// sqrt(r.M r); leaves M r in `work`.
     double preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
 
-    /// Errors of slow motions persist from step to step and add up. So the tolerance applies to the time in which the fastest fluid moves
-    /// by 0.4 d, and shorter steps have a proportional tolerance, at least 0.03 of it because in slow fluid errors decay.
+    /// Errors of slow motions persist from step to step and add up. So the tolerance applies to steps in which the fastest fluid moves by
+    /// 0.4 d, and is reduced in proportion in shorter steps. The factor is at least 0.03, because in slow fluid errors decay.
     SolveLimits limits() const {
         const double share = std::clamp(dt * fastest / (0.4 * d), 0.03, 1.0);
         return {share * options.limits.tolerance, options.limits.max_iterations};
     }
 
-    /// Solves by conjugate gradients, from the last velocity plus most of its last change.
+    /// Solves by conjugate gradients, starting from the last velocity plus 0.9 times its last change.
     SolveReport solve(double reference) {
         const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); };
         const TwoLevel& M = system.preconditioner;
@@ -259,7 +259,7 @@ struct CoupledStep {
         const SolveReport report =
             conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
         if (!unknowns.any_slip) return report;
-        // Removes the momentum of the residual; otherwise sliding fluid as a whole would lag behind its load by the tolerance in each step.
+        // Removes the momentum of the residual. Otherwise the motion of sliding fluid as a whole would be too small by the tolerance.
         Column<Vec3> rest(n);
         parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, M.coarse(i)); });
         if (!solids.any_probed()) return report;

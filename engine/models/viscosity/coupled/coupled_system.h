@@ -3,7 +3,7 @@
 /// a step, in this order, share one CoupledSystem:
 ///
 ///   CoupledNeighbourhood   rows, contact gate, moments
-///   CoupledGradient        the gradient of the velocities before any force
+///   CoupledGradient        gradient of the velocities before any force
 ///   CoupledSolve           the velocity at the end of the step, the multiplier (pressure), the gradient
 ///   CoupledMove            x += dt u
 ///   CoupledShift           separates close particles and adjusts their velocity: u += G dx
@@ -22,7 +22,7 @@ namespace field {
 struct velocity_change {
     using type = Vec3;
     static constexpr std::string_view name = "velocity_change", unit = "m/s",
-                                      meaning = "change over the last step: where the next solve starts";
+                                      meaning = "change over the last step, from which the next solve starts";
 };
 /// 0: none. k > 0: in aggregate k - 1 of the coarse level.
 struct aggregate {
@@ -50,7 +50,7 @@ struct VesselRotation {
     Vec3 acceleration(const Vec3& x) const { return rate * rate * up.cross(arm(x)); }
 };
 
-/// Data that the stages share within a step, and set-ups that are reused over several steps. All of it is rebuilt at a frame time.
+/// Data that the stages share within a step, and set-ups that are reused over several steps. All of these are rebuilt at a frame time.
 struct CoupledSystem {
     explicit CoupledSystem(CoupledOptions chosen = {}) : options(chosen) {}
     CoupledOptions options;
@@ -60,7 +60,7 @@ struct CoupledSystem {
     TwoLevel preconditioner;
     VesselRotation rotation;  ///< in this step; none without CoupledOptions::vessel
     bool no_way_out = false;  ///< a solve since the last frame time found no pressure that keeps the volume of enclosed fluid
-    /// Known pressures [Pa] in addition to the multiplier: those of surface tension. Empty: there are none.
+    /// Known pressures of surface tension [Pa], which add to the multiplier. Empty: there are none.
     std::shared_ptr<std::vector<Real>> known_pressure = std::make_shared<std::vector<Real>>();
 };
 

@@ -9,9 +9,11 @@
 ///   S_i = sum_j w |u_j - u_i|^2 - A_i:G_i                        residual of the linear fit
 ///   S'_i = sum_j w/r^2 ((u_j - u_i).r - r.G_i r)^2               the same along the pair
 ///
-/// T_i is the curvature of the move (models/strain/curvature.h), s_i the requested rate of volume change. D is exact if all directions are
-/// resolved, and zero for a rigid rotation even in a single file of particles. The forces are the exact derivative of E and opposite in
-/// each pair, so momentum is conserved to round-off.
+/// u* are the velocities before the solve; r, w, M+ and P are those of coupled_rows.h. T_i is the strain rate that appears at the start of
+/// a rotating move (models/viscosity/strain/curvature.h), s_i the requested rate of volume change, q_i the multiplier (pressure). K_i
+/// Lambda_i is the bulk viscosity; c_i and c'_i are penalties. D is exact if all directions are resolved, and zero for a rigid rotation
+/// even in a single file of particles. The forces are the exact derivative of E and opposite in each pair, so momentum is conserved to
+/// round-off.
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/viscosity/coupled/coupled_rows.h"
 
@@ -20,7 +22,8 @@ namespace whorl {
 /// Coefficients of a particle's energy.
 struct StrainCoefficients {
     Real shear = 0;  ///< 2 K
-    /// K Lambda; reduced such that an unresolved lateral direction is stress-free: a single file then has Trouton's 3 mu and does not lock.
+    /// K Lambda, reduced such that an unresolved lateral direction is stress-free. A single file of particles then has Trouton's viscosity
+    /// 3 mu and does not lock.
     Real bulk = 0;
     Real smooth = 0;  ///< 2 c
     Real pair = 0;    ///< 2 c'
@@ -116,7 +119,7 @@ public:
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
     void add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y) const;
-    /// The forces on walls alone: those of apply(u, y, true) and of add_stress().
+    /// Computes only the forces on walls: those of apply(u, y, true) and of add_stress().
     void find_wall_forces(Span<const Vec3> u) const { find_forces(u, true, true); }
     void find_wall_forces(Span<const Real> q, Span<const Mat3> T) const { find_stress(q, T, true); }
     /// Calls f(wall, force on it [m/s]) with the forces of the last apply(), add_stress() or find_wall_forces().

@@ -14,7 +14,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     const auto neighbours = [&](Index i, const auto& visit) {
         const RowBlock& block = rows.block_of(i);
         const Index row = i - block.begin;
-        // If there are many pairs, a quarter of them is enough to find the nearest centres and the connections.
+        // If there are many pairs, a quarter of the pairs is enough to find the nearest centres and the connections.
         block.each_pair(
             row, [&](RowBlock::LocalIndex at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
     };

@@ -18,7 +18,7 @@ public:
         steps_ = now ? 1 : steps_ + 1;
         return now;
     }
-    /// Updates the positions of the groups' members. @param group from aggregate_by(); groups move with their particles
+    /// Updates the positions of the groups' members. @param group from aggregate_by()
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
                Real spacing);
     const RigidAggregates& motions() const { return motions_; }
