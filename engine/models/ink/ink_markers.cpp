@@ -21,7 +21,8 @@ struct LinearFit {
         rr += w * to * to.transpose(), path_r += w * displacement * to.transpose();
         path_square += w * displacement.squaredNorm();
     }
-    /// Value at the marker of the linear function that fits the displacements; along directions without particles, their mean.
+    /// Value at the marker of the linear function that fits the displacements. Along directions that the particles do not resolve, the
+    /// function is constant.
     /// @param least_spread squared length, below which differences between the particles' places are round-off [m^2]
     Vec3 displacement(bool flat, Real least_spread) const {
         const Vec3 middle = r / weight, mean = path / weight;
@@ -93,7 +94,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
         });
         return fit;
     };
-    // The fit smooths curved fields; adding what it loses at the particles cancels this to second order.
+    // The fit smooths curved fields. Adding the fit of its errors at the particles cancels this to second order.
     search.find(start.values, reach, step.domain, pairs);
     std::vector<Vec3> sharp(path.values.size());
     parallel_for(pairs.size(), [&](Index i) {
@@ -102,7 +103,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
         sharp[i] = 2 * path[i] - fit.displacement(flat, least_spread);
     });
     std::vector<char> alone(place.size(), 0);
-    // In pieces, so that the rows of neighbours take as much memory as those of the particles.
+    // Markers are handled in pieces, so that their rows of neighbours need no more memory than those of the particles.
     const std::size_t piece = std::max<std::size_t>(static_cast<std::size_t>(x.size()), 1 << 15);
     for (std::size_t begin = 0; begin < place.size(); begin += piece) {
         const auto part = place.subspan(begin, std::min(piece, place.size() - begin));

@@ -1,6 +1,6 @@
 #pragma once
-/// Ink markers: points, several to a particle, that carry ink with the flow. Images of inks draw them instead of the particles, so that
-/// filaments thinner than the spacing are seen. They act on nothing.
+/// Ink markers: points, several per particle, that carry ink with the flow. Images of ink draw the markers instead of the particles, so
+/// that filaments thinner than the spacing are visible. Markers do not act on the fluid.
 #include "engine/models/ink/ink.h"
 #include "engine/particles/search.h"
 
@@ -20,12 +20,12 @@ struct path {
 struct InkMarkers {
     int per_spacing = 0;  ///< along each axis; 0: no markers
     ParticleStore store;  ///< position, ink
-    double waiting = 0;   ///< s since they last moved
+    double waiting = 0;   ///< time since the markers last moved [s]
 
     /// Adds the markers of new particles, on the lattice of per_spacing points per spacing around each. @returns the first new one
     Index add(Span<const Vec3> particles, const StepContext& step);
-    /// Gives new markers with the particle's ink to every particle that has no marker within .75 spacings: sheets, drops and splashes, from
-    /// which markers stray.
+    /// Adds markers, with the particle's ink, to every particle that has no marker within .75 spacings. Such particles are in sheets, drops
+    /// and splashes, from which markers stray.
     void fill_gaps(const StepContext& step, Span<const Vec3> particles, Span<const Vec3> inks, NeighbourSearch& search);
 };
 

@@ -16,14 +16,16 @@
 namespace whorl {
 namespace {
 
-/// Fraction of the tolerated density error that one step may leave; the next step corrects half of it. In a dam break of ten layers the
-/// mean density error is 0.06 % with 0.1, with 0.5 and with 1, which take 16.9, 11 and 8.1 iterations per step.
+/// Fraction of the tolerated density error that one step may leave; the next step corrects half of this error. In a dam break of ten layers
+/// the fractions 0.1, 0.5 and 1 need 16.9, 11 and 8.1 iterations per step, and all leave a mean density error of 0.06 %.
 constexpr double usual_share = 0.5;
-/// The same for free bodies, whose motion depends on few particles, and for full periodic domains, where the solve must not lose energy.
+/// The same fraction with free bodies, whose motion depends on few particles, and in full periodic domains, where the solve must not lose
+/// energy.
 constexpr double strict_share = 0.1;
 /// Bound for the residual over the right-hand side, in addition to the fractions above. In a short step gravity compresses less than these
-/// fractions allow, and a pressure solved to them alone jumps from step to step (in a column of 16 layers by 12 % of its mean at CFL 0.4
-/// and by 22 % at 0.2; with this bound by 2.4 and 1.8 %). A tolerance looser than the default loosens the bound by the same factor.
+/// fractions allow. A pressure solved to these fractions alone then jumps from step to step: in a column of 16 layers by 12 % of its mean
+/// at CFL 0.4 and by 22 % at CFL 0.2. With this bound it jumps by 2.4 and 1.8 %. A tolerance looser than the default loosens the bound by
+/// the same factor.
 double largest_residual(double tolerance) { return 0.05 * std::max(1.0, tolerance / PressureOptions{}.limits.tolerance); }
 /// Lower bounds for steps with hardly any load: fractions of the tolerated density error, and the tolerance that rounding allows.
 constexpr double least_share = 0.005, least_with_bodies = 0.02, least_tolerance = 1e-6;
@@ -42,8 +44,8 @@ PressurePreconditioner diagonal_scaling(const ConstraintMatrix& matrix) {
 
 PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix&) { return {NoPreconditioner{}}; }
 
-/// In such a domain no displacement lowers all densities together (their mean is lowest on a lattice). Requesting it would tear the fluid
-/// apart with pressures that grow without bound.
+/// In such a domain no displacement lowers all densities together (the mean density is lowest on a lattice). Requesting this would tear the
+/// fluid apart, with pressures that grow without bound.
 bool fills_periodic_domain(const InteractionContext& context, Index n) {
     const StepContext& step = context.step;
     double volume = n * static_cast<double>(step.volume);
@@ -52,10 +54,10 @@ bool fills_periodic_domain(const InteractionContext& context, Index n) {
     return step.domain.all_periodic() && volume > 0.98 * step.domain.volume();
 }
 
-/// Keeps the densities equal, from both sides: solves A q = b without its mean. This leaves a constant c undetermined, with D^T c = c
-/// grad(sum rho). On a lattice c moves no particle; elsewhere it orders the particles, which lowers the mean density. c is the value that
-/// keeps the mean from rising, at most the pressure that stops the fastest particle, for which the time step is chosen; so c only removes
-/// energy. Pressures have both signs.
+/// Keeps the densities equal, so pressures have both signs. Solves A q = b minus the mean of b. This leaves a constant c in q undetermined,
+/// with the force D^T c = c grad(sum rho). On a lattice c moves no particle. In other packings c orders the particles, which lowers the
+/// mean density. c is the value that keeps the mean density from rising. It is at most the pressure that stops the fastest particle, for
+/// which the time step is chosen, so c only removes energy.
 SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const StepContext& step, double mean_rate, Real fastest,
                                              Span<Real> q) {
     const Index n = D_.size();
@@ -70,7 +72,7 @@ SolveReport ConstraintPressure::solve_filled(ConstraintMatrix& matrix, const Ste
     without_mean(q);
     const PressurePreconditioner M = preconditioner_(matrix);
     const double set_up = wall_seconds() - start;
-    // Restricted to pressures with zero mean: only then is it a projection, which cannot add energy.
+    // Restricted to pressures with zero mean. Only then is the solve a projection, which cannot add energy.
     const auto A = [&](Span<const Real> in, Span<Real> out) { matrix.multiply(in, out), without_mean(out); };
     const auto precondition = [&](Span<const Real> r, Span<Real> z) { M(r, z), without_mean(z); };
     const SolveLimits limits{strict_share * options_.limits.tolerance, options_.limits.max_iterations};
@@ -128,17 +130,18 @@ void ConstraintPressure::scale_to_work(ConstraintMatrix& matrix, Span<Real> q) {
     parallel_for(static_cast<Index>(matrix.force.size()), [&](Index i) { matrix.force[i] *= scale; });
 }
 
-/// Active set. Conjugate gradients solve over the particles assumed to press. Then particles with a negative pressure leave the set,
-/// particles that are still compressed join it, and the solve is repeated. The first set contains the particles that pressed in the last
-/// step and those that are compressed now. If more than half of these are new (the first step, an impact), particles with nearly full
-/// density join, too: otherwise the set would grow by only two support radii per round. In other steps this would include particles of the
-/// surface for a round, and a dam break would take 17.4 instead of 12.3 iterations per step.
+/// Solve with an active set, the particles that are assumed to press. Conjugate gradients solve over this set. Then particles with a
+/// negative pressure leave the set, particles that are still compressed join it, and the solve is repeated. The first set contains the
+/// particles that pressed in the last step and those that are compressed now. If more than half of these are new (in the first step, in an
+/// impact), particles with nearly full density join, too. Otherwise the set would grow by only two support radii per round. In other steps
+/// this rule would include particles of the surface for a round, and a dam break would need 17.4 instead of 12.3 iterations per step.
 SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContext& step, Span<Real> q) {
     constexpr Real about_full = Real(0.02);         // relative density that is missing
     constexpr double changes_to_set_up_for = 0.02;  // fraction of the particles
     const Index n = D_.size();
     const double worst_rate = std::sqrt(static_cast<double>(n)) * static_cast<double>(step.rest_density / step.dt);
-    // A lattice has modes (neighbours alternately up and down) that no pressure moves. With a smaller tolerance they grow without bound.
+    // A lattice has modes (neighbours alternately up and down) that no pressure moves. With a smaller tolerance these modes grow without
+    // bound.
     const double share = bodies_.touched() ? strict_share : usual_share;
     double tolerance = share * options_.limits.tolerance;
     PressurePreconditioner M;
@@ -184,10 +187,10 @@ SolveReport ConstraintPressure::solve(ConstraintMatrix& matrix, const StepContex
     }
 }
 
-/// Whether the fluid has a free surface, by the last step's pressures: at least n^(2/3)/10 particles (a tenth of a cube's side) have no
-/// pressure, or at most that of the weight of a layer. In fluid at rest all particles press, also those of the surface. Without a surface
-/// no displacement makes room for e > 0, and pressures would grow without bound. All fluid is checked together, so an open pool hides a
-/// full vessel next to it.
+/// Whether the fluid has a free surface, judged by the last step's pressures. It has one if the pressure of at least n^(2/3)/10 particles
+/// (a tenth of a cube's face) does not exceed the weight of a layer. Zero would be too strict, because in fluid at rest all particles
+/// press, also those of the surface. Without a surface no displacement makes room for e > 0, and pressures would grow without bound. All
+/// fluid is checked together, so an open pool hides a full vessel next to it.
 bool ConstraintPressure::has_free_surface(Span<const Real> q, const StepContext& step) const {
     const auto n = static_cast<Index>(q.size());
     const Real layer = step.dt * step.gravity.norm() * step.spacing / step.rest_density;
@@ -207,8 +210,8 @@ bool ConstraintPressure::limit_level(Span<Real> q, const StepContext& step) {
     return true;
 }
 
-/// The image of j pushes i as the image of i pushes j. Along the wall the two pushes are opposite. Across the wall both act at the point
-/// where the line from i to the image meets the wall, so angular momentum is conserved.
+/// The force of the image of j on i equals the force of the image of i on j. Along the wall the two forces are opposite. Across the wall
+/// both act at the point where the line from i to the image meets the wall, so angular momentum is conserved.
 std::vector<ConstraintPressure::ByImages> ConstraintPressure::pushes_of_images(const InteractionContext& context, Span<const Real> q,
                                                                                Index i) const {
     std::vector<ByImages> all;
@@ -307,11 +310,11 @@ Real ConstraintPressure::correction_time(Span<const Vec3> u, const StepContext& 
 }
 
 Real ConstraintPressure::correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const {
-    // Compression by an impact is corrected by at most 5 % of the density, or the fluid would jump. Without a surface the limit is 0.5 %,
-    // because correcting unevenness that alternates from neighbour to neighbour needs large velocities.
+    // Compression by an impact counts as at most 5 % of the density, otherwise the fluid would jump. In full periodic domains the limit is
+    // 0.5 %, because density errors that alternate from neighbour to neighbour need large velocities to be corrected.
     const Real rho_0 = step.rest_density;
     const Real excess = filled ? std::clamp(rho - target, -rho_0 / 200, rho_0 / 200) : std::min(rho - target, rho_0 / 20);
-    // Densities below rest_density by no more than the solves leave are corrected by the same share. If they were filled within a step,
+    // Small deficits of density, of the size that the solves leave, are corrected by the same share. If they were filled within a step,
     // particles would fall in one step and be stopped in the next one.
     const Real left = bodies_.empty() ? static_cast<Real>(0.1 * options_.limits.tolerance) * rho_0 : Real(0);
     const Real corrected = filled ? excess : std::max(excess, -left);
@@ -338,7 +341,7 @@ Real ConstraintPressure::calm_share(Span<const Real> rho, Span<const Vec3> u, co
 
 void ConstraintPressure::add_bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> u,
                                   Span<const Real> q, Span<const Padded> force) {
-    constexpr Real most = Real(0.02);  // fraction of rho_0; beyond it the move exceeds the linear range of the densities
+    constexpr Real most = Real(0.02);  // fraction of rho_0; a larger error means displacements beyond the linear range of the densities
     const StepContext& step = context.step;
     const Index n = D_.size();
     Column<Real> bend(static_cast<std::size_t>(n));
@@ -417,7 +420,7 @@ double pressure_step(double cfl, double spacing, double rest_density, Span<const
         return Sums{std::abs(p), p * p};
     });
     if (!(sums.p2 > 0)) return std::numeric_limits<double>::infinity();
-    // Mean weighted with p: in a column it is 2/3 of the pressure at the bottom; single spikes of an impact count little.
+    // Mean weighted with p. In a column it is 2/3 of the pressure at the bottom. Single spikes of an impact have little weight.
     return cfl * spacing / std::sqrt(1.5 * sums.p2 / sums.p / rest_density);
 }
 

@@ -83,8 +83,8 @@ private:
     }
     /// Rate at which a density rho has to approach `target` [kg/(m^3 s)]. @param time correction_time() [s]
     Real correction_rate(Real rho, Real target, bool filled, bool at_body, const StepContext& step, Real time) const;
-    /// Time in which a density error is corrected [s]: the step. Near free bodies the time is at least 0.4 spacings over the fluid's speed
-    /// or sqrt(g d), whichever is larger. Otherwise the correction of a thin film would throw up a heavy body on the film, the faster the
+    /// Time in which a density error is corrected [s]: the step. Near free bodies the time is at least 0.4 d/sqrt(u^2 + g d), with u
+    /// the largest speed of the fluid. Otherwise the correction of a thin film would throw up a heavy body on the film, the faster the
     /// shorter the step, and the pressure that throws the body would shorten the next step.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
     /// Factor on the correction that limits the speed at which it moves the fluid as a whole. Correcting a density error e common to a

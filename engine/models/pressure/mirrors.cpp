@@ -58,7 +58,7 @@ void Mirrors::look(const InteractionContext& context, Span<const Real> flat, Ind
         if (flat[s] < 0 || !(distance < reach)) return;
         const Vec3& normal = context.boundary.normal[s];
         const Real height = r.dot(normal) - d / 2;
-        if (height < d / 2 - reach) return;  // the far side of a wall, whose fluid is out of reach
+        if (height < d / 2 - reach) return;  // i is on the far side of a wall; the fluid at s is out of reach
         const Real weight = (reach - distance) * (reach - distance);
         all += weight, mirrors += flat[s] * weight;
         lowest = std::min(lowest, height);

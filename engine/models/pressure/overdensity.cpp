@@ -47,7 +47,7 @@ std::string RelaxOverdensity::relieve(const WallImage& wall, const Kernel& W, co
     Scratch of(n);
     const auto density = [&](Index i) { return density_at(wall, W, context, mirrors, i); };
     parallel_for(n, [&](Index i) { rho[i] = density(i); });
-    const auto densest = [&] {  // largest density over rho_0, minus 1
+    const auto densest = [&] {  // (largest density)/rho_0 - 1
         const auto denser = [&](Index a, Index b) { return rho[a] < rho[b]; };
         return static_cast<double>(rho[*std::max_element(of.dense.begin(), of.dense.end(), denser)] / rho_0) - 1;
     };
@@ -145,7 +145,7 @@ void RelaxOverdensity::operator()(const InteractionContext& context, FluidPairs&
         left.why_not = relieve(wall, W, context, role, rho.values, x.values, u.values, find);
         if (!left.why_not.empty()) report.solves.push_back({SolveKind::crowding, left});
     });
-    search = {};  // its scratch is a twentieth of a step's memory, which the solve needs more
+    search = {};  // frees a twentieth of a step's memory for the solve
 }
 
 }  // namespace whorl

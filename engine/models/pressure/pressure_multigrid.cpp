@@ -48,7 +48,8 @@ struct Levels {
 };
 
 /// Combines the diagonal and the coarse levels, additively or as a V-cycle.
-/// @param multiply A on vectors that are 0 at particles not unknown @param unknown may change later, if the numbers of the particles stay
+/// @param multiply product with A of vectors that are 0 at particles that are not unknown @param unknown may change later, if the particles
+/// keep their indices
 template <class Multiply>
 PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<char>& unknown, const ParticleMultigrid& options,
                               const Multiply& multiply) {
@@ -99,7 +100,7 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
 }
 
 /// A'_IJ = sum_i F_iI . F_iJ. F_iI, the sum of row i of D^T over the members of I, is the effect on particle i of a pressure of 1 in cell
-/// I. It is about 0 inside a cell; particles near a face have two cells, near an edge four.
+/// I. F_iI is about 0 for particles inside a cell. Particles near a face of a cell have F of two cells, particles near an edge of four.
 SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     constexpr Index block = 1024;
     struct Entry {
@@ -166,7 +167,8 @@ SparseRows coarse_matrix(const ConstraintMatrix& A, const IndexGroups& groups) {
     });
 }
 
-/// A'_IJ = sum of the entries between members of I and of J. Couplings add up, and so do the members' couplings to surface and solids.
+/// A'_IJ = sum of the entries between members of I and of J. The couplings between members add up, and so do the members' couplings to
+/// surface and solids.
 SparseRows coarse_matrix(const PressureMatrix& A, const IndexGroups& groups) {
     return gather_rows(groups.groups(), groups.groups(), [&](Index g, const auto& add) {
         for (Index m = groups.first[g]; m < groups.first[g + 1]; ++m) {

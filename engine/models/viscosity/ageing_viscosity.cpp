@@ -10,7 +10,8 @@
 namespace whorl {
 namespace {
 
-/// An age is a sum of rounded steps, which may exceed the last age with a valid viscosity; then the value of shortly before is used.
+/// An age is a sum of rounded steps. By rounding it may exceed the last age with a valid viscosity; then the viscosity of a slightly
+/// smaller age is used.
 double viscosity_at(const Expression& f, double age, const Vec3d& x, const StepContext& step) {
     const double value = f(age, x);
     if (is_viscosity(value)) return value;

@@ -29,7 +29,7 @@ struct AssembledOperator::Gradients {
     Column<Real> volume;        ///< m/rho_i
     Real rest_volume = 0;
     bool own_volume = true;
-    /// The penalty's gradient is grad u L; at a wall the strain rate, sym(P grad u L), uses the same gradient.
+    /// The penalty uses the gradient (grad u) L. At a wall the strain rate, sym(P (grad u) L), uses the same gradient.
     struct Penalty {
         Mat3 L = Mat3::Zero(), P = Mat3::Identity();
         Real twice = 0, springs = 0;  ///< 2 c, see viscous_operator.h; 2 c sum_s V |W'|/r stretch^2

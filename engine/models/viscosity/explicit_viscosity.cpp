@@ -117,7 +117,7 @@ void add_viscosity(const Kernel& kernel, const Form& form, const ViscosityOption
         });
         if (const Real solid_factor = weight(i); solid_factor > 0) {
             context.solid_pairs.of(i, [&](Index s, const Vec3& r, Real distance) { sum += solid_factor * by_solid(i, s, r, distance); });
-            // The wall's area does not depend on the density of the kernel sums there, so the acceleration is mu/rho_0 times this.
+            // The wall's area does not depend on the kernel sums at the wall. So the acceleration is mu/rho_0 (not mu/rho) times this term.
             if (friction.acts()) sum -= rho[i] / step.rest_density * own_mu * (friction.coefficient(i) * own - friction.load(i));
         }
         a[i] += sum / rho[i];

@@ -121,9 +121,9 @@ void ViscousOperator::set_up_curvature(Span<const Mat3> before, Real dt) {
     });
 }
 
-/// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            own energy: g = sum_j w r_ij, h = M_i^+ g
-///         + sum_j K_j P_j (|h_j|^2 + h_j h_j^T) P_j + 2 c_j (w - w r.M_j^+ w r)   that of the neighbours: h_j = M_j^+ w r_ij
-/// Also converts the w of the pairs to the penalty's coupling.
+/// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            from the energy of i; g = sum_j w r_ij, h = M_i^+ g
+///         + sum_j K_j P_j (|h_j|^2 + h_j h_j^T) P_j + 2 c_j (w - w r.M_j^+ w r)   from the energies of neighbours j; h_j = M_j^+ w r_ij
+/// Also converts the weights w of the pairs to the coefficients of the penalty's springs.
 void ViscousOperator::set_up_blocks(const ViscosityOptions& options) {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
         const Vec3 h = M_[j].matrix() * g;
