@@ -55,10 +55,10 @@ def against(quality, column, part="diagnostics.csv"):
 
 
 density = ("mean density error", {"of": "exact", "column": "density_error_mean", "at": "all", "expected": "0", "scale": 1})
-potential = ("potential energy, to fine", against("fine", "potential_energy"))
-kinetic = ("kinetic energy, to fine", against("fine", "kinetic_energy"))
-second_panel = ("kinetic energy, to fine", against("fine", "kinetic_energy", "panels/2/diagnostics.csv"))
-coil = ("frequency of the first turns to steady theory",
+potential = ("potential energy, relative to fine", against("fine", "potential_energy"))
+kinetic = ("kinetic energy, relative to fine", against("fine", "kinetic_energy"))
+second_panel = ("kinetic energy, relative to fine", against("fine", "kinetic_energy", "panels/2/diagnostics.csv"))
+coil = ("frequency of the first turns, relative to steady theory",
         {"of": "exact", "table": "probes/coil.csv", "column": "frequency", "expected": "2.139"})
 angular = ("angular momentum lost", {"of": "conserved", "column": "angular_momentum_z", "at": "all"})
 qualities = {  # scene: seconds, quantity whose error is measured
