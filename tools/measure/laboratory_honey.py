@@ -72,7 +72,7 @@ def slump(found, one):
     for t in (2, 8):
         found.add(f"front at {t} s, m", np.interp(t, time, exact), np.interp(t, time, front))
     late = time > 2
-    found.add("power of time", 0.2, np.polyfit(np.log(time[late]), np.log(front[late]), 1)[0])
+    found.add("exponent of time", 0.2, np.polyfit(np.log(time[late]), np.log(front[late]), 1)[0])
     found.plot("time, s", "front, m", ("Whorl", time, front, "C0-"), ("theory", time[1:], exact[1:], "k--"), ylim=(0, 0.25))
 
 
@@ -92,7 +92,7 @@ def fed_puddle(found, runs):
         late = time > time[-1] / 3
         exact = 0.715 * (g * Q**3 / (3 * nu))**0.125 * np.sqrt(time)
         found.add(f"radius at {time[-1]:g} s, {words}, m", exact[-1], radius[-1])
-        found.add(f"power of time, {words}", 0.5, np.polyfit(np.log(time[late]), np.log(radius[late]), 1)[0])
+        found.add(f"exponent of time, {words}", 0.5, np.polyfit(np.log(time[late]), np.log(radius[late]), 1)[0])
         lines.append((f"Whorl, {words}", time, radius, style))
     found.plot("time, s", "radius of the puddle, m", *lines, ("theory", time, exact, "k--"))
 
