@@ -33,7 +33,7 @@ struct LookOptions {
     float roughness = -1;                  ///< 0 mirror .. 1 matt; negative: the preset's
     /// Age [s] at which lava has lost most of its glow, if its viscosity depends on age; 0: never; negative: the preset's.
     float cooling = -1;
-    float foam = 0;  ///< number of points of spray and foam over the usual one; 0: none
+    float foam = 0;                     ///< number of points of spray and foam over the usual one; 0: none
     std::string background = "studio";  ///< studio | dark | white | transparent (lit by the studio)
     bool ground = true;                 ///< a ground with shadow under the scene
     std::string table = "none";         ///< material of the ground: none (the backdrop continues) | plain | wood | stone | cloth
