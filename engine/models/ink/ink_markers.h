@@ -29,14 +29,15 @@ struct InkMarkers {
     void fill_gaps(const StepContext& step, Span<const Vec3> particles, Span<const Vec3> inks, NeighbourSearch& search);
 };
 
-/// Moves the markers when a particle has moved two spacings, and at frame times: x_m += s(x_m), where s is the linear function that fits
-/// the displacements (the sums of dt u) of the particles within 1.75 spacings of the marker best, plus the fit of what this fit misses at
-/// the particles. It is exact for every affine motion. The displacements belong to the particles' old positions; moves of particles that
-/// are not their velocity do not carry markers.
+/// Moves the markers when a particle has moved two spacings, and at frame times, by x_m += s(x_m). s is the linear function that fits best
+/// the displacements (sums of dt u) of the particles within 1.75 spacings of the marker, plus the fit of the errors of this function at the
+/// particles. s is exact for every affine motion. The displacements belong to the particles' old positions. Displacements of particles by
+/// anything but their velocity do not move markers.
 ///
 /// If ink diffuses, the ink of a marker approaches the mean of these particles like a wave of two spacings,
 ///     c_m += (1 - exp(-D (pi/d)^2 dt)) (sum w c_j/sum w - c_m);
-/// larger structures follow the particles. A marker without a particle near is removed; at frame times gaps are filled.
+/// with D the diffusivity and d the spacing. Structures larger than that follow the particles. A marker without a particle near is removed.
+/// At frame times gaps are filled.
 struct MoveInkMarkers {
     double diffusion = 0;  ///< m^2/s
     void operator()(const StepContext& step, Read<field::position> x, Read<field::velocity> u, Read<field::ink> c,

@@ -106,8 +106,8 @@ private:
 /// p_int = 2.84 sigma/d [Pa].
 double internal_pressure(double tension, double spacing);
 
-/// Longest stable step [s]. In this step the shortest capillary wave moves by less than a spacing (Brackbill, Kothe, Zemach 1992). An
-/// implicit viscosity may allow a longer step (Galusinski, Vigneaux 2008).
+/// Longest stable step [s]. In this step the shortest capillary wave moves by less than a spacing (Brackbill, Kothe, Zemach 1992). With an
+/// implicit viscosity a longer step may be stable (Galusinski, Vigneaux 2008).
 /// @param viscosity mu [Pa s] if it acts implicitly, else 0
 double surface_tension_step(double density, double spacing, double tension, double viscosity);
 

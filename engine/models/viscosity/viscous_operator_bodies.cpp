@@ -1,5 +1,5 @@
-// Solids in the viscous operator: effect of the free bodies' unknowns on the particles' sums and its transpose (viscous_bodies.h), and the
-// ledger entries of other solids.
+// Solids in the viscous operator. Free bodies: the effect of their unknowns on the particles' sums, and the transpose of this effect
+// (viscous_bodies.h). Other solids: ledger entries.
 #include <Eigen/LU>
 
 #include "engine/models/bodies/reaction.h"

@@ -130,8 +130,8 @@ void ViscousOperator::CoarseRows::add_strains(Index i) {
         }
 }
 
-/// Adds mass and friction, and the sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij: its part in u_i.v_i, and that in -u_i.v_j if i's group
-/// comes first (otherwise row j adds it).
+/// Adds mass, friction and the sum over the pairs of 2 w (c_i + c_j) u_ij.v_ij. Of this sum it adds the part in u_i.v_i, and the part in
+/// -u_i.v_j if i's group comes first; otherwise row j adds the latter.
 void ViscousOperator::CoarseRows::add_own_motion(Index i) {
     const Vec3& a = groups.arm(i);
     const Vec4 arm = lever(a);
@@ -151,7 +151,7 @@ void ViscousOperator::CoarseRows::add_own_motion(Index i) {
 }
 
 SymmetricBlocks ViscousOperator::coarse_matrix(const RigidAggregates& g) const {
-    // A task is the members of a group, or a block of 1024 particles, of which it handles those without a group.
+    // A task handles the members of a group, or those particles in a block of 1024 that belong to no group.
     constexpr Index outside = 1024;
     const Index n = size(), tasks = g.groups() + (n + outside - 1) / outside;
     const auto rows_of = [&](Index task, GroupSums<CoarseRows::PairSum>& sums) {

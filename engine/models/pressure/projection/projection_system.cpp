@@ -116,8 +116,8 @@ void find_surface(const InteractionContext& context, Read<field::role> role, con
                   const std::vector<Real>& slopes, const LatticeSums& full, ProjectionSystem& s) {
     const Real d = context.step.spacing;
     const Index n = context.pairs.size();
-    // The outermost layer of a lattice has .6 of a full neighbourhood, the next one .9. After a surface has contracted, the outermost layer
-    // has more.
+    // The outermost layer of a lattice has .6 of a full neighbourhood, the next layer .9. After a surface has contracted, its outermost
+    // layer has more than .6.
     constexpr Real certainly = Real(0.725), loosely = Real(0.85), densely = Real(1.2), inside = Real(0.95);
     constexpr Real cone = std::numbers::sqrt2_v<Real> / 2;
     parallel_for(n, [&](Index i) {

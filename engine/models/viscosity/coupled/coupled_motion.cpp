@@ -80,9 +80,9 @@ namespace {
 /// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate
 /// (strain_i + strain_j)
 ///
-/// The first term keeps particles apart. It only repels, because any attraction makes clumps. A stretched thread widens every gap along its
-/// axis e in proportion, and in a thin thread no particle is close enough to be pushed into the gap. The second term fills gaps along the
-/// axis, and acts only along it, so that its longer range does not thicken the thread.
+/// The first term keeps particles apart. This term only repels, because any attraction makes clumps. A stretched thread widens every gap
+/// along its axis e in proportion, and in a thin thread no particle is close enough to be pushed into the gap. The second term fills gaps
+/// along the axis, and acts only along it, so that its longer range does not thicken the thread.
 struct Shifting {
     const CoupledSystem& system;
 

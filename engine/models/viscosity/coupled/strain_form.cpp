@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-/// One pair per row of a slice, stored from the first pass to the second.
+/// One pair per row of a slice, stored in the first pass for the second.
 struct KeptPair {
     Lanes3 r, v;         ///< v = u_j - u_i
     Lanes w, stiffness;  ///< stiffness = w/r^2
