@@ -71,10 +71,8 @@ TEST_CASE("water waves in a glass box", "[golden]") {
 }
 
 TEST_CASE("spray over foam on waves in a glass box, in a dark studio", "[golden]") {
-    Picture picture = blank("water");
-    picture.look.background = "dark";
+    Picture picture = picture_of("water", test::pool(0.05f, 0.02f, 0.001f), "dark");
     picture.look.foam = 1;
-    picture.surface = test::pool(0.05f, 0.02f, 0.001f);
     add_solid(picture.frame, test::box_mesh(Vec3f(-0.05f, 0, -0.05f), Vec3f(0.05f, 0.06f, 0.05f)), "glass", true);
     picture.view.open = 0.01f;
     RandomNumbers random(1);
