@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 
 #include "tests/support/poured_honey.h"
@@ -290,4 +292,31 @@ TEST_CASE("in 2D the plan counts particles by area, and refuses by name keys tha
     const std::string here = " in two dimensions (domain.dimensions = 2)";
     CHECK(messages("fluid.surface_tension=0.07").find("cohesion between particles is not supported" + here) != std::string::npos);
     CHECK(messages("output.export=[\"vdb\"]").find("no surface exists to export as \"vdb\"" + here) != std::string::npos);
+}
+
+TEST_CASE("a vessel counts as turning if fluid climbs in it by more than a spacing", "[plan]") {
+    const auto vessel = [](double climb) {  // spacings
+        const double rate = std::sqrt(2 * 9.81 * climb * 6e-3) / 0.048;
+        return make_plan(
+                   scene_with({}, test::text::time(1) + test::text::domain({-0.06, -0.01, -0.06}, {0.06, 0.12, 0.06}) +
+                                      test::text::fluid(6e-3) + "[[solid]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\n" +
+                                      fmt::format("to = [0, 0.1, 0]\nradius = 0.048\ncontainer = true\nrotation = [0, {}, 0]\n", rate) +
+                                      "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.036, 0]\nradius = 0.048\n"))
+            .turning_vessel;
+    };
+    CHECK(vessel(0.9) == -1);
+    CHECK(vessel(1.1) == 0);
+}
+
+TEST_CASE("a solid lighter than the fluid is a warning with the projection if it has weight at the start", "[plan][pressure]") {
+    const auto warned = [](const std::string& gravity) {
+        const std::string text = test::text::time(1) + test::text::domain({-0.1, -0.1, -0.1}, {0.5, 0.5, 0.3}) + test::text::fluid(0.01) +
+                                 test::text::pressure_form("projection") + test::text::block({0, 0, 0}, {0.4, 0.4, 0.2}) +
+                                 test::text::tank({0, 0, 0}, {0.4, 0.4, 0.2}) +
+                                 "[[solid]]\nshape = \"sphere\"\nposition = [0.2, 0.2, 0.1]\nradius = 0.05\ndensity = 500\n";
+        const std::vector<std::string> all = make_plan(scene_with({"domain.gravity=[0, \"" + gravity + "\", 0]"}, text)).warnings;
+        return std::any_of(all.begin(), all.end(), [](const auto& w) { return w.find("solid[1] is lighter than the fluid") == 0; });
+    };
+    CHECK(warned("-9.81*(1-t)"));
+    CHECK_FALSE(warned("-9.81*t"));
 }

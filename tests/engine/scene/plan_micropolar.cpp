@@ -122,6 +122,7 @@ TEST_CASE("fluid that can rotate freely splits viscosity and coupling without a 
     const MicropolarNumbers implicit = numbers({"micropolar.transfer_viscosity=2", "models.viscosity=full"});
     CHECK(implicit.composed_coupling == Approx(6));
     CHECK(implicit.implicit_share == Approx(0.25));
+    CHECK(numbers({"fluid.viscosity=0.4", "micropolar.transfer_viscosity=0.2", "models.viscosity=full"}).implicit_share == Approx(0.25));
     CHECK(numbers({"micropolar.transfer_viscosity=2", "block[0].max=[1,1,1]"}).pair_viscosity == Approx(4));
 }
 

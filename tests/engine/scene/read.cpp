@@ -206,3 +206,7 @@ TEST_CASE("the reference page has a row for every key", "[scene]") {
     };
     check(scene_keys());
 }
+
+TEST_CASE("an index of an entry that is too long for a number is refused", "[scene]") {
+    CHECK_THAT(test::messages_with({"emitter[123456789012345678901].speed=1"}), Catch::Contains("is not a key"));
+}
