@@ -2,9 +2,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
+#include "engine/core/errors.h"
 #include "tests/support/scratch.h"
 
 using namespace whorl;
@@ -33,4 +35,12 @@ TEST_CASE("a table of another program is read with its byte-order mark, comments
     const CsvTable table = read_csv(folder / "table.csv");
     CHECK(table.columns == std::vector<std::string>{"time", "height"});
     CHECK(table.rows == std::vector<std::vector<double>>{{0, 1.5}, {1, 2}});
+}
+
+TEST_CASE("a new table can be read and written by its owner, and a full disk is an error", "[io][csv]") {
+    const test::ScratchFolder folder;
+    const Table table(folder / "rows.csv", std::string_view("a,b"));
+    const auto owner = std::filesystem::status(table.file()).permissions() & std::filesystem::perms::owner_all;
+    CHECK(owner == (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
+    CHECK_THROWS_WITH(Table("/dev/full", std::string_view("a,b")), Catch::Contains("cannot write /dev/full"));
 }

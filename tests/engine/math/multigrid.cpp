@@ -206,3 +206,11 @@ TEST_CASE("with smoothed interpolation multigrid needs at most 8 iterations for 
     CHECK(iterations(small, {.coarsest = 100}) <= 8);
     CHECK(iterations(large, {.coarsest = 100}) <= 8);
 }
+
+TEST_CASE("cells keep their numbers when many more come than were expected", "[multigrid]") {
+    CellNumbers numbers(1);
+    const Index count = 1000;
+    for (int pass = 0; pass < 2; ++pass)
+        for (Index k = 0; k < count; ++k) REQUIRE(numbers.number(GridCell(k % 10, -k / 10, 7 * k)) == k);
+    CHECK(numbers.cells().size() == static_cast<std::size_t>(count));
+}
