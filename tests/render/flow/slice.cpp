@@ -162,4 +162,14 @@ TEST_CASE("sections of solids have the right size", "[render][slice]") {
     CHECK(section_solids(frame, slice_plane(frame, look, 200), 2).empty());
 }
 
+TEST_CASE("a slice without a position is in the middle of the fluid, in 2D in the plane", "[render][slice]") {
+    LookOptions look;
+    look.slice_axis = "y";
+    Frame frame = uneven(3, turning);
+    for (Vec3f& x : frame.position) x.y() = 0.2f + 0.25f * x.y();  // 0.2 to 0.45 m
+    CHECK(slice_plane(frame, look, 50).corner.y() == Approx(0.325f).margin(0.02));
+    look.slice_axis = "z";
+    CHECK(slice_plane(uneven(2, turning), look, 50).corner.z() == 0);
+}
+
 }  // namespace slice_test

@@ -72,7 +72,11 @@ TEST_CASE("the line of a vortex ring is a closed ring", "[render][flow]") {
     }
     // One turn: 2 pi .6255 m in steps of 25 mm, the seed again, and two end caps.
     CHECK(static_cast<double>(lines.position.size()) / around == Approx(2 * std::numbers::pi * 0.6255 / 0.025 + 3).margin(1));
-    CHECK(lines.index.size() % 3 == 0);
+    REQUIRE(lines.index.size() % 3 == 0);
+    for (std::size_t k = 0; k < lines.index.size(); k += 3) {
+        const std::uint32_t a = lines.index[k], b = lines.index[k + 1], c = lines.index[k + 2];
+        REQUIRE((a != b && b != c && c != a));
+    }
 }
 
 TEST_CASE("a tube is thin where the field is weak, and no line starts there", "[render][flow]") {

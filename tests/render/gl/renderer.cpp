@@ -5,6 +5,7 @@
 
 #include "engine/core/errors.h"
 #include "render/image/exr.h"
+#include "render/image/image.h"
 #include "tests/support/scratch.h"
 #include "tests/support/shapes.h"
 
@@ -365,4 +366,22 @@ TEST_CASE("earlier images of a renderer do not change the next one, whatever it 
             for (Renderer* again : {&used, &fresh}) CHECK((drawn(*again, changed) == picture));
         }
     }
+}
+
+TEST_CASE("paint with inks of no concentration looks like paint without inks", "[render]") {
+    Renderer renderer(48, 48);
+    Frame frame = empty_frame();
+    for (int i = -6; i <= 6; ++i)
+        for (int j = -6; j <= 6; ++j)
+            for (int k = -6; k <= 6; ++k)
+                frame.position.push_back(Vec3f(0, 0.1f, 0) +
+                                         0.01f * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
+    frame.velocity.assign(frame.position.size(), Vec3f::Zero());
+    frame.spacing = 0.01f;
+    LookOptions look = one_sample();
+    look.material = "paint";
+    const Surface ball = test::sphere(Vec3f(0, 0.1f, 0), 0.05f, 0.005f);
+    const Image plain = renderer.draw(frame, ball, look, from_the_front);
+    frame.vector["ink"].assign(frame.position.size(), Vec3f::Zero());
+    CHECK(difference(renderer.draw(frame, ball, look, from_the_front), plain).max < 2);
 }

@@ -100,3 +100,16 @@ TEST_CASE("an edge that moves by 1 pixel counts less than an edge that moves by 
     const double one = difference(edge(20), edge(21)).max, four = difference(edge(20), edge(24)).max;
     REQUIRE(one < 0.7 * four);
 }
+
+TEST_CASE("the perceptual difference is equal for upright and level edges", "[image]") {
+    const auto edge = [](bool upright, int at) {
+        Image image = flat_picture(64, 64, 230, 230, 230);
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x)
+                if ((upright ? x : y) < at) std::fill_n(image.pixel(x, y), 3, std::uint8_t{30});
+        return image;
+    };
+    const PictureDifference level = difference(edge(false, 20), edge(false, 21)), upright = difference(edge(true, 20), edge(true, 21));
+    CHECK(level.max == Approx(upright.max));
+    CHECK(level.mean == Approx(upright.mean));
+}

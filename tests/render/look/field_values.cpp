@@ -15,3 +15,17 @@ TEST_CASE("a descending range reverses the colours, not the strength", "[render]
     CHECK(down.strength == up.strength);
     CHECK((down.colour[1] - field_colours(frame, look, {1, 2}).colour[1]).norm() < 1e-6f);
 }
+
+TEST_CASE("images of inks show the ink markers, or the particles if there are none", "[render]") {
+    Frame frame;
+    frame.spacing = 0.2f;
+    frame.position.assign(2, Vec3f::Zero());
+    CHECK(inked_points(frame).position == frame.position);
+    frame.ink_markers.spacing = 0.1f;
+    frame.ink_markers.position.assign(3, Vec3f::Ones());
+    frame.ink_markers.ink.assign(3, Vec3f(0, 1, 0));
+    const Frame shown = inked_points(frame);
+    CHECK(shown.spacing == 0.1f);
+    CHECK(shown.position == frame.ink_markers.position);
+    CHECK(shown.vector.at("ink") == frame.ink_markers.ink);
+}
