@@ -23,7 +23,8 @@ struct Floor : TestWorld {
     std::vector<Real> rho, rate, bend;
     Real bend_step = 0;  ///< s, for which `bend` is measured; 0: `bend` is not measured
     /// @param mirrors number of flat walls with images; they meet at right angles in a corner of the fluid
-    explicit Floor(double height, int mirrors = 0) : TestWorld(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real(20 * d)), {}}) {
+    explicit Floor(double height, int mirrors = 0, bool periodic = false)
+        : TestWorld(d, 2, Domain{Vec3::Zero(), Vec3::Constant(Real(20 * d)), {periodic, false, false}}) {
         use({});
         add_wall(1, +1, 0);
         const double at = mirrors >= 2 ? 0 : 5 * d, deep = mirrors == 3 ? 0 : 5 * d;
@@ -154,6 +155,15 @@ TEST_CASE("a gate excludes a wall from the density until the fluid is near, and 
     const auto x = touching.column<field::position>();
     for (std::size_t i = 0; i < open.size(); ++i)
         if (x[i].y() < Real(0.6 * d)) CHECK(touching.rho[i] == Approx(open[i]).epsilon(1e-6));
+}
+
+TEST_CASE("images in a wall act across a periodic face as they do inside", "[pressure][boundary]") {
+    Floor fluid(0, 1, true);
+    fluid.measure(0);
+    const std::vector<Real> inside = fluid.rho;
+    for (Vec3& x : fluid.column<field::position>()) x.x() += Real(12 * d);  // by whole spacings of the wall, half of it past the face
+    fluid.measure(0);
+    for (std::size_t i = 0; i < inside.size(); ++i) REQUIRE(fluid.rho[i] == Approx(inside[i]).epsilon(1e-4));
 }
 
 }  // namespace density_rate_test

@@ -84,4 +84,21 @@ TEST_CASE("particles at a free surface are hardly shifted outward, those inside 
     CHECK(surface / at_surface < 0.05 * inside / within);
 }
 
+TEST_CASE("the shift is proportional to the largest velocity difference from a neighbour", "[shifting]") {
+    TestWorld unit = sheared(true, Vec3::Zero()), w = sheared(true, Vec3::Zero());
+    RandomNumbers random(11);
+    for (Vec3& u : unit.column<field::velocity>()) u = Vec3(random() < 0.5 ? 0 : 1, 0, 0);  // 1 m/s between any particle and some neighbour
+    for (Vec3& u : w.column<field::velocity>()) u = Vec3(static_cast<Real>(random()), static_cast<Real>(random()), 0);
+    unit.step(1e-5), w.step(1e-5);  // far below the limit of the shift
+    const auto u = w.column<field::velocity>();
+    const auto shift = w.column<field::shift>(), of_unit = unit.column<field::shift>();
+    double most = 0, off = 0;
+    for (Index i = 0; i < w.world.fluid.size(); ++i) {
+        Real fastest = 0;
+        w.world.fluid_pairs.of(i, [&](Index j, const Vec3&, Real) { fastest = std::max(fastest, (u[i] - u[j]).norm()); });
+        most = std::max<double>(most, shift[i].norm()), off = std::max<double>(off, (shift[i] - fastest * of_unit[i]).norm());
+    }
+    CHECK(off < 1e-4 * most);
+}
+
 }  // namespace fickian_test

@@ -195,4 +195,19 @@ TEST_CASE("ink markers of particles that fly apart keep finite positions near a 
     CHECK(farthest < 3.5);  // 1.75 spacings of reach, and as much by a fit to differing displacements
 }
 
+TEST_CASE("only particles without a marker near get new ones, with their own ink", "[ink]") {
+    Carried run(2);
+    InkMarkers& markers = run.w.world.ink_markers;
+    NeighbourSearch search;
+    const Index before = markers.store.size();
+    const auto x = run.w.column<field::position>();
+    std::vector<Vec3> place(x.begin(), x.end()), ink(x.size(), Vec3::Zero());
+    markers.fill_gaps(run.w.world.step, place, ink, search);
+    CHECK(markers.store.size() == before);
+    place.emplace_back(Real(-0.5), 0, 0), ink.emplace_back(0, Real(0.25), 1);
+    markers.fill_gaps(run.w.world.step, place, ink, search);
+    REQUIRE(markers.store.size() == before + 4);  // two by two
+    for (Index m = before; m < markers.store.size(); ++m) CHECK(markers.store.column<field::ink>()[m] == Vec3(0, Real(0.25), 1));
+}
+
 }  // namespace ink_test
