@@ -378,7 +378,7 @@ TEST_CASE("paint with inks of no concentration looks like paint without inks", "
                                          0.01f * Vec3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)));
     frame.velocity.assign(frame.position.size(), Vec3f::Zero());
     frame.spacing = 0.01f;
-    LookOptions look = one_sample();
+    LookOptions look = samples(1);
     look.material = "paint";
     const Surface ball = test::sphere(Vec3f(0, 0.1f, 0), 0.05f, 0.005f);
     const Image plain = renderer.draw(frame, ball, look, from_the_front);
