@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/geometry/plane.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/sph/density.h"
 #include "tests/support/viscous_block.h"
@@ -198,4 +199,22 @@ TEST_CASE("an assembled viscosity step equals the matrix-free one and keeps a fr
     const double mass = a.world.step.mass * static_cast<double>(a.world.fluid.size());
     CHECK(b.momentum().x() == Approx(mass).epsilon(1e-5));
     CHECK(b.angular_momentum().x() < 0.98 * spin_before);  // the ghost torque of the uncorrected gradient
+}
+
+TEST_CASE("a probed wall receives the momentum that the assembled viscosity takes from the fluid", "[viscosity][boundary]") {
+    ViscosityOptions options;
+    options.limits.tolerance = 1e-6;
+    TestWorld w = uneven_block(
+        1000, Real(0.1), {make_stage("density", "density", Density{}), make_stage("viscosity", "viscosity", AssembledViscosity(options))},
+        Vec3(Real(0.3), Real(0.2), Real(0.2)));
+    w.add_wall(1, +1, -0.22);
+    Solid& wall = w.world.solids.all[0];
+    wall.shape = make_plane(Vec3d::Zero(), Vec3d::UnitY()), wall.probed = true;
+    const auto u = w.column<field::velocity>();
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] = Vec3(1, 0, 0) + noise(static_cast<Index>(i));
+    const Vec3d before = w.momentum();
+    w.step(0.01);
+    const Vec3d lost = before - w.momentum(), received = wall.ledger[Push::viscous].force;
+    CHECK(lost.norm() > 0.01 * before.norm());
+    CHECK((received - lost).norm() < 1e-3 * lost.norm());
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/core/random.h"
+#include "engine/geometry/plane.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/motion/motion.h"
 #include "engine/sph/density.h"
@@ -218,6 +219,19 @@ TEST_CASE("multigrid halves iterations for published rows in 40 layers, and save
     const int more = iterations(constraint, constraint.diagonal(), constraint.falling, 0.02);
     INFO("constraint: " << less << " and " << more);
     CHECK(less < more);
+}
+
+TEST_CASE("probed walls receive the momentum that the constraint's pressure takes from the fluid", "[pressure][boundary]") {
+    Fluid f(shapes[1]);  // half-filled box
+    for (Solid& wall : f.world.solids.all) wall.shape = make_plane(Vec3d::Zero(), Vec3d::UnitY()), wall.probed = true;
+    const double dt = 1e-3;
+    const Vec3d falling = f.momentum() - dt * 9.81 * static_cast<double>(f.world.step.mass) * f.size() * Vec3d::UnitY();
+    f.step(dt);
+    const Vec3d lost = falling - f.momentum();
+    Vec3d received = Vec3d::Zero();
+    for (const Solid& wall : f.world.solids.all) received += wall.ledger[Push::pressure].force;
+    CHECK(lost.y() < 0.1 * falling.y());
+    CHECK((received - lost).norm() < 1e-3 * lost.norm());
 }
 
 }  // namespace pressure_multigrid_test

@@ -190,4 +190,15 @@ TEST_CASE("if all pairs pull, a flat surface is pulled down, and a wall of equal
     }
 }
 
+TEST_CASE("cohesion between all particles presses the inside of a body, and its corners least", "[surface_tension]") {
+    const double d = 0.01;
+    TestWorld w = body_of(brick(d), d, sigma, Sampling::lattice, false);
+    const auto pressure = std::make_shared<std::vector<Real>>();
+    w.use({make_stage("surface tension", "surface tension", SurfaceTension{{sigma, {}, pressure, false}})});
+    w.step(1);
+    REQUIRE(pressure->size() == w.column<field::position>().size());
+    CHECK(*std::max_element(pressure->begin(), pressure->end()) == Approx(internal_pressure(sigma, d)).epsilon(0.1));
+    CHECK(*std::min_element(pressure->begin(), pressure->end()) < 0.2 * internal_pressure(sigma, d));
+}
+
 }  // namespace surface_tension_test

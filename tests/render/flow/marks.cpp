@@ -69,4 +69,17 @@ TEST_CASE("arrows point along the local flow, have the length of its path, and a
     CHECK(fast.body[grid_index(50, 25, width)] == 0);
 }
 
+TEST_CASE("streaks of noise without grain have mean 0 and variance 1, and are missing at rest") {
+    PlaneField field = ramp();
+    field.grain_size = 0;
+    for (const float v : streaks(field, 1, 0.01f)) CHECK(v == 0);
+    field.velocity[0].assign(field.cover.size(), 0.1f);  // m/s; 10 pixels to each side
+    double sum = 0, square = 0;
+    const std::vector<float> streak = streaks(field, 1, 0.01f);
+    for (const float v : streak) sum += static_cast<double>(v), square += static_cast<double>(v) * static_cast<double>(v);
+    const auto pixels = static_cast<double>(streak.size());
+    CHECK(sum / pixels == Approx(0).margin(0.1));
+    CHECK(square / pixels == Approx(1).margin(0.3));  // 0.73 measured
+}
+
 }  // namespace marks_test

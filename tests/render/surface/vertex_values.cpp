@@ -90,3 +90,19 @@ TEST_CASE("splashes carry no value outside those of the particles in reach", "[r
     }
     for (const float age : found.scalar.at("age")) CHECK((age >= 0.1f && age <= 0.4f));
 }
+
+TEST_CASE("values are carried across the faces of a periodic domain", "[render][surface]") {
+    Frame frame;
+    frame.spacing = 0.1f;
+    frame.domain_min = Vec3f::Zero(), frame.domain_max = Vec3f(1, 0.4f, 0.4f);
+    frame.periodic = {true, false, false};
+    for (int i = 0; i < 10; ++i)
+        for (int j = 0; j < 4; ++j)
+            for (int k = 0; k < 4; ++k) {
+                frame.position.push_back(0.1f *
+                                         Vec3f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f, static_cast<float>(k) + 0.5f));
+                frame.velocity.push_back(Vec3f(1, 2, frame.position.back().y()));
+            }
+    const VertexFields found = carried_at(std::vector<Vec3f>{{0, 0.2f, 0.2f}, {0.5f, 0.2f, 0.2f}, {1, 0.2f, 0.2f}}, frame, 0.2f);
+    for (const Vec3f& v : found.vector.at("velocity")) CHECK((v - Vec3f(1, 2, 0.2f)).norm() < 1e-5f);
+}
