@@ -34,8 +34,8 @@
 namespace whorl {
 namespace {
 
-/// Relative density error that may remain at a single particle. @param tolerance on the mean error of all particles: values looser than
-/// the default save iterations, but do not loosen this limit, so splashes keep their shape.
+/// Relative density error that may remain at a single particle. A tolerance looser than the default saves iterations, but does not loosen
+/// this limit, so that splashes keep their shape. @param tolerance for the mean error of all particles
 double largest_error(double tolerance) { return 10 * std::min(tolerance, PressureOptions{}.limits.tolerance); }
 
 /// Finds fluid and solid neighbours, for models with one support radius.
@@ -44,7 +44,7 @@ Stage neighbours() {
     stage.run = [](World& w) {
         const auto x = std::as_const(w.fluid).column<field::position>();
         const Real support = w.step.support;
-        // A step may start with the neighbours that the last step found at its end. A resumed run has none.
+        // The last step may have found neighbours at its end. They are not reused at a frame time, because a resumed run has none.
         const bool fresh = w.step.at_frame_time;
         if (fresh || !NeighbourSearch::narrow(x, x, support, w.step.domain, w.fluid_pairs))
             w.search.find(x, support, w.step.domain, w.fluid_pairs);
@@ -70,7 +70,7 @@ std::vector<Stream> make_streams(const Scene& scene) {
     return streams;
 }
 
-/// The preconditioner that the scene requests, out of those that a pressure solver offers.
+/// Chooses the preconditioner that the scene requests from those that a pressure solver offers.
 template <class SetUp>
 SetUp preconditioner(Preconditioner wanted, SetUp automatic, SetUp none, SetUp diagonal, SetUp multigrid) {
     switch (wanted) {
@@ -105,13 +105,15 @@ private:
         if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
         return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
     }
-    /// @param cause of the energy that the stage (or a share of it) adds or removes
+    /// @param cause entry of the budget for the energy that the stage adds or removes
+    /// @param share fraction of the stage's change of kinetic energy that counts for the cause
     template <class S>
     void stage(const char* name, const char* group, S s, double EnergyBudget::*cause = nullptr, double share = 1) {
         stages_.push_back(make_stage(name, group, std::move(s)));
         stages_.back().cause = cause, stages_.back().share = share;
     }
-    /// Adds a force as acceleration. A micropolar model counts the work of these forces and of solids itself.
+    /// Appends a stage that adds a force to the acceleration. A micropolar model itself counts the work of such forces and of solids, so
+    /// their share is 0 with that model.
     template <class S>
     void push(const char* name, const char* group, S s, double EnergyBudget::*cause) {
         stage(name, group, std::move(s), cause, traits_.micropolar.spins ? 0 : 1);
@@ -141,8 +143,8 @@ private:
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
         force();
-        // One solve for gravity, pressure and viscosity. Its cause also gets the potential energy released by the move, minus what contact
-        // removes.
+        // Gravity, pressure and viscosity are one solve. Its work, the potential energy that the move releases, and the energy that the
+        // contact removes therefore all count as work of viscosity.
         stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
         stages_.push_back(move_solids());
@@ -168,7 +170,7 @@ private:
     bool bounded() const { return plan_.free_surface || !scene_.solids.empty(); }
     bool weightless() const { return plan_.free_surface && scene_.domain.gravity.is_zero(); }
 
-    /// Projection: computes forces and pressure at the positions to which the flow carries the particles.
+    /// Projection: forces and pressure are computed at the positions to which the flow carries the particles in this step.
     void projection() {
         const ProjectionOptions options = projection_options();
         auto system = std::make_shared<ProjectionSystem>(options);
@@ -205,7 +207,7 @@ private:
         if (!scene_.solids.empty()) stage("keep outside", "boundary", PushOutOfSolids{}, &EnergyBudget::boundary);
     }
 
-    /// Stages in sequence: accelerations, the kick, changes of the velocity, the move.
+    /// Separate stages for viscosity and pressure, in sequence: accelerations, the kick, changes of the velocity, the move.
     void separate() {
         stages_.push_back(neighbours());
         ink_diffusion();
@@ -227,8 +229,9 @@ private:
         }
         const bool expects =
             traits_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
-        // Half of what these two do together counts as work of viscosity, F.(u + v)/2, with the velocities u before the first and v after
-        // the solve. The pressure of neighbours, which cancels out over the steps, does not contribute to these.
+        // Half of the energy of the stages "expected pressure" and "forget pressure" together counts as work of viscosity, F.(u + v)/2.
+        // u is the velocity before the first of them, v the velocity after the viscous solve. The pressure of neighbours, which cancels out
+        // over the steps, does not contribute to these two stages.
         if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
         if (traits_.viscosity.implicit) implicit_viscosity();
         if (expects) stage("forget pressure", "pressure", ForgetForce{}, &EnergyBudget::viscosity, 0.5);
@@ -245,7 +248,7 @@ private:
         stage("XSPH", "viscosity", XsphViscosity{static_cast<Real>(alpha), scene_.models.printed()}, &EnergyBudget::smoothing);
     }
 
-    /// Fills in the options that the plan decides.
+    /// Sets the options that the plan determines.
     template <class Options>
     Options with_choices(Options options) const {
         options.solid_factor = solid_factor_, options.gate = gate_, options.printed = scene_.models.printed();
@@ -372,7 +375,8 @@ private:
     }
 
     /// Micropolar terms and the explicit viscosity in one pass over the pairs.
-    /// @param projection null without a projection. Its own corrected forms are used unless the scene sets others
+    /// @param projection null if the pressure is not a projection. Otherwise CorrectedMicropolar is used, unless the scene sets a key that
+    /// only Micropolar supports
     void spin(const std::shared_ptr<ProjectionSystem>& projection = nullptr) {
         const MicropolarNumbers& n = plan_.spin;
         const MicropolarOptions options = micropolar_options();

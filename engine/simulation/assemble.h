@@ -1,5 +1,5 @@
 #pragma once
-/// Makes the stages of a step, in order, from the plan. No other file makes the stages of all models.
+/// Makes the stages of a step, in order, from the plan. This is the only place that knows the stages of all models.
 #include "engine/simulation/stage.h"
 #include "engine/simulation/step_limits.h"
 

@@ -9,7 +9,8 @@
 namespace whorl {
 namespace {
 
-/// Work of the solids. A free body moves with the velocity after all impulses of the step, so its kinetic energy is the work done on it.
+/// Work of the solids on the fluid in this step [J]. For a free body it is minus the impulses of the fluid times the velocity after all
+/// impulses of the step, because the body moves with that velocity.
 double work_of(const Solids& solids) {
     return std::accumulate(solids.all.begin(), solids.all.end(), 0.0, [](double sum, const Solid& solid) {
         if (!solid.body) return sum + solid.work;
@@ -18,8 +19,8 @@ double work_of(const Solids& solids) {
     });
 }
 
-/// m sum of f(v_i + dt a_i) over the particles outside nozzles, with a only for free ones. Uses plain arrays, which is five times as fast.
-/// @param a null: no acceleration
+/// m times the sum of f(v_i + dt a_i) over the particles outside nozzles. The acceleration a_i counts only for free particles (role 0).
+/// Uses plain arrays, which is five times as fast. @param a null: no acceleration
 template <class F>
 double sum_outside(const World& w, Span<const Vec3> v, const Real* a, const F& f) {
     const auto* const at = reinterpret_cast<const Real*>(v.data());

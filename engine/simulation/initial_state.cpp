@@ -149,7 +149,7 @@ namespace {
 
 /// Moves each point at random by up to `most` along every axis [m], unless it would leave the shape or come too near to a solid.
 void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Shape& shape, const World& world) {
-    // A particle of a lattice that touches a wall is 0.5 d away from it.
+    // The lattice points next to a wall are 0.5 spacings away from the wall.
     const auto nearest = static_cast<Real>(std::min(least_clearance, 0.5 - 1.25 * most / static_cast<double>(world.step.spacing)) *
                                            static_cast<double>(world.step.spacing));
     RandomNumbers random(seed);
@@ -162,17 +162,17 @@ void loosen(std::vector<Vec3>& points, double most, std::uint64_t seed, const Sh
 }
 
 /// Random displacement of a block's points [spacings]. A lattice at rest under gravity is an unstable equilibrium, and its symmetry
-/// persists until rounding errors have grown enough. With weakly compressible pressure it then collapses with a jolt of 3 % of the
-/// free-fall speed, up to a second after the start (later in double precision). Displaced by a hundredth of a spacing, it settles gently
-/// from the start. With the projection, a lattice that the flow stretches keeps its rows until they buckle, with a jolt of up to 5 % of
-/// the flow's velocity.
+/// persists until rounding errors have grown enough. With weakly compressible pressure the lattice then collapses with a jolt of 3 % of
+/// the free-fall speed, up to a second after the start (later in double precision). A lattice displaced by a hundredth of a spacing settles
+/// gently from the start. With the projection, a lattice that the flow stretches keeps its rows until they buckle, with a jolt of up to
+/// 5 % of the flow's velocity.
 double looseness(const BlockKeys& keys, const PressureTraits& pressure) {
     if (keys.sampling == Sampling::jittered) return 0.2;
     return keys.sampling == Sampling::lattice ? pressure.loosens_lattice : 0;
 }
 
-/// If gravity is along an axis and a lattice leaves up to half a spacing free at both ends, moves it down to the lower end, because it
-/// would fall there.
+/// Moves a lattice down to the lower end of its shape, because it would fall there. Does so only if gravity is along an axis and the
+/// lattice leaves at most half a spacing free at each end.
 void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
     const Real spacing = step.spacing;
     Vec3 low, high;
@@ -199,24 +199,24 @@ std::size_t remove_in_solids(std::vector<Vec3>& points, const World& world) {
         points, [&](const Vec3& x) { return distance_from_solids(world, x) < static_cast<Real>(least_clearance) * world.step.spacing; });
 }
 
-/// Distance from the nearest solid if the fluid sticks to it and its surface is oblique to the layers of a lattice, as round and slanted
-/// surfaces are; otherwise the largest Real.
+/// Distance from the nearest solid [m] if the fluid sticks to that solid and the solid's surface is oblique to the layers of a lattice
+/// (round or slanted); otherwise the largest Real.
 Real distance_from_slanted(const World& world, const Vec3& x) {
     Real distance = std::numeric_limits<Real>::max();
     const int k = world.solids.nearest(x, distance);
     if (k < 0 || distance > 5 * world.step.spacing || distance < -world.step.spacing) return std::numeric_limits<Real>::max();
     const Solid& solid = world.solids.all[static_cast<std::size_t>(k)];
     if (!solid.sticks()) return std::numeric_limits<Real>::max();
-    // The normal is taken behind the surface: near an edge of a box it varies outside, but behind a face it is that of the face.
+    // The normal is evaluated behind the surface. Outside a box the normal varies near an edge; behind a face it is the normal of the face.
     const Vec3 behind = x - (distance + Real(0.1) * world.step.spacing) * solid.normal(x);
     return solid.normal(behind).cwiseAbs().maxCoeff() > Real(0.999) ? std::numeric_limits<Real>::max() : distance;
 }
 
 /// Gives the block as many particles near slanted and round solids as its volume requires. Without this, a lattice lacks least_clearance
-/// spacings of fluid there, because points too near to the surface are removed. The required number is a sum over the points: a lattice
-/// point counts as the share of its cell outside, 0.5 + distance/spacing, a point of blue noise as 1 if it is outside. The points farthest
-/// from the solids stay, and all nearby points relax.
-/// @param all points of the block; for a lattice also those within half a spacing of it
+/// spacings of fluid there, because points too near to the surface are removed. The required number is a sum over the points near the
+/// surface. A lattice point counts as the fraction of its cell outside the solid, 0.5 + distance/spacing; a point of blue noise counts as 1
+/// if it is outside. That number of points, those farthest from the solids, are kept, and relax() spreads them and the points nearby.
+/// @param all points of the block, including those inside solids; for a lattice also the points up to half a spacing outside the block
 void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all, bool on_lattice, const Shape& shape, const World& world) {
     const Real d = world.step.spacing;
     std::vector<std::pair<Real, Vec3>> near;
@@ -225,7 +225,7 @@ void fill_beside_slanted(std::vector<Vec3>& points, const std::vector<Vec3>& all
         if (const Real s = distance_from_slanted(world, x); std::abs(s) < d / 2 && (s < 0 || shape.distance(x) < 0))
             near.emplace_back(s, x), wanted += on_lattice ? 0.5 + static_cast<double>(s / d) : s > 0;
     if (near.empty()) return;
-    // Rounded, because round-off must not decide between points at equal distances.
+    // Distances are rounded, because round-off must not decide between points at equal distances.
     const auto far = [&](const auto& point) { return std::lround(1000 * point.first / d); };
     std::stable_sort(near.begin(), near.end(), [&](const auto& a, const auto& b) { return far(a) > far(b); });
     near.resize(static_cast<std::size_t>(std::lround(wanted)));
@@ -277,8 +277,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     return points;
 }
 
-/// Assigns the particles of blocks that are in the pipe behind an opening to the emitter, so that the fluid around the pipe does not feel
-/// it.
+/// Assigns block particles in the pipe behind an opening to the emitter and fills the rest of the pipe, so that the pipe leaves no gap in
+/// the fluid around it.
 void fill_pipe(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
                std::vector<std::vector<Vec3>>& points) {
     const Real d = world.step.spacing;
@@ -325,7 +325,7 @@ void add_particles(const Scene& scene, ParticleStore& fluid, const std::vector<V
     if (fluid.has<field::spin>()) set(fluid.column<field::spin>(), keys.spin, ".spin");
 }
 
-/// Mean relative excess of the kernel sums over those of a lattice, for fluid that is not near solids.
+/// Mean excess of the particles' kernel sums, relative to the sum on a lattice. Particles near solids do not count.
 double crowding(const World& world) {
     const StepContext& step = world.step;
     const auto x = world.fluid.column<field::position>();
@@ -402,8 +402,8 @@ std::vector<Drain> make_drains(const Scene& scene) {
 
 namespace {
 
-/// Width of the rim of an opening that solids cover [m], for a nozzle in a pipe that is narrower or made of flat faces. 0 also if less
-/// than half of the opening would remain: the solids are then obstacles.
+/// Width of the rim of an opening that solids cover [m], if the nozzle is in a pipe that is narrower or made of flat faces. 0 if nothing
+/// is covered, and if less than half of the opening would remain, because such solids are obstacles.
 Real taken_by_solids(const EmitterShape& opening, const Solids& solids, Real spacing) {
     Vec3 width, thickness;
     opening_axes(opening, width, thickness);
@@ -413,7 +413,7 @@ Real taken_by_solids(const EmitterShape& opening, const Solids& solids, Real spa
     for (const Real along : {-Real(1.5) * spacing, Real(1.5) * spacing}) {
         const Vec3 centre = opening.centre + along * opening.direction;
         Real distance = 0;
-        if (solids.nearest(centre, distance) < 0 || distance <= 0) continue;  // the nozzle is in a wall
+        if (solids.nearest(centre, distance) < 0 || distance <= 0) continue;  // no solids, or the nozzle is in a wall
         constexpr int places = 64;
         for (int k = 0; k < places; ++k) {
             const Real angle = 2 * std::numbers::pi_v<Real> * k / places, c = std::cos(angle), s = std::sin(angle);

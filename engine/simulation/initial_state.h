@@ -11,9 +11,9 @@ namespace whorl {
 void place_constants(const Scene& scene, const Plan& plan, World& world);
 /// Places the solids at t = 0, with boundary particles if the plan's boundary model needs them.
 void place_solids(const Scene& scene, const Plan& plan, World& world);
-/// Places the fluid of the blocks outside solids and emitters' pipes. Columns must have been declared. @throws InputError if a block
-/// contains no particle or a particle with invalid values, or if there are too many particles for the room and the model does not separate
-/// them
+/// Places the fluid of the blocks outside solids and emitters' pipes. The columns of world.fluid must have been declared.
+/// @throws InputError if a block contains no particle or a particle with invalid values, or if the domain is overfilled and the pressure
+/// model does not move particles apart
 void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& emitters, World& world);
 /// Sets viscosity and origin of the particles from index `first` on, which have just entered. Does nothing if no model needs it.
 /// @param source 0: a block; k: emitter k - 1 @return a particle without a valid viscosity
@@ -27,10 +27,10 @@ void set_ids(World& world, Index first, std::int32_t& next);
 /// Applies a live change of fluid.viscosity: particles whose viscosity that key sets get the new value for their age and current position;
 /// fluid of emitters with their own viscosity keeps it. @return a particle without a valid viscosity
 std::optional<Divergence> change_viscosity(const Scene& scene, World& world);
-/// A particle that such a change left without a valid viscosity, if the column is lasting.
+/// A particle whose viscosity is not valid, as after change_viscosity(). Empty if the viscosity is not kept between steps.
 std::optional<Divergence> wrong_viscosity(const World& world);
 std::vector<Drain> make_drains(const Scene& scene);
-/// Removes boundary particles of a wall where a nozzle passes through it; those of the pipe replace them.
+/// Removes boundary particles of walls inside the nozzles that pass through the walls; the particles in the nozzles' pipes replace them.
 void open_walls(const std::vector<Emitter>& emitters, World& world);
 std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan, const Solids& solids);
 

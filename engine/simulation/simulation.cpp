@@ -112,7 +112,7 @@ struct Simulation::State {
     long steps_since_frame = 0;
     std::int32_t next_id = 0;                   ///< id of the next particle that enters
     std::optional<Divergence> changed_wrongly;  ///< a change gave a particle an invalid viscosity
-    std::vector<double> room_left;              ///< by closed room of the plan, in particles
+    std::vector<double> room_left;              ///< number of particles that still fit into each closed room of the plan
     RunTotals totals;
     std::optional<EnergyCount> energy;
     StageTimes times;
@@ -156,7 +156,7 @@ struct Simulation::State {
     }
 
     double energy_now() const { return energies_of(world, world.step.gravity.cast<double>(), plan.spin.micro_inertia).energy(); }
-    /// Runs f and attributes its change of the fluid's energy to `cause`.
+    /// Runs f and attributes the change of the fluid's energy to `cause`.
     template <class F>
     void changing(double EnergyBudget::*cause, F&& f) {
         const double before = energy ? energy_now() : 0;
@@ -214,7 +214,7 @@ struct Simulation::State {
         for (const ClosedRoom& room : plan.rooms) {
             const double there = parallel_sum(world.fluid.size(),
                                               [&](Index i) { return role[i] >= 0 && room.box.contains(x[i].cast<double>()) ? 1.0 : 0.0; });
-            // The room's bounding box may contain other fluid.
+            // The bounding box of the room may also contain other fluid, hence the upper limit.
             room_left.push_back((densest * room.volume - std::min(there * plan.particle_volume(), 1.2 * room.fluid)) /
                                 plan.particle_volume());
         }
@@ -236,8 +236,8 @@ struct Simulation::State {
         }
     }
 
-    /// Location and amount of fluid that exceeds the available room; "" if there is none. It is reported if a tenth of the fluid is 5 %
-    /// too dense, whatever the cause: blocks, an emitter, a lid.
+    /// Warning with the location and amount of fluid that exceeds the available room. Empty unless more than a tenth of the particles are
+    /// more than 5 % too dense, whatever the cause (blocks, an emitter or a lid).
     std::string overfull() const {
         constexpr double much = 1.05, few = 0.1;
         const bool splashes = plan.traits.pressure.source == PressureSource::velocity && plan.free_surface;
@@ -260,7 +260,7 @@ struct Simulation::State {
             room.text(), 100 * more / count, more * plan.particle_volume(), plan.dimensions(), more);
     }
 
-    /// @param filling the call before the first step, which only fills the pipes that are in fluid
+    /// @param filling true in the call before the first step, which fills only the pipes that are in fluid
     void emit(bool filling = false) {
         close_full_rooms();
         int source = 0;
@@ -282,7 +282,7 @@ struct Simulation::State {
 
     void sort() { world.fluid.gather(curve_order(std::as_const(world.fluid).column<field::position>(), world.step.support)); }
 
-    /// Wraps periodic axes. Particles that left elsewhere are removed and counted.
+    /// Wraps positions along periodic axes. Removes and counts particles that left the domain along other axes.
     void keep_inside() {
         const auto x = world.fluid.column<field::position>();
         const auto role = world.fluid.column<field::role>();
@@ -333,7 +333,7 @@ struct Simulation::State {
         }
     }
 
-    /// Prepares the input of the stages: time, gravity and solids of this step, emitted fluid, the order in the store.
+    /// Prepares the input of the stages: time step, solids, emitted fluid, order of the particles.
     void prepare(double dt) {
         world.step.dt = static_cast<Real>(dt);
         world.solids.set_time(time, dt);
@@ -348,7 +348,8 @@ struct Simulation::State {
         std::fill(world.boundary_particles.pressed.begin(), world.boundary_particles.pressed.end(), Vec3d::Zero());
         world.step.time = time;
         world.step.at_frame_time = steps_since_frame == 0;
-        // The solids' velocities are averaged over the last step, whose length a resumed run does not know.
+        // The solids' velocities are averages over the last step. A resumed run does not know its length, so every run uses look_ahead()
+        // at a frame time.
         if (world.step.at_frame_time && world.solids.any_moving()) {
             world.solids.set_time(time, scene.time.look_ahead());
             world.boundary_particles.follow(world.solids);
@@ -388,7 +389,7 @@ struct Simulation::State {
         if (!(dt > 1e-12 * scene.time.end)) {
             std::string what = "the time step collapsed: something moves far too fast";
             if (plan.traits.pressure.source == PressureSource::velocity && plan.free_surface)
-                what += " (pressure.form = \"projection\" does not hold fluid that splashes; \"constraint\" does)";
+                what += " (pressure.form = \"projection\" does not support splashes; \"constraint\" does)";
             if (const std::string room = overfull(); !room.empty()) what += "; " + room;
             world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), what};
             return world.report;
@@ -422,7 +423,7 @@ const StepReport& Simulation::step(double until) { return state_->step(until); }
 void Simulation::count_energy() {
     State& s = *state_;
     s.energy.emplace();
-    // If the solids share the residual of a solver, those at rest must have their part of it.
+    // Some solvers distribute their residual over the solids. With these, solids at rest must also record impulses if any solid moves.
     const bool shares = s.plan.traits.viscous_implicitly() || s.plan.traits.pressure.source == PressureSource::velocity;
     for (Solid& solid : s.world.solids.all) solid.probed |= shares ? s.world.solids.any_moving() : solid.moves();
     if (!std::exchange(s.totals.any_work, true)) s.totals.work.at_start = s.energy_now();

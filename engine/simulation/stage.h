@@ -1,6 +1,6 @@
 #pragma once
-/// Stages: structs whose operator() names the fields that they read and write. make_stage() converts one into a form that the step loop
-/// can run and the plan can print.
+/// Stages of a step. Each is a struct whose operator() has the fields that it reads and writes as arguments. make_stage() converts such a
+/// struct into a form that the step loop can run and the plan can print.
 #include <algorithm>
 #include <functional>
 #include <string>
@@ -24,8 +24,8 @@ struct Stage {
     std::string group;  ///< entry of run.json that gets its time: neighbours | density | viscosity | pressure | move | ...
     std::vector<FieldAccess> accesses;
     std::function<void(World&)> run = {};
-    double EnergyBudget::*cause = nullptr;  ///< of the energy that the stage adds or removes; null: not counted
-    double share = 1;                       ///< part of that kinetic energy that counts for the cause
+    double EnergyBudget::*cause = nullptr;  ///< entry of the budget for the energy that the stage adds or removes; null: not counted
+    double share = 1;                       ///< fraction of the stage's change of kinetic energy that counts for the cause
     bool writes(const FieldInfo& field) const {
         return std::any_of(accesses.begin(), accesses.end(),
                            [&](const FieldAccess& a) { return a.field == &field && a.access != Access::read; });
@@ -35,7 +35,7 @@ struct Stage {
 namespace detail {
 
 template <class T>
-struct Argument;  // undefined: an operator() has an argument that World does not contain
+struct Argument;  // a compiler's "undefined" here means: an operator() has an argument that World does not contain
 
 template <class F>
 struct Argument<Read<F>> {
@@ -99,10 +99,11 @@ Stage make_stage(std::string name, std::string group, S stage) {
     return made;
 }
 
-/// Declares the fields that a step needs. Those that a stage reads or updates before any stage has written them are lasting.
+/// Declares the fields that a step needs. A field that a stage reads or updates before any stage has written it is lasting: its values
+/// are kept between steps.
 void declare_fields(const std::vector<Stage>& stages, ParticleStore& store);
 
-/// The first particle (lowest index) with a non-finite value in a field that the stage wrote; empty if there is none.
+/// The first particle (lowest index) with a non-finite value in a lasting field that the stage wrote; empty if there is none.
 std::optional<Divergence> find_divergence(const Stage& stage, const World& world);
 /// The first free body with a non-finite state; empty if there is none.
 std::optional<Divergence> find_divergent_body(const Stage& stage, const World& world);

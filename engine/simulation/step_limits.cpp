@@ -23,7 +23,7 @@ struct LimitMaker {
     std::vector<StepLimit> all = {};
 
     static constexpr double never = std::numeric_limits<double>::infinity();  ///< step of a limit that does not apply
-    /// Largest cfl for the limit from pressure: with longer steps a column at rest becomes unstable (physics.md 3).
+    /// Largest cfl in the limit "pressure". With longer steps a column at rest becomes unstable (physics.md 3).
     static constexpr double calm_cfl = 0.8;
 
     static std::string number(double value) { return Expression(value).text(); }
@@ -34,7 +34,7 @@ struct LimitMaker {
         limit(std::move(name), std::move(formula), [step](const World&, double) { return step; });
     }
 
-    /// No particle moves by more than cfl spacings, by its speed or by falling from rest; the same holds for solids.
+    /// In one step no particle and no solid moves by more than cfl spacings, at its present speed or by falling from rest.
     void flow() {
         limit("cfl", number(cfl) + " d / max |u|", [cfl = cfl, d = d](const World& w, double speed) {
             for (const Vec3& u : w.boundary_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
@@ -55,7 +55,7 @@ struct LimitMaker {
         });
     }
 
-    /// The coupled solve: a longer step lets particles at walls without friction fall and catches them again. Honey at rest then sinks.
+    /// Limit for the coupled solve. With longer steps, particles at frictionless walls fall and are caught again, so honey at rest sinks.
     void free_slip() {
         if (std::none_of(scene.solids.begin(), scene.solids.end(), [](const SolidKeys& s) { return s.slip == Slip::free; })) return;
         limit("free slip", "0.05 sqrt(d / g)", [d = d](const World& w, double) {
@@ -91,7 +91,7 @@ struct LimitMaker {
     void spin() {
         const MicropolarNumbers& n = plan.spin;
         const double rho = n.density;
-        // A spin that follows the flow reduces the viscosity by coupling/2. The larger of the two viscosities limits the step.
+        // If the spin follows the flow, the viscosity is smaller by coupling/2. The larger of the two viscosities limits the step.
         const double nu =
             std::max(n.pair_viscosity + monaghan_stiffness(plan.dimensions()) * std::abs(n.central_viscosity) + n.composed_coupling / 2,
                      n.coupling / 2) /
@@ -101,7 +101,7 @@ struct LimitMaker {
         const double k = largest_curl(plan.kernel, static_cast<Real>(R), static_cast<Real>(d));
         const double exchange = n.coupling > 0 ? exchange_step(n.coupling / rho, n.micro_inertia, k) : never;
         constant("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)", diffusion > 0 ? viscous_step(R, diffusion) : never);
-        // The rates of decay add up: their sum is at most 1.1 over the limits (R = 3 d), and the step is stable up to 2.
+        // The decay rates add up. Their sum is at most 1.1 times the sum of 1/limits (R = 3 d), and a step is stable up to 2/rate.
         if (n.composed_coupling > 0)
             constant("spin", "1.5 / (sum of 1/limits of viscosity, spin diffusion and explicit exchange)",
                      1.5 / (1 / viscous_step(R, nu) + diffusion / viscous_step(R, 1) + (n.implicit_exchange ? 0 : 1 / exchange)));

@@ -85,7 +85,7 @@ void add_vortices(const Scene& scene, World& world) {
         const auto colour = [&](Span<const Vec3> place, Span<Vec3> ink) {
             std::vector<VortexLoop::Nearest> lines(ink.size());
             parallel_for(static_cast<Index>(ink.size()), [&](Index i) { lines[i] = loop.nearest(place[i].cast<double>(), reach); });
-            for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel, because an expression has one parser
+            for (std::size_t i = 0; i < ink.size(); ++i) {  // not in parallel, because threads would share the parser of the expression
                 const VortexLoop::Nearest& line = lines[i];
                 if (line.distance > reach) continue;
                 const double inside = std::exp(-std::pow(line.distance / keys.core, 4));
