@@ -80,8 +80,8 @@ void BodyContacts::find(const Solids& solids, const BoundaryParticles& boundary,
     want(solids);
 }
 
-/// The point of a's surface near `start` that is deepest in b, found by descent along the surface over at most about a spacing. Boundary
-/// particles alone would represent a ball as a polyhedron, which does not roll.
+/// The point of a's surface near `start` that is deepest in b, found by a descent along a's surface over at most about a spacing.
+/// Without the descent, the boundary particles would represent a ball as a polyhedron, which does not roll.
 Vec3d BodyContacts::deepest(const Solid& a, const Solid& b, const Vec3d& image, const Vec3d& start) const {
     const auto depth = [&](const Vec3d& x) { return static_cast<double>(b.distance(x.cast<Real>())); };
     const auto on_surface = [&](const Vec3d& x) {
@@ -100,8 +100,8 @@ Vec3d BodyContacts::deepest(const Solid& a, const Solid& b, const Vec3d& image, 
         if (lower < gap) p = q, gap = lower, along = slope(p);
         else step /= 2;
     }
-    // Depths are rounded, so the descent stops early. If both surfaces are smooth, the slope is zero at the deepest point: one secant step
-    // finds it.
+    // The descent stops early because of round-off in the depths. If both surfaces are smooth, the slope is 0 at the deepest point, and one
+    // secant step for the slope finds that point.
     if (!(along.norm() > 1e-6)) return p;
     const Vec3d way = 0.01 * step_.spacing * along.normalized(), q = on_surface(p + way);
     const double bend = 1 - slope(q).dot(along) / along.squaredNorm();
@@ -119,7 +119,7 @@ void BodyContacts::look_from(const Solids& solids, const BoundaryParticles& boun
     Point p;
     p.place = deepest(solids.all[a], other, image, start);
     const auto apart = static_cast<double>(other.distance(p.place.cast<Real>()));
-    // Distances within rounding error count as 0, because otherwise the points of a rigid face would contradict each other.
+    // Distances within rounding error count as 0. Otherwise the points of a rigid face would impose slightly different velocities.
     const double rounding = 1e-5 * step_.spacing + 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * p.place.norm();
     p.gap = std::min(0.0, apart + rounding) + std::max(0.0, apart - step_.clearance - rounding);
     if (p.gap > coming + 0.1 * step_.spacing) return;
@@ -163,8 +163,8 @@ void BodyContacts::thin(std::size_t first) {
             farthest = std::max(farthest, p.norm());
             area += triangle, moment += triangle * 2 / 3 * (p.norm() + 2 * (p + q).norm() + q.norm()) / 6;
         }
-        const double mean = area > 1e-3 * farthest * farthest ? moment / area : farthest / 2;  // mean distance from the middle, over the
-                                                                                               // face; farthest/2 for a line
+        // Mean distance of the face's points from the middle; farthest/2 if the face is a line.
+        const double mean = area > 1e-3 * farthest * farthest ? moment / area : farthest / 2;
         for (const std::size_t k : best) {
             const Vec3d out = points_[k].place - middle;
             points_[k].grip = mean * (out.norm() > 1e-3 * farthest ? out.normalized() : t) - out;
@@ -240,7 +240,7 @@ double BodyContacts::hold_back(Point& p) {
 
 BodyVector BodyContacts::velocities(const BodyVector& free) {
     constexpr int rounds = 400;
-    constexpr double exactly = 1e-6;  // relative to the fastest relative velocity; a body at rest gains dt g per step
+    constexpr double exactly = 1e-6;  // relative to the largest relative velocity; that of a body at rest is dt g
     for (Moving& m : moving_)
         if (m.slot >= 0) m.velocity = free.segment<3>(m.slot), m.turning = free.segment<3>(m.slot + 3);
     double fastest = 0;
@@ -265,7 +265,8 @@ BodyVector BodyContacts::velocities(const BodyVector& free) {
 }
 
 void BodyContacts::add_rows(std::size_t first, std::size_t last, std::vector<Eigen::Triplet<double>>& J) const {
-    // Rows r act on the velocity of a relative to b, taken at the centre of a. Lengths are in units of `scale`.
+    // Each row r acts on the relative velocity of a and b, represented by its linear part at the centre of a and its angular part. Lengths
+    // are in units of `scale`.
     const Moving &a = moving_[points_[first].a], &b = moving_[points_[first].b];
     const Vec3d between = points_[first].arm_b - points_[first].arm_a;
     double scale = step_.spacing;
@@ -306,7 +307,7 @@ void BodyContacts::hold() {
     const auto held = std::make_shared<Held>();
     held->rows = rows * lightness_;
     Eigen::SparseMatrix<double> S = held->rows * rows.transpose();
-    // Regularisation, without which redundant contacts would make the matrix singular.
+    // Regularisation. Without it, redundant contacts would make the matrix singular.
     for (Eigen::Index r = 0; r < S.rows(); ++r) S.coeffRef(r, r) *= 1 + 1e-10;
     held->between.compute(S);
     held_ = held;

@@ -24,14 +24,17 @@ struct ContactStep {
 using BodyVector = Eigen::VectorXd;
 BodyVector velocities_of(const Solids& solids);
 
-/// Contact as a condition on the bodies' velocities, for any solve that moves them. At each point of contact
+/// Contact as a condition on the bodies' velocities, for any solve that moves the bodies. At each point of contact
 ///   v_n >= -gap/dt,   impulse_n >= 0,   equality in at least one of them,   |impulse_t| <= friction impulse_n, opposite to v_t if equal
-/// with v_n and v_t the normal and tangential parts of the relative velocity there.
+/// with v_n and v_t the normal and tangential parts of the relative velocity at the point.
+///
 /// Points of contact: from each boundary particle of a body near the other solid, a descent along the body's surface finds the deepest
-/// point. A flat face keeps only the points that bound it. Friction acts nearer the middle of the face, such that it brakes a spin about
-/// the normal as much as if the load were spread evenly over the face. Impulses: equal and opposite, so momentum and angular momentum are
-/// conserved. They are found by projected Gauss-Seidel in a fixed order. Overlaps shrink by a fifth per step, or per 0.1 sqrt(d/g) if that
-/// is longer. A body bounces only if it approaches faster than a free fall over one spacing.
+/// point. Of a flat face only the points that bound it are kept. Friction acts nearer to the middle of the face than these points, such
+/// that it brakes a spin about the normal as much as if the load were spread evenly over the face.
+///
+/// Impulses are equal and opposite, so momentum and angular momentum are conserved. They are found by projected Gauss-Seidel in a fixed
+/// order. Overlaps shrink by a fifth per step, or by a fifth per 0.1 sqrt(d/g) if that is longer than a step (d: spacing, g: gravity).
+/// A body bounces only if its approach speed exceeds that of a free fall over one spacing.
 class BodyContacts {
 public:
     /// Finds the points of contact for a step that starts from the bodies' current velocities.
@@ -39,18 +42,20 @@ public:
     bool empty() const { return points_.empty(); }
     /// The velocities after contact. @param free the velocities that the bodies would have without contact
     BodyVector velocities(const BodyVector& free);
-    /// Fixes the set of contacts for change(): those that pressed in the last velocities(), sticking if they stuck there.
+    /// Fixes the set of contacts for change(): those with an impulse in the last velocities(). A contact that did not slide then also has
+    /// its tangential velocity held.
     void hold();
-    /// The change of velocities() [m/s, rad/s] that the impulses f cause: M^-1 f - M^-1 J^T (J M^-1 J^T)^-1 J M^-1 f. J v are the
-    /// velocities at the held contacts, and M contains the masses and tensors of inertia. The map is symmetric and positive semi-definite.
-    /// @param impulses N s, N m s
+    /// The change of velocities() [m/s, rad/s] that the impulses f cause: M^-1 f - M^-1 J^T (J M^-1 J^T)^-1 J M^-1 f. J v are the relative
+    /// velocities at the held contacts for the bodies' velocities v. M contains the masses and tensors of inertia. The map from f to the
+    /// change is symmetric and positive semi-definite. @param impulses f [N s, N m s]
     BodyVector change(const BodyVector& impulses) const;
+    /// The change of velocities that the impulses would cause without contact: M^-1 f.
     BodyVector free_change(const BodyVector& impulses) const { return lightness_ * impulses; }
-    /// Replaces the bodies' velocities by those after contact. They may already include the impulses of an earlier call.
+    /// Replaces the bodies' velocities by those after contact. May be called again in the step: it first removes its earlier impulses.
     void resolve(Solids& solids);
 
 private:
-    /// A direction at a point of contact. An impulse along it acts on a, the opposite one on b.
+    /// A direction at a point of contact. An impulse in this direction acts on body a, the opposite impulse on b.
     struct Direction {
         Vec3d along;                         ///< unit vector
         Vec3d arm_a, arm_b = Vec3d::Zero();  ///< torque about the centre per unit impulse [m]; arm_b only if b is free
@@ -64,8 +69,8 @@ private:
         std::array<Direction, 3> ways;       ///< the normal from b to a, and two tangents, for friction
         double crossed = 0;                  ///< change of velocity along one tangent per unit impulse along the other [1/kg]
         Vec3d place;                         ///< m
-        Vec3d arm_a, arm_b = Vec3d::Zero();  ///< from the centres to the point [m]; arm_b only if b is free
-        Vec3d grip = Vec3d::Zero();          ///< from the point to where friction acts [m]
+        Vec3d arm_a, arm_b = Vec3d::Zero();  ///< vectors from the centres to the point [m]; arm_b only if b is free
+        Vec3d grip = Vec3d::Zero();          ///< vector from the point to the point at which friction acts [m]
         Vec3d wall = Vec3d::Zero();          ///< velocity of b if it is not free [m/s]
         double gap = 0;                      ///< m
         double wanted = 0;                   ///< smallest v_n that contact allows [m/s]
@@ -81,8 +86,8 @@ private:
     };
 
     void look_from(const Solids& solids, const BoundaryParticles& boundary, std::size_t a, std::size_t b, Index s, const Vec3d& image);
-    /// Removes points from index `first` on, which belong to one pair of solids. It keeps those that bound each face, and the deepest of
-    /// each: the others of a flat face follow from them.
+    /// Thins out the points from index `first` on, which belong to one pair of solids. Of each flat face it keeps the points that bound
+    /// the face and the deepest point, because the conditions at the others follow from these.
     void thin(std::size_t first);
     Vec3d deepest(const Solid& a, const Solid& b, const Vec3d& image, const Vec3d& start) const;
     void want(const Solids& solids);
@@ -91,8 +96,8 @@ private:
     void push(const Point& p, Direction& n, double impulse);
     double push_apart(Point& p);
     double hold_back(Point& p);
-    /// Adds rows to J for the velocities that the points first to last - 1, of one pair of solids, hold at rest. Dependent rows are left
-    /// out.
+    /// Adds rows to J for the relative velocities that the points `first` to `last` - 1, of one pair of solids, hold at 0. Leaves out
+    /// rows that are linearly dependent.
     void add_rows(std::size_t first, std::size_t last, std::vector<Eigen::Triplet<double>>& J) const;
 
     ContactStep step_;

@@ -10,7 +10,7 @@ class Box final : public Shape {
 public:
     Box(const Vec3d& min, const Vec3d& max) : centre_(((min + max) / 2).cast<Real>()), half_(((max - min) / 2).cast<Real>()) {}
 
-    // |max(q, 0)| + min(max(q), 0), q = |x - c| - h
+    // |max(q, 0)| + min(max(q), 0), with q = |x - c| - h by axis, the centre c and the half sizes h
     Real distance(const Vec3& x) const override {
         const Vec3 q = (x - centre_).cwiseAbs() - half_;
         return q.cwiseMax(0).norm() + std::min(q.maxCoeff(), Real(0));
@@ -62,7 +62,7 @@ public:
         return m;
     }
 
-    /// A lattice on the six faces, with each point of an edge or corner once.
+    /// A lattice on the six faces. Points of edges and corners occur only once.
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         LatticeLine line[3];
         for (int a = 0; a < 3; ++a) line[a] = lattice_line(region, a, centre_[a], half_[a], offset, "box");

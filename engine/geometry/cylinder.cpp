@@ -54,7 +54,7 @@ public:
         for (int l = 0; l <= around; ++l) {
             const double angle = 2 * std::numbers::pi * (l % around) / around;
             const Vec3f out = static_cast<float>(std::cos(angle)) * u + static_cast<float>(std::sin(angle)) * v;
-            for (float side : {-1.f, 1.f}) {  // the wall, and the two ends with their own normals
+            for (float side : {-1.f, 1.f}) {  // rim points occur twice: with the normal of the wall and with that of the end
                 const Vec3f rim = c + side * h * n + R * out;
                 m.position.push_back(rim);
                 m.normal.push_back(out);
@@ -64,7 +64,7 @@ public:
         }
         const auto last = static_cast<std::uint32_t>(around);
         for (std::uint32_t l = 0; l < last; ++l) {
-            const std::uint32_t a = 4 * l, b = 4 * (l + 1);  // wall below, end below, wall above, end above
+            const std::uint32_t a = 4 * l, b = 4 * (l + 1);  // four vertices each: lower wall, lower end, upper wall, upper end
             m.triangle.push_back({a, b, b + 2});
             m.triangle.push_back({a, b + 2, a + 2});
         }
@@ -73,7 +73,7 @@ public:
         return m;
     }
 
-    /// Rings on the wall, with every second one rotated by half a spacing, and rings on the ends.
+    /// Rings on the wall, with every second ring rotated by half a spacing, and rings on both ends.
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const double R = inset(radius_, offset), half = inset(half_, offset), d = region.spacing, pi = std::numbers::pi;
         const Vec3d c = middle_.cast<double>(), n = axis_.cast<double>();
@@ -112,7 +112,7 @@ public:
     }
 
 private:
-    /// Adds a triangle between three positions on the rim, to both ends.
+    /// Adds a triangle between three positions of the rim to each end.
     static void add_ends(std::uint32_t a, std::uint32_t b, std::uint32_t c, TriangleMesh& m) {
         m.triangle.push_back({4 * c + 1, 4 * b + 1, 4 * a + 1});
         m.triangle.push_back({4 * a + 3, 4 * b + 3, 4 * c + 3});

@@ -1,5 +1,5 @@
 #pragma once
-/// The box that contains the particles. Any of its axes may be periodic. In 2D it has no depth and lies in the plane z = 0.
+/// The box that contains the particles. Any of its axes may be periodic. In 2D the box has no depth and lies in the plane z = 0.
 #include <array>
 #include <cmath>
 
@@ -27,14 +27,14 @@ struct Domain {
             if (!periodic[a] && !(x[a] >= min[a] && x[a] <= max[a])) return false;
         return true;
     }
-    /// Length of each periodic axis, 0 for the others: with it, minimum_image() in a loop needs only multiply-adds, no branch.
+    /// Length of each periodic axis [m], 0 for the others. Loops that use it for the nearest image need only multiply-adds, no branch.
     Vec3 period() const {
         Vec3 L = Vec3::Zero();
         for (int a = 0; a < 3; ++a)
             if (periodic[a]) L[a] = max[a] - min[a];
         return L;
     }
-    /// The displacement r, reduced to that between nearest periodic images.
+    /// The displacement between nearest periodic images of two points that are r apart.
     Vec3 minimum_image(Vec3 r) const {
         for (int a = 0; a < 3; ++a)
             if (periodic[a]) {

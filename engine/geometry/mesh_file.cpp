@@ -123,9 +123,8 @@ struct Polygons {
     bool single = false;           ///< whether the file stores single precision
 };
 
-/// Splits a polygon into triangles by ear clipping in the plane of its area vector. This also holds for concave polygons, and for holes
-/// that a bridge joins to the rim. A convex polygon becomes a fan from its first corner; a self-intersecting one keeps its winding
-/// numbers.
+/// Splits a polygon into triangles by ear clipping in the plane of its area vector. The polygon may be concave, and may have holes that a
+/// bridge joins to the rim. A convex polygon becomes a fan from its first corner. A self-intersecting polygon keeps its winding numbers.
 void triangulate(const std::vector<Vec3d>& x, std::vector<Corner> ring, std::vector<std::array<Corner, 3>>& to) {
     Vec3d normal = Vec3d::Zero();
     for (std::size_t k = 2; k < ring.size(); ++k) normal += (x[ring[k - 1]] - x[ring[0]]).cross(x[ring[k]] - x[ring[0]]);
@@ -172,7 +171,7 @@ Polygons read_obj(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-/// Reads word by word, because some programs write everything on one line. Words other than corners, also normals, are ignored.
+/// Reads word by word, because some programs write the whole file on one line. Ignores everything except corners, even normals.
 Polygons read_ascii_stl(const std::string& file, std::string_view text) {
     Polygons mesh;
     Words words(file, text);
@@ -324,9 +323,9 @@ Polygons read_ply(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-/// Reads glTF with assimp. The other formats have their own readers here. In assimp, the OBJ reader skips lines that it does not
-/// understand and ends a number at a decimal comma. The STL reader requires valid normals and lower case. Of 2000 damaged PLY files, 432
-/// crash the PLY reader and 391 never finish.
+/// Reads glTF with assimp. The other formats have their own readers in this file, because those of assimp are not reliable: its OBJ reader
+/// skips lines that it does not understand and ends a number at a decimal comma. Its STL reader requires valid normals and lower case. On
+/// 2000 damaged PLY files, its PLY reader crashes 432 times and never ends 391 times.
 Polygons read_gltf(const std::string& file) {
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(file, aiProcess_PreTransformVertices);
@@ -385,7 +384,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Ve
     buffer << in.rdbuf();
     const std::string bytes = buffer.str();
     std::string_view text = bytes;
-    // A binary STL file may also begin with "solid". A text has no zero bytes. A binary file has one in its triangle count, or is long
+    // Binary STL files may also begin with "solid". Unlike text, a binary file has a zero byte in its header or triangle count, or is long
     // enough for that many triangles.
     const bool binary = text.size() >= 84 && (text.substr(0, 84).find('\0') != text.npos ||
                                               text.size() >= 84 + 50 * std::size_t(bytes_as<std::uint32_t>(text.data() + 80)));

@@ -7,9 +7,10 @@
 
 namespace whorl {
 
-/// Reads a mesh: positions times `scale`, plus `position` [m] (computed in double precision), and triangles. Polygons may be concave.
-/// @throws InputError with file:line if the file is missing, of an unknown kind, truncated, or refers to missing vertices, or if the mesh
-/// is too far from the origin: single precision rounds its coordinates to more than 1/1000 of its size
+/// Reads a mesh. Its positions are multiplied by `scale`, then moved by `position` [m], in double precision. Polygons, which may be
+/// concave, become triangles.
+/// @throws InputError with file:line if the file is missing, of an unknown kind, truncated, or refers to missing vertices. Also if the mesh
+/// is so far from the origin that single precision rounds its coordinates by more than 1/1000 of its size
 TriangleMesh read_mesh(const std::filesystem::path& file, double scale = 1, const Vec3d& position = Vec3d::Zero());
 
 /// Merges vertices at equal positions. Removes triangles with two equal corners, and all normals and scalars.

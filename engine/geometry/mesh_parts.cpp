@@ -17,13 +17,13 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 Vec3d corner_of(const TriangleMesh& mesh, std::uint32_t vertex) { return mesh.position[vertex].cast<double>(); }
 
-/// Joins triangles around an edge that more than two of them share. Each triangle that passes the edge from a to b is joined to the first
-/// triangle of opposite direction that is met when turning about the edge through the inside.
+/// Joins triangles around an edge that more than two triangles share. A turn about the edge, through the inside, leads from a triangle
+/// that passes the edge from a to b to the first triangle that passes it from b to a. These two are joined.
 template <class Join>
 void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, const std::vector<std::uint32_t>& around, const Join& join) {
     const Vec3d along = (corner_of(mesh, b) - corner_of(mesh, a)).stableNormalized();
-    std::vector<std::pair<std::uint32_t, Vec3d>> with, against;  // triangles that pass the edge from a to b, and from b to a, with the
-                                                                 // direction into each
+    // Triangles that pass the edge from a to b, and from b to a. Each comes with the unit vector from the edge into the triangle.
+    std::vector<std::pair<std::uint32_t, Vec3d>> with, against;
     for (const std::uint32_t t : around) {
         const Triangle& corner = mesh.triangle[t];
         const std::size_t k = corner[0] != a && corner[0] != b ? 0 : corner[1] != a && corner[1] != b ? 1 : 2;
@@ -50,9 +50,9 @@ void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, con
     }
 }
 
-/// For each triangle, the representative triangle of its part (connected by edges). Of faces with equal corners, the first is kept and
-/// those that leave an edge open are removed. @param doubled number of removed faces @throws InputError if the mesh has holes or
-/// inconsistent orientation
+/// For each triangle, the representative triangle of its part (connected by edges). If the mesh has open edges, faces at these edges that
+/// repeat the corners of an earlier one are removed. @param doubled (in, out) increased by the number of removed faces
+/// @throws InputError if the mesh has holes or inconsistent orientation
 std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::string& name, std::size_t& doubled) {
     struct Edge {
         int turns = 0, uses = 0;  ///< turns: passes in one direction minus passes in the other; uses: all passes
@@ -111,8 +111,8 @@ std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::stri
 
 /// Removes pairs of faces with equal corners and opposite orientation from the list. @returns the number of removed faces
 std::size_t cancel_opposite(const TriangleMesh& mesh, std::vector<std::uint32_t>& faces) {
-    std::vector<std::tuple<Triangle, bool, std::uint32_t>>
-        sorted;  // sorted corners; whether the face passes them in this order; index of the face
+    // For each face: sorted corners, whether the face passes the corners in this order, index of the face.
+    std::vector<std::tuple<Triangle, bool, std::uint32_t>> sorted;
     for (const std::uint32_t t : faces) {
         Triangle c = mesh.triangle[t];
         std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());

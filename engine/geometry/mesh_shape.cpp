@@ -19,9 +19,9 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Signed distance to the nearest triangle, found in a tree of boxes. The sign is from the angle-weighted normal of the nearest corner,
-/// edge or face (Baerentzen and Aanaes 2005), so it is right even if triangles that share the nearest point disagree. In a
-/// self-intersecting mesh the inside is where the winding number is not 0.
+/// Signed distance to the nearest triangle, found in a tree of boxes. The sign follows from the angle-weighted normal of the nearest
+/// corner, edge or face (Baerentzen and Aanaes 2005). This sign is right even if the triangles that share the nearest point give different
+/// signs. In a self-intersecting mesh, points with a winding number other than 0 are inside.
 class Mesh final : public Shape {
 public:
     explicit Mesh(TriangleMesh mesh) : mesh_(std::move(mesh)) {
@@ -39,7 +39,7 @@ public:
     std::ptrdiff_t crossings() const { return crossings_; }
     bool crosses_much() const { return 100 * crossings_ > std::ssize(mesh_.triangle); }
     Real distance(const Vec3& x) const override { return Real(distance(x.cast<double>(), infinity)); }
-    /// Signed distance; infinite if it is not below the bound.
+    /// Signed distance [m]; infinite if its magnitude is not below the bound.
     double distance(const Vec3d& x, double bound) const {
         Vec3d normal, offset;
         return nearest(x, bound, offset, normal);
@@ -48,7 +48,7 @@ public:
     Vec3 normal(const Vec3& x) const override {
         Vec3d n, offset;
         const double distance = nearest(x.cast<double>(), infinity, offset, n);
-        // Very near the surface, rounding dominates the direction to it: there the surface's own normal is used.
+        // Very near the surface, round-off dominates the vector to the nearest point, so the surface's own normal is used there.
         const double size = nodes_[0].box.diagonal().norm();
         if (std::abs(distance) < 1e-6 * size) return n.stableNormalized().cast<Real>();
         return (offset / distance).cast<Real>();
@@ -83,8 +83,8 @@ private:
             for (std::size_t k = 0; k < 3; ++k)
                 edge_normal_[t][k] = edges[std::minmax(mesh_.triangle[t][(k + 1) % 3], mesh_.triangle[t][(k + 2) % 3])];
     }
-    /// Counts the faces that have the inside also on their outer side. Just outside a face the winding number is 0, unless the mesh
-    /// intersects itself. Each face is tested at its centre and next to its edges.
+    /// Counts the faces whose outer side is inside the mesh. Just outside a face the winding number is 0, unless the mesh intersects
+    /// itself or the face is turned inward. Each face is tested at its centre and near its corners.
     void find_crossings() {
         const double step = 1e-9 * box().diagonal().norm();
         std::vector<char> crosses(mesh_.triangle.size());
@@ -97,8 +97,8 @@ private:
         });
         crossings_ = std::count(crosses.begin(), crosses.end(), 1);
     }
-    /// Winding number of the surface about x, from crossings of the ray from x along z. Both faces at an edge agree on which side of it x
-    /// lies.
+    /// Winding number of the surface about x, from its crossings with the ray from x along z. The two faces at an edge use the same test
+    /// of the side of the edge on which the ray lies, so no crossing is lost or counted twice.
     int winding(const Vec3d& x) const {
         int sum = 0;
         std::uint32_t stack[64];
@@ -112,7 +112,7 @@ private:
             if (node.right != 0) stack[depth++] = at + 1, stack[depth++] = node.right;
             for (std::uint32_t k = node.begin; k < (node.right == 0 ? node.end : node.begin); ++k) {
                 const Triangle& c = mesh_.triangle[order_[k]];
-                int turns = 0;  // times that the triangle's rim turns about the ray
+                int turns = 0;  // number of turns of the triangle's rim about the ray
                 for (std::size_t e = 0; e < 3; ++e) {
                     const Vec3d &a = vertex_[c[e]], &b = vertex_[c[(e + 1) % 3]];
                     if ((a.y() <= x.y()) == (b.y() <= x.y())) continue;
@@ -202,7 +202,7 @@ private:
     std::ptrdiff_t crossings_ = 0;  ///< faces with the inside on both sides, or turned inward
 };
 
-/// For drawing: normals are smooth across edges of less than 40 degrees and sharp across the others.
+/// For drawing: normals are smooth across edges at which the faces differ by less than 40 degrees, and sharp across other edges.
 TriangleMesh Mesh::mesh(Real, Real) const {
     const double sharp = std::cos(40 * std::acos(-1.0) / 180);
     std::vector<std::vector<std::uint32_t>> faces(vertex_.size());
@@ -235,7 +235,8 @@ TriangleMesh Mesh::mesh(Real, Real) const {
     return drawn;
 }
 
-/// Closed parts that may overlap, touch or contain each other. The solid is their union; a part inside another is a hollow in it.
+/// Closed parts that may overlap, touch or contain each other. The solid is the union of the parts, but a part inside another is a hollow
+/// in that part.
 class Parts final : public Shape {
 public:
     Parts(const std::vector<TriangleMesh>& meshes, std::vector<std::string> notes) {
@@ -269,7 +270,7 @@ public:
                     parts[k].depth = std::max(parts[k].depth, parts[other].depth + 1);
                 else overlap_ = overlap_ || (box(k).intersection(box(other)).sizes().array() > 0).all();
             }
-        // Separate parts are merged into one mesh, in which the nearest face determines the sign.
+        // Parts that are near no other are merged into one mesh, because there the nearest face determines the sign.
         TriangleMesh alone;
         for (std::size_t k = 0; k < parts.size(); ++k) {
             if (near[k].empty()) append(alone, meshes[k]);
@@ -292,7 +293,7 @@ public:
         const Eigen::AlignedBox3d box = whole_box();
         min = box.min().cast<Real>(), max = box.max().cast<Real>();
     }
-    /// Overlapping parts are integrated over evenly spread points (Roberts's sequence). The sum over surfaces would count the overlap
+    /// If parts overlap, integrates over evenly spread points (Roberts's sequence), because a sum over the surfaces would count overlaps
     /// twice.
     MassProperties bulk() const override {
         if (!overlap_) return Shape::bulk();
@@ -333,13 +334,13 @@ private:
     struct Part {
         std::shared_ptr<const Mesh> mesh;
         double volume = 0;
-        int depth = 0;  ///< number of parts that enclose it
+        int depth = 0;  ///< number of parts that enclose this part
         bool hollow() const { return depth % 2 == 1; }
         Real sign() const { return hollow() ? Real(-1) : Real(1); }
     };
 
-    /// Whether `inner` lies in `outer`: no corner or middle of its triangles is outside, and at least one is inside. The surfaces may
-    /// touch.
+    /// Whether `inner` lies in `outer`. Of the corners and middles of inner's triangles, none must be outside and at least one must be
+    /// inside; the surfaces may touch.
     static bool within(const TriangleMesh& inner, const Mesh& outer) {
         const double rounding = 1e-6 * outer.box().min().cwiseAbs().cwiseMax(outer.box().max().cwiseAbs()).norm();
         bool inside = false;
@@ -373,7 +374,7 @@ private:
         return box;
     }
 
-    std::vector<Part> parts_;  ///< outer before inner
+    std::vector<Part> parts_;  ///< sorted by depth: enclosing parts come before the parts in them
     bool overlap_ = false;
 };
 

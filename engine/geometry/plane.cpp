@@ -38,7 +38,7 @@ public:
         return m;
     }
 
-    /// A lattice. Along periodic axes that lie in the plane it has no seam.
+    /// A lattice, without a seam along periodic axes that lie in the plane.
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {
         const Vec3d n = normal_.cast<double>();
         const PlaneLattice lattice(n);

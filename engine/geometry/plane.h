@@ -9,7 +9,7 @@ namespace whorl {
 
 std::shared_ptr<const Shape> make_plane(const Vec3d& point, const Vec3d& normal);
 
-/// Lattice in a plane. Its two directions are domain axes if the plane contains such axes.
+/// Lattice in a plane. Its two directions are domain axes as far as the plane contains such axes.
 struct PlaneLattice {
     Vec3d direction[2];
     int axes[2] = {-1, -1};  ///< domain axis of each direction, -1: not an axis
@@ -21,16 +21,17 @@ struct PlaneLattice {
     }
     /// Extent of the domain along direction k [m], from `low` to `high`.
     void ends(std::size_t k, const SamplingRegion& region, double& low, double& high) const;
-    /// All lattice coordinates along direction k [m] if that direction is periodic or has no depth (2D); empty if ends() bounds it.
+    /// All lattice coordinates along direction k [m] if that direction is periodic or has no depth (2D). Otherwise empty: then ends()
+    /// bounds the lattice.
     std::optional<std::vector<double>> line_without_ends(std::size_t k, const SamplingRegion& region) const;
-    /// The lattice points within the region: each coordinate of the first line combined with each of the second [m].
-    /// @param foot the point with coordinates (0, 0) @param n the plane's normal
+    /// The lattice points within the region. @param foot the point with lattice coordinates (0, 0) @param n the plane's normal
+    /// @param line lattice coordinates along each direction [m]; every combination of both is a point
     std::vector<SurfaceSample> points(const Vec3d& foot, const Vec3d& n, const std::vector<double> (&line)[2],
                                       const SamplingRegion& region) const;
 };
 
-/// Rectangle of a moving plane, in the plane's own axes, in which boundary particles are needed at some time. Its lattice always has the
-/// same origin as that of the plane at rest.
+/// Rectangle of a moving plane, in the plane's own axes, in which boundary particles are needed at some time. Its lattice has the same
+/// origin as the lattice of the plane at rest.
 class PlanePatch {
 public:
     /// @param at_rest region of the plane at rest; the patch fills periodic axes that lie in the plane
@@ -51,7 +52,7 @@ private:
     SamplingRegion at_rest_;
     PlaneLattice lattice_;
     double begin_[2] = {0, 0};   ///< origin of the lattice [m]
-    double first_[2], last_[2];  ///< range, in lattice steps from begin_
+    double first_[2], last_[2];  ///< range of the rectangle, in lattice steps from begin_
 };
 
 }  // namespace whorl

@@ -12,8 +12,8 @@ public:
     Repeats(const Shape& shape, const Domain& domain, const Mat3& rotation = Mat3::Identity(), const Vec3& translation = Vec3::Zero());
 
     bool any() const { return any_; }
-    /// Displacements [m], whole periods, of the images that reach into the domain. The first is that of the image whose middle is in the
-    /// domain. Along an axis that the shape spans, there is only this one.
+    /// Displacements [m], whole periods, of the images that reach into the domain. The first is the displacement of the image whose middle
+    /// is in the domain. Along an axis whose period the shape spans, only that image counts.
     std::vector<Vec3> shifts_into(const Domain& domain) const;
     /// Smallest signed distance [m] from x to any image. @param distance signed distance from the shape itself, as a function of position
     /// @param image (out) the position equivalent to x, moved by whole periods, that is nearest to the shape itself. Along an axis that the
@@ -26,7 +26,7 @@ public:
             else if (period_[a] > 0) near[a] -= period_[a] * std::nearbyint((near[a] - centre_[a]) / period_[a]);
         image = near;
         Real best = distance(near);
-        // The image with the nearest centre need not have the nearest surface: along each axis the second nearest may be closer.
+        // The image with the nearest centre need not have the nearest surface. Along each axis the next image may have a nearer one.
         for (unsigned other = 1; other <= axes_; ++other) {
             if ((other & ~axes_) != 0) continue;
             Vec3 at = near;
@@ -90,7 +90,7 @@ private:
     Repeats repeats_;
 };
 
-/// The shape, with its images if the domain is periodic. @throws InputError as make_shape()
+/// The shape, with its images if the domain is periodic. @throws InputError like make_shape(keys)
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys, const Domain& domain);
 
 }  // namespace whorl

@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Kinds of force between fluid and solid. `contact` is push-out, contact in the model `coupled`, and the pull of wetting.
+/// Kinds of force between fluid and solid. `contact` includes push-out, contact in the model `coupled`, and attraction by wetting.
 enum class Push { pressure, viscous, contact };
 inline constexpr int pushes = 3;
 
@@ -30,7 +30,7 @@ struct Ledger {
     Wrench total() const { return impulse[0] + impulse[1] + impulse[2]; }
 };
 
-/// Rotation about the axis of `angle` by its length [rad].
+/// Rotation about the direction of the vector `angle` by the length of that vector [rad].
 Eigen::AngleAxisd turn_by(const Vec3d& angle);
 
 /// x_world = rotation x_own + translation.
@@ -40,8 +40,8 @@ struct Pose {
     Vec3 velocity = Vec3::Zero();          ///< m/s, of the origin
     Vec3 angular_velocity = Vec3::Zero();  ///< rad/s, in the world's axes
     Vec3 velocity_at(const Vec3& x) const { return velocity + angular_velocity.cross(x - translation); }
-    /// Velocity at the middle of a step of dt [s], of the point that is at x at the start of the step. dt < 0: of the point that is at x
-    /// at its end.
+    /// Velocity, at the middle of a step of dt [s], of the point that is at x at the start of the step. If dt < 0: of the point that is
+    /// at x at the end of the step.
     Vec3 velocity_over(Real dt, const Vec3& x) const { return velocity_at(x + dt / 2 * velocity_at(x)); }
 };
 
@@ -51,8 +51,8 @@ struct Contact {
     double bounce = 0;      ///< share of the approach speed that is returned; a pair uses the larger
 };
 
-/// Position, orientation, momentum and angular momentum, in double precision. Every impulse between fluid and body is added to one and
-/// subtracted from the other.
+/// Position, orientation, momentum and angular momentum of a body, in double precision. Every impulse between fluid and body is added to
+/// one of them and subtracted from the other.
 struct RigidBody {
     double mass = 0, volume = 0;            ///< kg, m^3
     Vec3d own_centre = Vec3d::Zero();       ///< centre of mass in the solid's own axes [m]

@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-/// Half size of a drawn section along z: large enough to hide the flow behind it.
+/// Half size along z of a drawn section [m], large enough to hide the flow behind the section.
 Vec3d half_depth(Real edge) { return {0, 0, static_cast<double>(edge)}; }
 
 class Rectangle final : public Shape {
@@ -18,7 +18,7 @@ public:
         centre_.z() = half_.z() = 0;
     }
 
-    // |max(q, 0)| + min(max(q), 0), q = |x - c| - h
+    // |max(q, 0)| + min(max(q), 0), with q = |x - c| - h by axis, the centre c and the half sizes h
     Real distance(const Vec3& x) const override {
         const Real a = std::abs(x.x() - centre_.x()) - half_.x(), b = std::abs(x.y() - centre_.y()) - half_.y();
         const Real p = std::max(a, Real(0)), q = std::max(b, Real(0));

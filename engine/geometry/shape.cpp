@@ -22,7 +22,8 @@ MassProperties bulk_of(const TriangleMesh& mesh) {
     for (const auto& t : mesh.triangle) {
         const Vec3d a = mesh.position[t[0]].cast<double>() - apex, b = mesh.position[t[1]].cast<double>() - apex,
                     c = mesh.position[t[2]].cast<double>() - apex;
-        // Moments of a tetrahedron with one corner at 0: int x = V s/4, int x x^T = V/20 (a a^T + b b^T + c c^T + s s^T), s = a + b + c.
+        // Moments of a tetrahedron of volume V with corners 0, a, b, c: int x = V s/4, int x x^T = V/20 (a a^T + b b^T + c c^T + s s^T),
+        // with s = a + b + c.
         const double volume = a.dot(b.cross(c)) / 6;
         const Vec3d s = a + b + c;
         bulk.volume += volume;

@@ -21,7 +21,8 @@ struct ShapeKeys {
     Vec3d normal{0, 1, 0};
     std::filesystem::path file;
     double scale = 1;
-    /// 2D flow: use the section with the plane z = 0, continued for all z. A box or cylinder without depth in z reaches through the plane.
+    /// For 2D flow: use the section of the shape with the plane z = 0, continued for all z. A box or cylinder without depth in z counts as
+    /// one that reaches through the plane.
     bool cut = false;
 };
 
@@ -29,8 +30,8 @@ struct ShapeKeys {
 struct SamplingRegion {
     Real spacing = 0;      ///< m
     Domain domain;         ///< a box, cylinder or plane that spans a periodic axis has no seam and no ends along it
-    Real margin = 0;       ///< m beyond the domain
-    bool clipped = false;  ///< points beyond the margin are left out
+    Real margin = 0;       ///< width of a margin around the domain that belongs to the region [m]
+    bool clipped = false;  ///< whether points beyond the margin are left out
     /// Whether x is within the margin along the axes that are not periodic.
     bool contains(const Vec3d& x) const;
     /// Whether [low, high] covers a whole period of the axis, at any offset.
@@ -71,9 +72,9 @@ public:
     virtual MassProperties bulk() const { return bulk_of(mesh(0, 0)); }
     /// A mesh for drawing. @param edge requested edge length [m] @param extent half-width of the drawn patch of a plane [m]
     virtual TriangleMesh mesh(Real edge, Real extent) const = 0;
-    /// Points about one spacing apart on the surface at signed distance `offset` [m] (less if the shape is too thin).
-    /// The default is blue noise, made by throwing darts on mesh(); equal shapes get equal points. @throws InputError beyond 50 million
-    /// points
+    /// Points about one spacing apart on the surface at signed distance `offset` [m] (nearer to the shape's surface if it is too thin).
+    /// The default is blue noise, made by throwing darts on mesh(). Equal shapes get equal points.
+    /// @throws InputError beyond 50 million points
     virtual std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const;
     std::vector<std::string> remarks;  ///< notes on parts of its mesh file that were left out, and on faces that intersect others
 };
@@ -87,10 +88,11 @@ std::shared_ptr<const Shape> make_sphere(const Vec3d& centre, double radius);
 
 std::shared_ptr<const Shape> make_cylinder(const Vec3d& from, const Vec3d& to, double radius);
 
-/// Reason why the plane z = 0 does not cut the shape in a rectangle or a disc, as a text that follows the shape's name; "" if it does.
+/// Reason why the section of the shape with the plane z = 0 is neither a rectangle nor a disc, as a text that follows the shape's name.
+/// "" if the section is one of these.
 std::string section_error(const ShapeKeys& keys);
-/// A rectangle or a disc. Distances and normals lie in the plane z = 0 and do not depend on z. @param keys section_error(keys) must be
-/// empty
+/// A rectangle or a disc. Its distances and normals lie in the plane z = 0 and do not depend on z.
+/// @param keys section_error(keys) must be empty
 std::shared_ptr<const Shape> make_section(const ShapeKeys& keys);
 
 /// The mesh in `file`, times `scale`, then moved by `position` [m]. @throws InputError

@@ -11,15 +11,15 @@ namespace {
 /// steps.
 constexpr double interval = 1.0 / 256;
 
-/// Solution of dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2) with w1 and w2 at
-/// the two Gauss points.
+/// Solution of dR/dt = R [w]x from t to t + h, to fourth order (Magnus): R exp(h/2 (w1 + w2) + sqrt(3)/12 h^2 w1 x w2). R is the rotation,
+/// [w]x the matrix of the cross product with the spin w; w1 and w2 are the spins at the two Gauss points of the interval.
 Mat3d turned_over(const Mat3d& R, const VectorExpression& spin, double t, double h) {
     const double root = std::sqrt(3.0) / 6;
     const Vec3d w1 = spin(t + (0.5 - root) * h), w2 = spin(t + (0.5 + root) * h);
     return R * turn_by(h / 2 * (w1 + w2) + std::sqrt(3.0) / 12 * h * h * w1.cross(w2)).toRotationMatrix();
 }
 
-/// The rotation at time t. @param turned caches the rotation after the last whole interval
+/// The rotation at time t. @param turned (in, out) cache of the rotation after the last whole interval
 Mat3d rotation_at(const VectorExpression& spin, double t, Turned& turned) {
     if (spin.is_zero()) return Mat3d::Identity();
     if (!spin.depends_on_time()) return turn_by(t * spin(0)).toRotationMatrix();
@@ -83,7 +83,7 @@ Domain in_own_axes(const Domain& domain, const Pose& pose) {
 
 bool Solid::moves() const { return body || position.depends_on_time() || !spin.is_zero(); }
 
-// For constant `turn`, R(t) = turn A(t) solves dR/dt = R [w]x, with A the rotation by the spin since t = 0.
+// If A(t) is the rotation by the spin w since t = 0, R(t) = turn A(t) solves dR/dt = R [w]x for any constant `turn`.
 void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, double t) {
     const Vec3d moved = position(t) + shift;
     const Mat3d R = turn * rotation_at(spin, t, turned);
@@ -108,7 +108,7 @@ void Solid::receive(Push kind, const Wrench& impulse) {
 void Solids::set_time(double t, double dt) {
     for (Solid& solid : all) {
         if (solid.body) continue;
-        // x_world = R (x_own - c) + c + position: the solid turns about its own centre c.
+        // The solid turns about its own centre c, so x_world = R (x_own - c) + c + displacement.
         const Vec3d c = turning_point(*solid.shape), moved = solid.position(t) + solid.shift;
         const Mat3d R = solid.turn * rotation_at(solid.spin, t, solid.turned);
         solid.pose.rotation = R.cast<Real>();
@@ -120,7 +120,7 @@ void Solids::set_time(double t, double dt) {
         const Eigen::AngleAxisd turn(solid.turn * rotation_at(solid.spin, t + step, ahead) * R.transpose());
         const Vec3d w = turn.angle() / step * turn.axis(), u = (solid.position(t + step) + solid.shift - moved) / step;
         solid.pose.angular_velocity = w.cast<Real>();
-        solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // of the own origin, such that the centre moves with u
+        solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // velocity of the own origin, for which the centre moves with u
     }
     place_bodies();
 }

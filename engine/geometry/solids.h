@@ -13,14 +13,14 @@
 
 namespace whorl {
 
-/// Rotation of a solid with a time-dependent spin after a whole number of intervals. It depends only on the expression.
+/// Rotation of a solid with a time-dependent spin after a whole number of fixed intervals. It depends only on the spin's expression.
 struct Turned {
     long intervals = 0;
     Mat3d rotation = Mat3d::Identity();
 };
 
-/// The point about which a solid turns: the centre of the shape's bounds at its initial position. For a plane, its point nearest to the
-/// origin.
+/// The point about which a solid turns: the centre of the shape's bounds at its initial position. For a plane, the point of the plane
+/// that is nearest to the origin.
 Vec3d turning_point(const Shape& shape);
 
 /// The smallest box along a solid's own axes that contains the domain. A periodic axis stays periodic if an own axis is parallel to it.
@@ -28,21 +28,21 @@ Domain in_own_axes(const Domain& domain, const Pose& pose);
 
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position;  ///< displacement from the shape's initial position [m], of t
-    VectorExpression spin;      ///< angular velocity about the own axes through turning_point() [rad/s], of t
+    VectorExpression position;  ///< displacement from the shape's initial position [m], a function of t
+    VectorExpression spin;      ///< angular velocity about the own axes through turning_point() [rad/s], a function of t
     bool inside = false;        ///< the fluid is inside the shape
     double slip_length = 0;     ///< m, in u - u_wall = slip_length du/dn on the surface; 0: no slip, infinite: free slip
     std::string material;
     Contact contact;                 ///< contact with other solids
     std::optional<RigidBody> body;   ///< set for a free body, which forces move; position and spin then only give its initial pose
     Vec3d shift = Vec3d::Zero();     ///< added to `position` [m]; the result of earlier motions (go_on_as)
-    Mat3d turn = Mat3d::Identity();  ///< rotation before that by `spin` since t = 0: the scene's tilt and the result of earlier motions
+    Mat3d turn = Mat3d::Identity();  ///< rotation applied after that by `spin` since t = 0: the scene's tilt, results of earlier motions
     Pose pose;
     Turned turned;
     Repeats repeats;      ///< periodic images of the shape in its pose
-    bool probed = false;  ///< a probe reads a ledger. Then all solids keep one, so that the ledgers account for all of the fluid's
-                          ///< momentum
-    Ledger ledger;        ///< impulses of the fluid in this step, kept if keeps_ledger()
+    bool probed = false;  ///< whether a probe or the energy budget needs this solid's ledger. A probe sets it for all solids, so that the
+                          ///< ledgers account for all of the fluid's momentum
+    Ledger ledger;        ///< impulses of the fluid in this step, recorded if keeps_ledger()
     double work = 0;      ///< work of a driven solid on the fluid in this step, from the ledger [J]
 
     /// Replaces position and spin from time t [s] on. The motion continues from the pose at that time.
@@ -56,9 +56,9 @@ struct Solid {
     /// Velocity of turning_point() [m/s].
     Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }
     bool sticks() const { return slip_length == 0; }
-    /// Whether the fluid slips with friction: neither sticks nor slides freely.
+    /// Whether the fluid slips with friction, so it neither sticks nor slides freely.
     bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
-    /// Distance from x to the solid's surface, positive on the fluid's side [m]. In a periodic domain, to the nearest image.
+    /// Distance from x to the solid's surface, positive on the fluid's side [m]. In a periodic domain, the distance to the nearest image.
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.
     Vec3 normal(const Vec3& x) const;
@@ -95,22 +95,22 @@ private:
     void place_images();
 };
 
-/// BoundaryParticles::flat at a given distance from the nearest surface that is not flat [m].
+/// The value of BoundaryParticles::flat at the given distance [m] from the nearest place where the wall is not flat.
 inline Real flat_beside(Real distance, Real support) { return std::clamp(distance / support - 1, Real(0), Real(1)); }
 
 /// Boundary particles: one layer on the solids' surfaces, about a spacing apart, half a spacing inside the solid.
 struct BoundaryParticles {
-    std::vector<Index> solid;         ///< index of the solid of each
+    std::vector<Index> solid;         ///< index of each particle's solid
     Column<Vec3> own_position;        ///< in the solid's own axes [m]
     Column<Vec3> own_normal;          ///< in the solid's own axes, into the fluid; empty: normals are not updated
     Column<Vec3> position, velocity;  ///< in world axes [m, m/s]
     Column<Vec3> normal;              ///< into the fluid
     Column<Real> volume;              ///< 1/sum W over the neighbouring boundary particles [m^3] (Akinci et al. 2012)
-    Column<Real> behind;              ///< part of the kernel that the solid behind it fills, relative to a flat wall; 0: an edge
+    Column<Real> behind;              ///< fraction of the kernel that the solid fills, relative to a flat wall; 0: an edge
     Column<Vec3> own_face, face;      ///< on convex edges SurfaceSample::face, elsewhere 0
-    /// Weight of the fluid's mirror images in a flat wall. 1: farther than 2 R from all bends, ends and openings of the surface and from
-    /// solids that move; 0: nearer than R. Ends at other surfaces at a right angle that faces the fluid do not count. -1: on such a
-    /// corner. Empty: no wall is flat.
+    /// Weight of the fluid's mirror images behind a flat wall (R: support radius). It is 1 farther than 2 R from all bends, ends and
+    /// openings of the surface and from solids that move, and 0 nearer than R. Ends at another surface, at a right angle that faces the
+    /// fluid, do not count; on such a corner the weight is -1. Empty: no wall is flat.
     Column<Real> flat;
     /// Impulse of the fluid's pressure and contact on each particle in this step [N s], for solids that keep a ledger. Empty: no probe
     /// needs it.

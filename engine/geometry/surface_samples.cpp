@@ -79,11 +79,11 @@ namespace {
 
 struct Dart {
     Vec3d position, outward;
-    int rank = -1;  ///< 0: at the requested depth; 1, 2, ...: at half, a quarter, ... of it, because the shape is thin there; -1: rejected
+    int rank = -1;  ///< k >= 0: at 2^-k of the requested depth (k > 0 if the shape is too thin there); -1: rejected
 };
 
-/// A point near the surface at signed distance `offset`, or at a fraction of it if the shape is too thin. Fractions below a quarter are
-/// tried only in a sheet, that is, if a line inward leaves the shape within half of the offset.
+/// A point at signed distance `offset`, or at a fraction of that distance if the shape is too thin. Fractions below a quarter are tried
+/// only in a sheet, that is, if the line inward from the surface leaves the shape within half of the offset.
 Dart aimed(const Shape& shape, const Vec3d& on_surface, const Vec3d& normal, const Vec3d& direction, double offset) {
     const auto distance = [&](const Vec3d& x) { return double(shape.distance(x.cast<Real>())); };
     double depth = offset;
@@ -110,7 +110,7 @@ std::vector<SurfaceSample> Shape::surface_samples(Real offset, const SamplingReg
     }
     check_count(area / (d * d), "mesh");
 
-    // Sixteen darts per point: the gaps that remain are hardly wide enough for another point.
+    // With sixteen darts per point, the remaining gaps are hardly ever wide enough for another point.
     const Index count = static_cast<Index>(std::ceil(16 * area / (d * d))) + 64;
     std::vector<Dart> darts(count);
     parallel_for(count, [&](Index i) {
@@ -133,7 +133,7 @@ std::vector<SurfaceSample> Shape::surface_samples(Real offset, const SamplingReg
     for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() * static_cast<double>(k)]);
     std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return darts[i].rank < darts[j].rank; });
 
-    // A dart is kept if no other is nearer than 0.8 d on the same side of the body.
+    // A dart is kept if no kept dart on the same side of the body is nearer than 0.8 d.
     const double apart = 0.8 * d;
     std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells;
     const auto key = [&](const Vec3d& x, int i, int j, int k) {
