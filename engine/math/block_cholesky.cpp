@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::size_t leaf_nodes = 12;  // smaller sets are not split: book-keeping of their fronts would cost more than the arithmetic
+constexpr std::size_t leaf_nodes = 12;  // smaller sets are not split, because managing more fronts would cost more than the arithmetic
 
 }  // namespace
 
@@ -84,7 +84,7 @@ bool BlockCholesky::factor(const SymmetricBlocks& A, Span<const Vec3d> place) {
     for (int r = 0; r < n; ++r)
         for (std::size_t e = 0; e < A.row(r).size(); ++e) {
             const int c = A.row(r)[e].column;
-            // (row, index in the row) of the block that couples the earlier of the two nodes with the later one.
+            // The block that couples two nodes belongs to the node that is eliminated earlier.
             below_[order_[r] < order_[c] ? r : c].emplace_back(r, static_cast<int>(e));
         }
     std::vector<Eigen::MatrixXd> left_over(fronts_.size());

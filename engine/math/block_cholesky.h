@@ -27,7 +27,8 @@ private:
     std::vector<std::vector<Entry>> rows_;
 };
 
-/// A = L L^T by nested dissection of the nodes' positions (George 1973) and dense fronts (multifrontal; Duff and Reid 1983).
+/// Factorisation A = L L^T, by nested dissection of the nodes' positions (George 1973) and dense fronts (multifrontal method; Duff and
+/// Reid 1983).
 class BlockCholesky {
 public:
     /// @param place position of each node [any unit] @returns false if A is not positive definite
@@ -43,15 +44,16 @@ private:
         int first = 0, last = 0;    ///< own nodes, in the order of elimination
         std::vector<int> boundary;  ///< later nodes, ascending
         std::vector<int> children;
-        Matrix own, below;  ///< blocks of L: triangular, and the rows of the boundary
+        Matrix own, below;  ///< blocks of L: the triangle of the own nodes, and their columns in the rows of the boundary
     };
     struct Dissection;
     bool eliminate(Front& front, const SymmetricBlocks& A, std::vector<Eigen::MatrixXd>& left_over, std::size_t number) const;
 
-    std::vector<Front> fronts_;                            ///< children before parents
-    std::vector<int> order_;                               ///< position in the order of elimination, by node
-    std::vector<int> node_;                                ///< node, by position in the order
-    std::vector<std::vector<std::pair<int, int>>> below_;  ///< by node: adjacent later nodes, and their index in the row
+    std::vector<Front> fronts_;  ///< children before parents
+    std::vector<int> order_;     ///< position in the order of elimination, by node
+    std::vector<int> node_;      ///< node, by position in the order
+    std::vector<std::vector<std::pair<int, int>>>
+        below_;  ///< by node: row and index in that row of each block for the node and a later one
 };
 
 }  // namespace whorl

@@ -1,7 +1,8 @@
 #pragma once
 /// Two-point boundary value problems y' = f(y) on 0 <= s <= 1 with conditions at both ends. Collocation of fourth order (Lobatto IIIA, as
 /// in Kierzenka & Shampine 2001): the cubic through values and slopes of two nodes also satisfies the equation at their midpoint. Newton's
-/// method uses exact Jacobians, and meshes equalise the error. An unknown constant is a function with slope zero.
+/// method uses exact Jacobians. even_mesh() distributes the nodes such that all intervals have about the same error. Represent an unknown
+/// constant by a function with slope zero.
 ///
 /// A problem has
 ///     static constexpr int functions, start_conditions;          the others are end conditions
@@ -34,9 +35,9 @@ public:
     static constexpr int n = Problem::functions, first = Problem::start_conditions, last = n - first;
     using Values = Vector<double, n>;
 
-    /// Solves on the mesh of `curve`, which contains the first guess. A Newton step is halved up to four times until it reduces the
-    /// residual.
-    /// @param limits tolerance of the last step, relative to 1 + |y|
+    /// Solves on the mesh of `curve`. A Newton step is halved up to four times until it reduces the residual.
+    /// @param curve (in) first guess, (out) solution
+    /// @param limits tolerance of the last Newton step, relative to 1 + |y|; number of Newton steps
     /// @return residuals: root of the sum of the squared conditions at both ends and the mean square of the defects (per interval length,
     /// relative to 1 + |y'|)
     static SolveReport solve(const Problem& problem, Curve<n>& curve, SolveLimits limits);
@@ -48,8 +49,7 @@ public:
 private:
     using Matrix = Eigen::Matrix<double, n, n>;
     class Cubics;
-    static constexpr int rows = first + n;  ///< rows eliminated together: the conditions on a node and the defects of the interval after
-                                            ///< it
+    static constexpr int rows = first + n;  ///< rows eliminated together: conditions on a node, and defects of the interval that follows
 
     template <int m, class F>
     static Vector<double, m> with_jacobian(const F& f, const Values& y, Eigen::Matrix<double, m, n>& jacobian);
@@ -107,11 +107,12 @@ bool Collocation<Problem>::eliminate(Block& block, int columns) {
     return true;
 }
 
-// Defect of an interval:   D = y_1 - y_0 - h/6 (f_0 + 4 f_m + f_1),  f_m = f((y_0 + y_1)/2 + h/8 (f_0 - f_1)),
-//     dD/dy_0 = -1 - h/6 (J_0 + 2 J_m) - h^2/12 J_m J_0,   dD/dy_1 = 1 - h/6 (J_1 + 2 J_m) + h^2/12 J_m J_1.
-// From the start on, the conditions on a node are eliminated together with the defects of the interval after it. n rows give that node's
-// step in terms of the next node's; the other rows become conditions on the next node. Pivoting among all these rows keeps both growing
-// and decaying solutions bounded.
+// Defect of an interval of length h from node 0 to node 1:   D = y_1 - y_0 - h/6 (f_0 + 4 f_m + f_1),
+//     f_m = f((y_0 + y_1)/2 + h/8 (f_0 - f_1)),
+//     dD/dy_0 = -1 - h/6 (J_0 + 2 J_m) - h^2/12 J_m J_0,   dD/dy_1 = 1 - h/6 (J_1 + 2 J_m) + h^2/12 J_m J_1,
+// with the Jacobians J of f. From the start on, the conditions on a node are eliminated together with the defects of the interval that
+// follows the node. n of the rows give the Newton step of that node as a function of the next node's step; the other rows become
+// conditions on the next node. Pivoting among all these rows keeps both growing and decaying solutions bounded.
 template <class Problem>
 std::vector<typename Collocation<Problem>::Values> Collocation<Problem>::newton_step(const Problem& problem, const Curve<n>& curve) {
     const std::size_t intervals = curve.s.size() - 1;
@@ -222,9 +223,9 @@ Curve<Collocation<Problem>::n> Collocation<Problem>::on_mesh(const Problem& prob
     return other;
 }
 
-// The cubic satisfies y' = f at the ends and the middle of an interval. Its defect at two points between (sqrt(3/7) of half an interval
-// from the middle) is of fourth order, so the density of nodes follows the fourth root of that error; an interval is at most twice the
-// mean length.
+// The cubic satisfies y' = f at the ends and the middle of an interval. The error of an interval is the defect of the cubic at two points
+// between these (sqrt(3/7) of half an interval from the middle). It is of fourth order, so the density of nodes follows its fourth root.
+// An interval is at most twice as long as the mean.
 template <class Problem>
 std::vector<double> Collocation<Problem>::even_mesh(const Problem& problem, const Curve<n>& curve, int intervals) {
     const Cubics cubics(problem, curve);

@@ -11,8 +11,8 @@ namespace whorl {
 /// Norm of the residual r = b - A x that the tolerance limits.
 enum class ResidualNorm {
     euclidean,       ///< |r| / |b|
-    preconditioned,  ///< sqrt(r.M r) / sqrt(b.M b): with a good M close to the energy norm of the error, which |r| overestimates for stiff
-                     ///< systems
+    preconditioned,  ///< sqrt(r.M r) / sqrt(b.M b), with the preconditioner M. With a good M this is close to the energy norm of the
+                     ///< error, which |r| overestimates for stiff systems
 };
 
 /// a.b of one entry, in double precision.
@@ -44,7 +44,7 @@ struct NoPreconditioner {
     }
 };
 
-/// Calls f(v, y), which sets y. @returns v.y. f may return that sum itself, which saves a loop over both
+/// Calls f(v, y), which sets y. @returns v.y. If f itself returns v.y, a loop over v and y is saved
 template <class T, class F>
 double apply_and_dot(const F& f, Span<const T> v, Span<T> y) {
     if constexpr (std::is_same_v<decltype(f(v, y)), double>) return f(v, y);
@@ -54,7 +54,7 @@ double apply_and_dot(const F& f, Span<const T> v, Span<T> y) {
     }
 }
 
-/// Continues from a first guess whose residual is known, which saves a product with A. For the other parameters see conjugate_gradients().
+/// Continues from a first guess with a known residual, which saves a product with A. For the other parameters see conjugate_gradients().
 /// @param r b - A x on entry, the last residual on return
 /// @param reference > 0, scale of the residual in the chosen norm
 /// @param Mr M r, if it is already known
@@ -90,7 +90,7 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
             return report;
         }
         const Real alpha = static_cast<Real>(rz / pAp);
-        const double rr = parallel_sum(count, [&](Index i) {  // one loop for both, because each loop must wake the waiting threads
+        const double rr = parallel_sum(count, [&](Index i) {  // one loop updates x and r, because each loop must wake the threads
             x[i] += alpha * p[i];
             r[i] -= alpha * q[i];
             return euclidean ? dot_entry(r[i], r[i]) : 0.0;

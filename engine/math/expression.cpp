@@ -29,7 +29,8 @@ std::string shortest(double value) {
     return text;
 }
 
-/// For an unknown function, muParser reports the position of the parenthesis. The message here gives the function's name and column.
+/// Error message for an exception of muParser. For an unknown function, muParser reports the position of the parenthesis; this message
+/// gives the function's name and column.
 ExpressionError described(const std::string& text, const mu::Parser& parser, const mu::Parser::exception_type& e) {
     const auto end = static_cast<std::size_t>(std::max(0, e.GetPos()));
     if (e.GetCode() == mu::ecUNEXPECTED_PARENS && end > 0 && end < text.size() && text[end] == '(') {

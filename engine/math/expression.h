@@ -12,7 +12,7 @@ namespace whorl {
 /// A text that is not a valid expression. what() gives reason and column.
 struct ExpressionError : std::invalid_argument {
     ExpressionError(const std::string& what, int in_column) : std::invalid_argument(what), column(in_column) {}
-    int column;  ///< in the text, from 1; 0: unknown
+    int column;  ///< column of the error in the text, from 1; 0: unknown
 };
 
 /// An expression of t [s], x, y, z [m] (or `age` [s], which is passed as t), with the constant pi and the functions of muParser (sin, exp,
@@ -29,7 +29,7 @@ public:
     double operator()(double t, const Vec3d& x) const { return (*this)(t, x.x(), x.y(), x.z()); }
     bool is_constant() const;
     bool depends_on_time() const;
-    /// The variables that it uses: "", "t", "xz", ... ('a' for age).
+    /// The variables that the expression uses: "", "t", "xz", ... ('a' for age).
     std::string variables() const;
     /// The text that the user wrote; for a number, its shortest decimal.
     const std::string& text() const { return text_; }

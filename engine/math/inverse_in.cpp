@@ -11,7 +11,7 @@ Mat3d pseudo_inverse(const Mat3d& matrix, int dimensions) {
     const double size = matrix.trace();
     if (!(size > 0) || !std::isfinite(size)) return Mat3d::Zero();
     const Mat3d A = matrix / size;
-    // With trace 1 and s_min/s_max = 0.04 the determinant is at most 0.0047 (2D: 0.037). Above that, all directions are fully resolved.
+    // With trace 1 and s_min/s_max = 0.04 the determinant is at most 0.0047 (2D: 0.037). If it is larger, all eigenvectors have weight 1.
     if (determinant_in(dimensions, A) > (dimensions == 3 ? 0.005 : 0.038)) return inverse_in(dimensions, A) / size;
     Eigen::SelfAdjointEigenSolver<Mat3d> eigen;
     eigen.computeDirect(A);

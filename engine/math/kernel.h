@@ -22,19 +22,20 @@ T power_of(T length, int dimensions) {
     return dimensions == 2 ? length * length : length * length * length;
 }
 
-/// Common part of the three kernels. `norm` makes the integral over space (2D: over the plane) equal to 1.
+/// Common part of the three kernels, each of which has the members W(r) [m^-3], derivative W'(r) [m^-4] and slope W'(r)/r [m^-5]. The slope
+/// is finite at r = 0. All three are 0 for q = r/R >= 1. In 2D the units have one m less in the denominator. `norm` makes the integral
+/// over space (2D: over the plane) equal to 1.
 struct KernelBase {
     int dimensions;
     Real R, inverse, norm;
-    /// @param space, plane norm R^D in 3D and in 2D
+    /// @param space, plane the product norm R^D, in 3D (D = 3) and in 2D (D = 2)
     KernelBase(Real support, int in_dimensions, double space, double plane)
         : dimensions(in_dimensions), R(support), inverse(1 / support),
           norm(static_cast<Real>(in_dimensions == 2 ? plane : space) / power_of(support, in_dimensions)) {}
 };
 
-/// Members of each kernel: W(r) [m^-3], derivative W'(r) [m^-4], and slope W'(r)/r [m^-5], which is finite at r = 0. r in m, q = r/R; all
-/// are 0 for q >= 1. In 2D the units have one m less in the denominator. Cubic B-spline (Monaghan and Lattanzio 1985), written for q =
-/// r/R:  W = 8/(pi R^3) (1 - 6 q^2 + 6 q^3 | 2 (1-q)^3); 2D: 40/(7 pi R^2).
+/// Cubic B-spline (Monaghan and Lattanzio 1985). With q = r/R, W is 8/(pi R^3) times 1 - 6 q^2 + 6 q^3 for q < 1/2, and times 2 (1-q)^3
+/// for 1/2 <= q < 1. In 2D the factor is 40/(7 pi R^2).
 struct CubicKernel : KernelBase {
     explicit CubicKernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 8 / std::numbers::pi, 40 / (7 * std::numbers::pi)) {}
@@ -57,7 +58,7 @@ struct CubicKernel : KernelBase {
     }
 };
 
-/// Wendland C2 (Wendland 1995):  W = 21/(2 pi R^3) (1-q)^4 (1+4q); 2D: 7/(pi R^2).
+/// Wendland C2 (Wendland 1995), with q = r/R:  W = 21/(2 pi R^3) (1-q)^4 (1+4q). In 2D the factor is 7/(pi R^2).
 struct WendlandC2Kernel : KernelBase {
     explicit WendlandC2Kernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 21 / (2 * std::numbers::pi), 7 / std::numbers::pi) {}
@@ -77,7 +78,7 @@ struct WendlandC2Kernel : KernelBase {
     }
 };
 
-/// Wendland C4 (Wendland 1995):  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2); 2D: 9/(pi R^2).
+/// Wendland C4 (Wendland 1995), with q = r/R:  W = 495/(32 pi R^3) (1-q)^6 (1+6q+35/3 q^2). In 2D the factor is 9/(pi R^2).
 struct WendlandC4Kernel : KernelBase {
     explicit WendlandC4Kernel(Real support, int in_dimensions = 3)
         : KernelBase(support, in_dimensions, 495 / (32 * std::numbers::pi), 9 / std::numbers::pi) {}
@@ -98,7 +99,7 @@ struct WendlandC4Kernel : KernelBase {
     }
 };
 
-/// Calls f with the kernel of this form, so that the loops inside f are compiled once per kind and have no branch on it.
+/// Calls f with the kernel of this form, so that the loops inside f are compiled once per kind and do not branch on the kind.
 template <class F>
 decltype(auto) with_kernel(KernelForm form, Real support, F&& f) {
     switch (form.kind) {

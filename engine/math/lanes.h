@@ -23,7 +23,7 @@ inline constexpr Index lane_count = 4;
 using Lanes = Real __attribute__((vector_size(lane_count * sizeof(Real))));
 static_assert(lane_count == 4 || lane_count == 8 || lane_count == 16);
 
-/// Four numbers, aligned as one piece: a vector and a spare.
+/// Four numbers that are aligned together: a vector and a spare number.
 struct alignas(4 * sizeof(Real)) Vec4 {
     Real v[4];
 };
@@ -32,7 +32,7 @@ using Quad = Real __attribute__((vector_size(4 * sizeof(Real))));
 inline const Quad& quad(const Vec4& from) { return *reinterpret_cast<const Quad*>(from.v); }
 inline Quad& quad(Vec4& to) { return *reinterpret_cast<Quad*>(to.v); }
 
-/// v followed by a spare of 0.
+/// v, with 0 as the spare number.
 inline Vec4 with_spare(const Vec3& v) {
 #if defined(__AVX512VL__) && !defined(WHORL_DOUBLE)
     Vec4 four;
@@ -86,9 +86,9 @@ inline void set_lane(SymmetricLanes& to, Index lane, const Mat3& m) {
 
 namespace detail {
 
-// L below is Lanes, but as a template parameter: then clang skips the branches for other lane counts.
+// L in this namespace is always Lanes. It is a template parameter so that clang skips the branches for other lane counts.
 
-/// Index of an element in a pair (p, q) of Lanes that are split into groups of four: k < 4 counts in p, k >= 4 in q.
+/// Index in the pair (p, q) of Lanes of element k of group `four` (four elements each): k = 0 to 3 are in p, k = 4 to 7 in q.
 constexpr int in_four(int k, int four) { return k < 4 ? 4 * four + k : lane_count + 4 * four + k - 4; }
 
 /// Each group of four in the result has the elements a, b, c, d of the groups of p (0 to 3) and q (4 to 7) at the same position.
@@ -104,7 +104,7 @@ template <int a, int b, int c, int d, class L>
     else return __builtin_shufflevector(p, q, in_four(a, 0), in_four(b, 0), in_four(c, 0), in_four(d, 0));
 }
 
-/// The pieces at stride place[0], stride place[4], stride place[8] ... in one register.
+/// The Vec4 at the indices stride place[0], stride place[4], stride place[8] ... of `from`, in one register.
 template <int stride, class Place>
 [[gnu::always_inline]] inline Lanes every_fourth(const Vec4* from, const Place* place) {
     if constexpr (lane_count == 16) {
@@ -120,7 +120,7 @@ template <int stride, class Place>
 
 using Eight = Real __attribute__((vector_size(8 * sizeof(Real))));
 
-/// Two adjacent pieces at 2 place[0]; with sixteen lanes also the two at 2 place[4].
+/// The two Vec4 from index 2 place[0] on; with sixteen lanes also the two from index 2 place[4] on.
 template <class Place>
 [[gnu::always_inline]] inline Lanes two_pieces(const Vec4* from, const Place* place) {
     const auto eight = [&](Index k) { return *reinterpret_cast<const Eight*>(from + 2 * static_cast<std::size_t>(place[k])); };
@@ -129,7 +129,7 @@ template <class Place>
     else return eight(0);
 }
 
-/// Every second group of four of a, then of b. `first` 0: begins with the first group, 1: with the second.
+/// Every second group of four elements of a, then of b. It begins with the first group if `first` is 0, with the second if it is 1.
 template <int first, class L>
 [[gnu::always_inline]] inline L every_second_four(L a, L b) {
     constexpr int k = 4 * first;
@@ -144,7 +144,7 @@ Quad four_of(Lanes v) {
     return __builtin_shufflevector(v, v, 4 * four, 4 * four + 1, 4 * four + 2, 4 * four + 3);
 }
 
-/// Adds the groups of four in v to the pieces at stride place[0], stride place[4], stride place[8] ...
+/// Adds the groups of four elements in v to the Vec4 at the indices stride place[0], stride place[4], stride place[8] ... of `to`.
 template <int stride, class Place>
 [[gnu::always_inline]] inline void add_to_every_fourth(Lanes v, const Place* place, Vec4* to) {
     quad(to[stride * place[0]]) += four_of<0>(v);
@@ -157,7 +157,7 @@ template <int stride, class Place>
 
 }  // namespace detail
 
-/// The vectors from[stride place[lane]]. @param fourth gets their spare numbers, unless it is null
+/// The vectors from[stride place[lane]]. @param fourth (out) spare numbers of these vectors, unless null
 template <int stride = 1, class Place>
 [[gnu::always_inline]] inline Lanes3 gather(const Vec4* from, const Place* place, Lanes* fourth = nullptr) {
     using detail::fours;
@@ -173,14 +173,14 @@ struct TwoLanes3 {
     Lanes3 first, second;
 };
 
-/// The vectors from[2 place[lane]] and from[2 place[lane] + 1]: cheaper than two calls of gather().
+/// The vectors from[2 place[lane]] and from[2 place[lane] + 1]. This is cheaper than two calls of gather().
 template <class Place>
 [[gnu::always_inline]] inline TwoLanes3 gather_two(const Vec4* from, const Place* place) {
     using detail::fours;
     if constexpr (lane_count == 4) {
         return {gather<2>(from, place), gather<2>(from + 1, place)};
     } else {
-        // Half of the lanes at a time: groups of four components of the first vectors and of the second vectors alternate.
+        // Gathers half of the lanes. In the result, groups of four components of first vectors and of second vectors alternate.
         const auto half = [&](const Place* p) {
             const Lanes a = detail::two_pieces(from, p), b = detail::two_pieces(from, p + 1);
             const Lanes c = detail::two_pieces(from, p + 2), d = detail::two_pieces(from, p + 3);
@@ -195,7 +195,7 @@ template <class Place>
     }
 }
 
-/// to[stride place[lane]] += the lane's vector, in a fixed order, so entries of `place` may repeat.
+/// Adds the vector of each lane to to[stride place[lane]]. The order is fixed, so entries of `place` may repeat.
 template <int stride = 1, class Place>
 [[gnu::always_inline]] inline void scatter(const Lanes3& v, const Place* place, Vec4* to) {
     using detail::fours;
@@ -208,7 +208,7 @@ template <int stride = 1, class Place>
     detail::add_to_every_fourth<stride>(fours<2, 3, 6, 7>(xy1, z1), place + 3, to);
 }
 
-/// Adds the symmetric matrix of each lane to two adjacent pieces, at 2 place[lane]: (xx, yy, zz) and (xy, xz, yz).
+/// Adds the symmetric matrix of each lane to the two Vec4 from index 2 place[lane] on: (xx, yy, zz) and (xy, xz, yz).
 template <class Place>
 [[gnu::always_inline]] inline void scatter(const SymmetricLanes& m, const Place* place, Vec4* to) {
     scatter<2>(Lanes3{m.xx, m.yy, m.zz}, place, to);

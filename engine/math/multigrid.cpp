@@ -17,7 +17,7 @@ Column<Real> inverse_diagonal(const SparseRows& A) {
     return inverse;
 }
 
-/// Smoothed interpolation: (1 - w D^-1 A) applied to the vectors that are 1 on a group and 0 elsewhere.
+/// Smoothed interpolation: (1 - w D^-1 A) applied to the vectors that are 1 on a group and 0 elsewhere. @param smoothing w/D
 SparseRows interpolation(const SparseRows& A, Span<const Real> smoothing, const std::vector<Index>& group_of, Index groups) {
     SparseRows P;
     P.columns = groups;
@@ -98,8 +98,8 @@ void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const Multigri
             return;
         }
         level.smoothing = inverse_diagonal(A);
-        // w = 4/3 over the largest eigenvalue makes the smoothed interpolation the best of its degree. Sweeps are symmetric and positive
-        // definite up to w = 2 over it, so the estimate may be a third too small.
+        // With w = 4/3 divided by the largest eigenvalue, the smoothed interpolation is the best of its degree. The cycle is symmetric and
+        // positive definite up to w = 2 divided by the largest eigenvalue, so the estimate of that eigenvalue may be a third too small.
         const Real w = Real(4.0 / 3) / largest_eigenvalue(A, level.smoothing);
         for (Real& one : level.smoothing) one *= w;
 
@@ -123,11 +123,12 @@ void Multigrid::factor(const SparseRows& A) {
     for (Index i = 0; i < A.size(); ++i)
         if (!(dense(i, i) > static_cast<double>(min_positive))) dense(i, i) = 1;
     coarsest_.compute(dense);
-    // Pivot of a row after elimination, relative to its diagonal. If A is singular, it is only round-off, and its inverse would be noise.
+    // left(): smallest pivot, relative to the diagonal element of its row. If A is singular, the pivot is only round-off, and its inverse
+    // would be noise.
     constexpr double round_off = 1e-3;
     const auto left = [&] { return (coarsest_.matrixLLT().diagonal().array().square() / dense.diagonal().array()).minCoeff(); };
     if (coarsest_.info() == Eigen::Success && left() > round_off) return;
-    // Singular, as in a closed box: raise the diagonal, so that the weight of constants is 10^4 instead of infinite.
+    // The matrix is singular, as in a closed box. Raising the diagonal makes the response to a constant b finite: about 10^4 b/D.
     constexpr double lift = 1e-4;
     dense.diagonal() *= 1 + lift;
     coarsest_.compute(dense);

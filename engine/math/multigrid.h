@@ -27,14 +27,17 @@ private:
 
 struct MultigridOptions {
     Index coarsest = 250;   ///< most unknowns that a dense Cholesky factorisation solves
-    int sweeps_before = 1;  ///< number of damped Jacobi sweeps on each level before the correction from the next, at least 1
-    int sweeps_after = 1;   ///< number of sweeps after it; must equal sweeps_before for conjugate gradients, which need a symmetric cycle
+    int sweeps_before = 1;  ///< number of damped Jacobi sweeps on each level before the correction from the next level, at least 1
+    int sweeps_after = 1;   ///< number of sweeps after that correction; equal to sweeps_before for a symmetric cycle, which conjugate
+                            ///< gradients need
 };
 
-/// x = M^-1 b. M is symmetric and positive definite for any symmetric positive semi-definite A if the sweeps before and after are equal in
-/// number. A cycle: damped Jacobi sweeps from zero, the correction from the next level (2 x 2 x 2 cells become one; A' = P^T A P), sweeps
-/// again. Cholesky solves the coarsest level; if it is singular, as in a closed box, its diagonal is raised by a factor of 1 + 1e-4. Rows
-/// with a zero diagonal give x = 0.
+/// Preconditioner x = M^-1 b for the matrix A: one V-cycle. M is symmetric and positive definite for any symmetric positive semi-definite A
+/// if the numbers of sweeps before and after are equal.
+///
+/// A cycle makes damped Jacobi sweeps from zero, adds the correction from the next level, and makes sweeps again. On the next level,
+/// 2 x 2 x 2 cells become one, and the matrix is P^T A P with the interpolation P. The coarsest level is solved by Cholesky factorisation.
+/// If its matrix is singular, as in a closed box, its diagonal is multiplied by 1 + 1e-4. Rows with a zero diagonal give x = 0.
 class Multigrid {
 public:
     void set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options);
@@ -46,7 +49,7 @@ public:
 private:
     struct Level {
         SparseRows A;
-        Column<Real> smoothing;  ///< w/D
+        Column<Real> smoothing;  ///< damping factor w of the sweeps over the diagonal of A
         SparseRows P, R;         ///< interpolation from the next level to this one, and its transpose; empty on the coarsest
         mutable Column<Real> b, x, work;
     };
@@ -58,7 +61,8 @@ private:
     Eigen::LLT<Eigen::MatrixXd> coarsest_;
 };
 
-/// Largest eigenvalue of D^-1 A by the power method, limited to the largest row sum of |D^-1 A|.
+/// Estimate of the largest eigenvalue of D^-1 A, with the diagonal D of A: 1.1 times the result of the power method, but at most the
+/// largest row sum of |D^-1 A|.
 Real largest_eigenvalue(const SparseRows& A, Span<const Real> inverse_diagonal);
 
 }  // namespace whorl

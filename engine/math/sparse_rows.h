@@ -8,7 +8,7 @@
 namespace whorl {
 
 struct SparseRows {
-    std::vector<std::size_t> first{0};  ///< begin of each row in column and value; the last entry is their size
+    std::vector<std::size_t> first{0};  ///< begin of each row in `column` and `value`; the last entry is the size of both
     Column<Index> column;
     Column<Real> value;
     Index columns = 0;
@@ -31,7 +31,8 @@ SparseRows gather_rows(Index rows, Index columns, F&& f) {
     const Index blocks = (rows + block - 1) / block;
     std::vector<Part> parts(blocks);
     parallel_tasks(blocks, [&](Index b) {
-        // Index of a column's entry in the current row. A stale index, of an earlier row, is detected by comparison with that entry.
+        // By column: index of the column's entry in the current row. An index left over from an earlier row is recognised, because the
+        // entry at that index is not in the current row or has another column.
         thread_local std::vector<std::size_t> place;
         if (place.size() < static_cast<std::size_t>(columns)) place.resize(columns, 0);
         Part& part = parts[b];
