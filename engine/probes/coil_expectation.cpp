@@ -9,8 +9,7 @@ namespace {
 
 constexpr double steady = 0.02;     ///< relative change below which a value counts as constant
 constexpr double same = 2e-3;       ///< relative difference of parameters that share an answer
-constexpr double same_none = 0.03;  ///< relative difference from parameters without a solution below which there is no new search (which
-                                    ///< may take a second)
+constexpr double same_none = 0.03;  ///< the same if the answer is that there is no coil, because a new search may take a second
 constexpr double neighbour = 0.1;   ///< relative difference up to which the old answer is used while the new one is computed
 
 bool takes_viscosity(const Plan& plan) { return plan.traits.viscous() && !plan.traits.micropolar.spins; }

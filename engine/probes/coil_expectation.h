@@ -12,16 +12,17 @@ struct Pouring {
     double nozzle_radius = 0;                   ///< m
     double start = 0, stop = 0;                 ///< s
     double viscosity = 0, surface_tension = 0;  ///< viscosity over density [m^2/s], surface tension over density [m^3/s^2]
-    Expression speed;                           ///< m/s, of t
-    VectorExpression gravity;                   ///< m/s^2, of t
+    Expression speed;                           ///< m/s, function of t
+    VectorExpression gravity;                   ///< m/s^2, function of t
 };
 
-/// Empty if the theory does not apply: no disc pours down the axis (of several, the nearest to it is used), the viscosity varies with
-/// position or age, no model treats it as a viscosity (none, xsph), or the fluid is micropolar. @param up unit vector against the fall
+/// The thread of the emitter that pours down the axis; of several emitters, of the one nearest to the axis. Empty if the theory does not
+/// apply: there is no such emitter, its opening is not a disc, the viscosity varies with position or age, the viscosity model (none, xsph)
+/// does not use it as a viscosity, or the fluid is micropolar. @param up unit vector against the fall
 std::optional<Pouring> pouring(const Scene& scene, const Plan& plan, const Vec3d& axis_point, const Vec3d& up);
 
-/// Empty if the thread is not poured at `time`, if the current expressions change speed or gravity by more than 2 % within the `span`
-/// before it, or if gravity deviates from the axis by as much.
+/// Parameters of the theory at `time`. Empty if the thread is not poured at `time`, if gravity deviates from the axis by more than 2 %, or
+/// if speed or gravity, by their current expressions, change by more than 2 % within the `span` before `time`.
 /// @param time,span s @param fall m
 std::optional<CoilParameters> steady_parameters(const Pouring& pouring, const Vec3d& up, double time, double span, double fall);
 
@@ -32,8 +33,9 @@ class CoilExpectation {
 public:
     explicit CoilExpectation(TheorySearch search) : search_(search) {}
     ~CoilExpectation();
-    /// The coil for these parameters, or for parameters within 0.2 % (3 % if those have no coil). While a search in the background
-    /// continues: the coil of parameters within a tenth if there is one, otherwise empty.
+    /// The coil for these parameters. The last answer is used again if its parameters are within 0.2 %, or within 3 % if it was that there
+    /// is no coil. While a search in the background continues, the last answer is used if its parameters are within a tenth; otherwise the
+    /// result is empty.
     std::optional<CoilTheory> at(const CoilParameters& parameters);
 
     /// Saves the state, so that a resumed run is bit-identical. Only for TheorySearch::wait.

@@ -35,7 +35,7 @@ struct CoilProbe::Step {
     };
     std::vector<FluidParticle> fluid;
     double spacing = 0;
-    double opening = 0;    ///< height of the nozzle [m]; without one, of the highest fluid
+    double opening = 0;    ///< height of the nozzle [m]; without a nozzle, height of the highest fluid
     double fastest_z = 0;  ///< upper side of the fastest layer [m]
     double slice = 0;      ///< number of particles in a layer of the thread
     bool pile = false;
@@ -103,8 +103,8 @@ void CoilProbe::find_pile(Step& step) const {
         met += slow[l];
         if (met < step.slice / 2) continue;
         step.pile = true;
-        step.pile_top = (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;  // the surface is half a spacing above the last
-                                                                                        // particle's centre
+        // The surface of the pile is half a spacing above the particles in this layer.
+        step.pile_top = (static_cast<double>(l) + 0.5) * thickness + step.spacing / 2;
     }
 }
 

@@ -5,21 +5,24 @@
 /// plate may move):
 ///   1. Thread speed U: the largest mean downward speed of a layer one spacing thick. The number of particles in that layer gives the
 ///      thread's radius a.
-///   2. Pile: particles slower than 0.1 U. Its top is the height above which there is half a slice of thread (one spacing long) of such
-///      particles, low-passed over the time in which 4 a of thread are laid.
+///   2. Pile: particles slower than 0.1 U. A slice of the thread is one spacing long. The pile's top is the height above which there are
+///      half as many particles of the pile as in a slice, low-passed over the time in which a length 4 a of thread is laid.
 ///   3. Falling thread: particles faster than 0.4 U, from 2.5 a below the pile's top to 10 a above it. Their mean position gives the angle
 ///      of the coil.
 ///   4. Contact: particles slower than 0.7 U in the same range of heights, in four ranges of speed (CoilTurns). They give radius and height
-///      of the circle on which the thread comes to rest. With `height` > 0, the thread's section at that height above the pile's top gives
-///      both instead, without extrapolation.
+///      of the circle on which the thread comes to rest.
+/// With `height` > 0, the thread's section at that height above the pile's top gives the angle and the radius instead, without
+/// extrapolation.
 ///
-/// Frequency and radius are means over the last four turns; spreads are standard deviations of a single turn; uncertainties are those of
-/// the mean (spread over the square root of the number of turns). Spreads and uncertainties are empty before two turns. All cells are
-/// empty until a full turn was seen, and again if no turn was completed for three periods. pile_height is the current height of the ground
-/// on which the thread lands: its centre line comes to rest one radius above. fall is the height of the nozzle above that ground, as a
-/// mean over the same turns as the frequency; it is the fall height of the theory. theory_frequency and theory_radius are the theoretical
-/// values for that fall and for the current speed, nozzle, viscosity, gravity and surface tension (coil_theory.h, coil_expectation.h).
-/// They are empty before a fall is known, and if the theory does not apply or finds no coil.
+/// Frequency and radius are means over the last four turns. Spreads are standard deviations of a single turn. Uncertainties are those of
+/// the mean, the spread over the square root of the number of turns. Spreads and uncertainties are empty before two turns. All of these,
+/// and `fall`, are empty until a full turn was seen, and again if no turn was completed for three periods.
+///
+/// pile_height is the current height of the ground on which the thread lands; the thread's centre line comes to rest one thread radius
+/// above it. fall is the height of the nozzle above the mean ground over the same turns as the frequency, and is the fall height of the
+/// theory. theory_frequency and theory_radius are the theoretical values for that fall and for the current speed, nozzle, viscosity,
+/// gravity and surface tension (coil_theory.h, coil_expectation.h). They are empty before a fall is known, and if the theory does not
+/// apply or finds no coil.
 #include <array>
 #include <optional>
 
@@ -36,17 +39,17 @@ struct CirclePoints {
     std::optional<double> radius() const;
 };
 
-/// Turns of a coil. The falling thread's position counts them, the points where it comes to rest measure them.
+/// Turns of a coil. They are counted by the position of the falling thread, and measured at the points where the thread comes to rest.
 ///
-/// The position of the thread across the axis rotates with the coil. Its angle about its own running mean is unwrapped over time. A turn
-/// is complete when the angle has advanced by 2 pi. A turn does not count if it is interrupted: the thread passes through the mean, or the
-/// angle jumps by more than a quarter turn between two samples. A turn that reverses by a quarter restarts at its reversal, so a folding
-/// thread has no turns.
+/// The position of the thread across the axis rotates with the coil. The angle of this position about its running mean is unwrapped over
+/// time. A turn is complete when the angle has advanced by 2 pi. It does not count if the thread passes through the mean, or if the angle
+/// jumps by more than a quarter turn between two samples. If the angle goes back by a quarter turn, the turn restarts at the reversal, so
+/// a folding thread has no turns.
 ///
-/// During a turn the contact moves around a circle, which is fitted by least squares (x^2 + y^2 + D x + E y + F, Kasa 1976), so that a
+/// During a turn the contact moves around a circle. The circle is fitted by least squares (x^2 + y^2 + D x + E y + F, Kasa 1976), so that a
 /// coil off the axis is also measured. In steady coiling the thread touches down without slip, with the curvature of the turn before (Ribe
-/// 2004). So near the contact the speed grows with the square of the arc length and the distance from the circle with its cube: the
-/// distance is linear in speed^(3/2). The contact is therefore measured in four ranges of the speed, and radius and height are
+/// 2004). So near the contact, the speed grows with the square of the arc length and the distance from the circle with the cube of the arc
+/// length. The distance is therefore linear in speed^(3/2). The contact is measured in four ranges of the speed, and radius and height are
 /// extrapolated to speed 0.
 class CoilTurns {
 public:
@@ -61,7 +64,7 @@ public:
     /// Measurements of one step.
     struct Sample {
         double time = 0;
-        double speed = 0, radius = 0;  ///< of the falling thread [m/s, m]
+        double speed = 0, radius = 0;  ///< speed and radius of the falling thread [m/s, m]
         Centre thread;                 ///< the lowest part of the thread, still falling; gives the angle
         std::array<Centre, ranges> contact;
         std::optional<Centre> section;  ///< if set, a section that is still falling, which gives the radius
@@ -86,16 +89,16 @@ public:
     /// Contains only plain numbers, so that a checkpoint can store its bytes.
     struct Memory {
         double last_time = 0;
-        std::array<Height, ranges> height{};  ///< of the contact in each range, low-passed
-        double thread_radius = 0;             ///< m, low-passed
+        std::array<Height, ranges> height{};  ///< height of the contact in each range of speed, low-passed
+        double thread_radius = 0;             ///< low-passed [m]
         double centre_x = 0, centre_y = 0;    ///< running mean of the thread's position [m]
         bool turning = false;
         double angle = 0;                           ///< rad, unwrapped
         double turn_time = 0, turn_angle = 0;       ///< time and angle at the start of the current turn
         double farthest = 0, farthest_time = 0;     ///< farthest angle of the current turn, and its time [rad, s]
-        std::array<CirclePoints, ranges> circle{};  ///< of the current turn
+        std::array<CirclePoints, ranges> circle{};  ///< contact points of the current turn
         CirclePoints section;
-        std::array<Height, ranges> turn_height{};  ///< of the current turn
+        std::array<Height, ranges> turn_height{};  ///< height of the contact in the current turn
         double full_turns = 0;
         struct Turn {
             double period = 0, radius = 0, ground = 0;
@@ -154,7 +157,7 @@ private:
     double height_;
     Memory memory_;
     CoilTurns turns_;
-    std::optional<Pouring> pouring_;  ///< what the scene pours along the axis
+    std::optional<Pouring> pouring_;  ///< thread that the scene pours along the axis
     CoilExpectation expectation_;
 };
 

@@ -33,10 +33,10 @@ void CirclePoints::add(double weight, double px, double py) {
 
 std::optional<double> CirclePoints::radius() const {
     if (!(w > 0)) return std::nullopt;
-    // Relative to the mean, the normal equations separate: [sxx sxy; sxy syy] c = (sxz, syz)/2 for the centre c, R^2 = szz + |c|^2.
+    // With positions X, Y relative to their mean, the normal equations separate: [sxx sxy; sxy syy] c = (sxz, syz)/2 for the centre c, and
+    // R^2 = sxx + syy + |c|^2. Here sxx, sxy and syy are means of X^2, X Y and Y^2; sxz and syz are means of X and Y times X^2 + Y^2.
     const double mx = x / w, my = y / w;
     const double sxx = xx / w - mx * mx, sxy = xy / w - mx * my, syy = yy / w - my * my, spread = sxx + syy;
-    // sum (X^2 + Y^2) X with X = x - mx, Y = y - my
     const double sxz = xz / w - mx * z / w - 2 * (mx * sxx + my * sxy), syz = yz / w - my * z / w - 2 * (mx * sxy + my * syy);
     const double determinant = sxx * syy - sxy * sxy;
     if (!(determinant > 0.01 * spread * spread)) return std::nullopt;  // a line, not a circle (a full circle has 1/4)
@@ -48,7 +48,7 @@ void CoilTurns::add(const Sample& sample) {
     Memory& m = memory_;
     const double elapsed = std::max(0.0, sample.time - m.last_time);
     m.last_time = sample.time;
-    // Time constants in thread radii laid: about the length of a turn for 30, the length of the contact for 4.
+    // Time constants, as the length of thread laid in thread radii: 30 is about the length of a turn, 4 about that of the contact.
     const double laid = elapsed * sample.speed / sample.radius;
     const bool first = m.thread_radius == 0;
     const double blend = first ? 1 : 1 - std::exp(-laid / 30), keep = std::exp(-laid / 4);

@@ -58,7 +58,7 @@ void check_probes(const Simulation& simulation) {
     const Scene& scene = simulation.scene();
     std::vector<Problem> problems;
     for (std::size_t k = 0; k < scene.probes.size(); ++k) try {
-            if (scene.probes[k].compare.empty() && scene.probes[k].kind != ProbeKind::gauge) continue;  // it cannot fail
+            if (scene.probes[k].compare.empty() && scene.probes[k].kind != ProbeKind::gauge) continue;  // such a probe has no fault
             const auto probe = make_probe(scene.probes[k], simulation.world(), TheorySearch::in_background);
             if (const std::string fault = probe->fault(); !fault.empty())
                 problems.push_back({scene.place(entry_name("probe", k) + ".at"), entry_name("probe", k) + ": " + fault, "", ""});

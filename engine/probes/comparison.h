@@ -13,7 +13,7 @@ struct Comparison {
     std::size_t along = 0;  ///< index of the column for the horizontal axis: time, or a position with several rows per frame
 
     bool has(const std::string& column) const { return table.has(column); }
-    /// Value of a column, interpolated linearly between rows; NaN outside them.
+    /// Value of a column, interpolated linearly between rows; NaN outside the range of the rows.
     double at(const std::string& column, double along_value) const;
 };
 

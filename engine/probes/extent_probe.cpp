@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-constexpr double link = 1.5;  ///< spacings
+constexpr double link = 1.5;  ///< largest distance between connected particles [spacings]
 
 class ExtentProbe : public Probe {
 public:
@@ -21,8 +21,8 @@ private:
     Vec3d origin_, ahead_, up_;
 };
 
-/// Sets for each particle the number of its connected part, from 1 in the order of their first particles; 0 in nozzles. @return number of
-/// parts
+/// Sets for each particle the number of its connected part; 0 for particles in nozzles. Parts are numbered from 1 in the order of their
+/// first particles. @return number of parts
 int find_parts(const World& world, Span<std::int32_t> part) {
     const Domain& domain = world.step.domain;
     Real reach = static_cast<Real>(link) * world.step.spacing;

@@ -56,7 +56,8 @@ FluxProbe::FluxProbe(const ProbeKeys& keys, const World& world)
 int FluxProbe::crossing(const StepContext& step, const Vec3& from, const Vec3& to) const {
     const Vec3d a = place(step.domain, from), b = place(step.domain, to);
     Vec3d end = a + axes_ * step.domain.minimum_image(to - from).cast<double>();
-    // Use exactly the value with which the next path begins, unless the particle went around a periodic domain.
+    // The path must end at exactly the height at which the next path begins, so that every crossing counts once. The exception is a
+    // particle that moved to another period.
     if (std::abs(end.z() - b.z()) < static_cast<double>(step.spacing) / 100) end.z() = b.z();
     if ((a.z() >= 0) == (end.z() >= 0)) return 0;
     const Vec3d met = a + a.z() / (a.z() - end.z()) * (end - a);

@@ -9,8 +9,9 @@
 namespace whorl {
 namespace {
 
-constexpr double reach = 3, within = 1.2;  ///< spacings
-constexpr double told_apart = 2e-4;        ///< smallest variance of a term that counts, relative to the largest
+/// Distance up to which particles are used, and distance of the nearest particle beyond which a point is outside the fluid [spacings].
+constexpr double reach = 3, within = 1.2;
+constexpr double told_apart = 2e-4;  ///< smallest variance of a term that counts, relative to the largest
 
 using Terms = Eigen::Matrix<double, 9, 1>;
 
@@ -21,8 +22,9 @@ Terms terms_of(const Vec3d& s) {
     return t;
 }
 
-// f(s) = c + b.t(s), with s the position relative to the point over the reach. With <> the mean with weights w, b minimises <(f - <f> -
-// b.(t - <t>))^2>, so  b = C^+ <(t - <t>) f>,  C = <(t - <t>)(t - <t>)^T>,  f(0) = <f> - b.<t>.
+// Fits f(s) = c + b.t(s) to the values f of the particles. s is the position relative to the point, divided by the reach; t are the terms
+// of s. <> is the mean over particles with kernel weights. b minimises <(f - <f> - b.(t - <t>))^2>, so  b = C^+ <(t - <t>) f>,
+// C = <(t - <t>)(t - <t>)^T>,  f(0) = <f> - b.<t>, with the pseudo-inverse C^+.
 Interpolation interpolate_among(const std::vector<Index>& near, const World& world, const Vec3d& point) {
     const auto x = world.fluid.column<field::position>();
     const auto role = roles(world);
@@ -61,7 +63,7 @@ Interpolation interpolate_among(const std::vector<Index>& near, const World& wor
 
 std::vector<std::vector<Index>> particles_near(const World& world, const std::vector<Vec3d>& points, double radius) {
     const StepContext& step = world.step;
-    const Real far = static_cast<Real>(1.01 * radius);  // slightly more, so that rounding loses none
+    const Real far = static_cast<Real>(1.01 * radius);  // slightly more, so that round-off excludes no particle
     bool searchable = points.size() > 1;
     for (int a = 0; a < 3; ++a) searchable = searchable && (!step.domain.periodic[a] || step.domain.size()[a] >= 2 * far);
     const auto x = world.fluid.column<field::position>();
@@ -78,7 +80,7 @@ std::vector<std::vector<Index>> particles_near(const World& world, const std::ve
     NeighbourSearch().find(places, x, far, step.domain, pairs);
     for (std::size_t k = 0; k < points.size(); ++k) {
         pairs.of(static_cast<Index>(k), [&](Index j, const Vec3&, Real) { near[k].push_back(j); });
-        std::sort(near[k].begin(), near[k].end());  // sums must be in the order of all particles
+        std::sort(near[k].begin(), near[k].end());  // sums over them must be in the order of the store
     }
     return near;
 }

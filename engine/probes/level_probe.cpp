@@ -5,7 +5,7 @@
 namespace whorl {
 namespace {
 
-constexpr double level_reach = 3, level_places = 4;  ///< radius of the kernel [spacings]; sample points per spacing
+constexpr double level_reach = 3, level_places = 4;  ///< support radius of the kernel [spacings]; number of sample points per spacing
 
 class LevelProbe : public Probe {
 public:
@@ -24,7 +24,8 @@ double distance_to_solids(const Solids& solids, const Vec3& x) {
     return static_cast<double>(distance);
 }
 
-/// Solids' share of the kernel, by the midpoint rule over cubes of a spacing. A cube that the surface cuts counts in part.
+/// Fraction of the kernel that solids fill, by the midpoint rule over cubes of a spacing. A cube that a solid's surface cuts counts in
+/// part.
 double solid_share(const World& world, const Vec3& x, const WendlandC2Kernel& W) {
     const Real d = world.step.spacing;
     double all = 0, solid = 0;
@@ -46,7 +47,7 @@ double LevelProbe::height(const World& world) const {
     std::vector<Vec3d> places;
     for (int k = 0; k <= last; ++k) places.push_back(from_ + (to_ - from_) * k / last);
     const std::vector<std::vector<Index>> near = particles_near(world, places, level_reach * d);
-    /// The fluid's share of the volume, minus half of the part outside solids.
+    /// Fraction of the kernel that fluid fills, minus half of the fraction outside solids. It is 0 on the fluid's surface.
     const auto excess = [&](std::size_t k, double distance) {
         const auto place = places[k].cast<Real>();
         double share = 0;
@@ -56,7 +57,7 @@ double LevelProbe::height(const World& world) const {
         return share - 0.5 * (1 - (distance < level_reach * d ? solid_share(world, place, W) : 0));
     };
     const double step = length / last;
-    double height = 0, before = 0, gap = 0;  // length without fluid or solid [m]
+    double height = 0, before = 0, gap = 0;  // gap: length without fluid or solid since the last point in either [m]
     bool was_in_fluid = false;
     for (std::size_t k = 0; k < places.size(); ++k) {
         const double distance = distance_to_solids(world.solids, places[k].cast<Real>());

@@ -47,7 +47,7 @@ private:
     Vec3d min_, max_;
 };
 
-/// Fields interpolated at points: those of a line, or a single one.
+/// Fields interpolated at the points of a line, or at a single point.
 class PointsProbe : public Probe {
 public:
     PointsProbe(std::vector<Vec3d> points, bool line, const World& world) : points_(std::move(points)), line_(line) {
