@@ -12,7 +12,8 @@
 namespace whorl {
 namespace {
 
-/// Dimensionless parameters. Scales: lengths H (the fall), speeds U0, N 3 eta A0 U0/H, M 3 eta I0 U0/H^2.
+/// Dimensionless parameters, with the symbols of coil_theory.h; index 0: at the nozzle, nu = eta/rho. Scales: the fall H for lengths, U0
+/// for speeds, 3 eta A0 U0/H for N, 3 eta I0 U0/H^2 for M.
 struct ThreadNumbers {
     double gravity = 0;      ///< G = g H^2/(3 nu U0)
     double inertia = 0;      ///< Re = U0 H/(3 nu)
@@ -26,18 +27,19 @@ ThreadNumbers numbers_of(const CoilParameters& p) {
             p.surface_tension * p.fall / (viscous * p.nozzle_radius), p.nozzle_radius / p.fall};
 }
 
-/// The equations of the thread, as a family of problems: the numbers of `full`, except slenderness, are multiplied by (exp(depth) - 1) /
-/// (exp(full_depth) - 1), so depth 0 is infinite viscosity. In addition to the 16 functions, ln Omega, ln L and the depth are unknowns,
-/// with turn_weight ln Omega + depth_weight depth = distance as the last condition.
+/// The equations of the thread, as a family of problems with the parameter `depth`. The numbers of `full`, except slenderness, are
+/// multiplied by (exp(depth) - 1)/(exp(full_depth) - 1), so depth 0 is infinite viscosity and full_depth is the requested problem. In
+/// addition to the 16 functions, ln Omega, ln L and the depth are unknowns. The last condition is turn_weight ln Omega + depth_weight depth
+/// = distance.
 struct ThreadProblem {
     static constexpr int functions = 19, start_conditions = 10;
     enum At { x_at = 0, t_at = 3, u_at = 6, w_at = 7, n_at = 10, m_at = 13, omega_at = 16, length_at = 17, depth_at = 18 };  ///< u = ln U
     template <class T>
     using Vector3 = Vector<T, 3>;
 
-    ThreadNumbers full;  ///< at the depth `full_depth`
+    ThreadNumbers full;  ///< numbers at the depth `full_depth`
     double full_depth = 0;
-    double turn_weight = 0, depth_weight = 1, distance = 0;  ///< turn_weight ln Omega + depth_weight depth = distance
+    double turn_weight = 0, depth_weight = 1, distance = 0;  ///< of the last condition
 
     template <class T>
     T share(const T& depth) const {
@@ -92,7 +94,7 @@ using Solver = Collocation<ThreadProblem>;
 double turning(const Thread& thread) { return thread.y.front()[ThreadProblem::omega_at]; }
 double depth(const Thread& thread) { return thread.y.front()[ThreadProblem::depth_at]; }
 
-/// Whether the thread is a single loop: the foot is ahead, the thread is not much too long and nowhere runs straight up.
+/// Whether the thread is a single loop: its foot has x > 0, it is 1 to 4 falls long, and it nowhere runs nearly straight up.
 bool is_coil(const Thread& thread) {
     const auto& foot = thread.y.back();
     const double length = foot[ThreadProblem::length_at];
@@ -157,7 +159,7 @@ class Follower {
 public:
     Follower(const ThreadNumbers& numbers, const std::atomic<bool>* give_up) : give_up_(give_up) {
         problem_.full = numbers;
-        // Bending resists a gravity G of up to the order of e^2, so for a thin thread the branch starts at numbers as small as that.
+        // Bending resists a gravity G of up to the order of e^2, so for a thin thread the branch starts at numbers of that order.
         const double little = std::min(1.0, std::pow(numbers.slenderness / 0.05, 2));
         problem_.full_depth = std::log1p(std::max({numbers.gravity, numbers.inertia, numbers.capillarity}) / little);
     }
@@ -199,7 +201,7 @@ std::optional<Thread> Follower::at_depth(const Thread& neighbour, double depth) 
     return thread;
 }
 
-/// The purely viscous coil: guessed for a thread of medium slenderness, then continued to the requested one.
+/// The purely viscous coil: guessed for a thread of medium slenderness, then continued to the requested slenderness.
 std::optional<Thread> Follower::without_gravity() {
     hold_depth(0);
     const double wanted = problem_.full.slenderness, guessed = std::clamp(wanted, 0.02, 0.08);
@@ -219,8 +221,8 @@ std::optional<Thread> Follower::without_gravity() {
     return thread;
 }
 
-/// The next coil along the branch, at the distance `stride` in (ln Omega, depth) (pseudo-arclength continuation: Keller 1977), which also
-/// passes folds. The stride adapts.
+/// The next coil along the branch, at the distance `stride` in the plane of ln Omega and depth. This pseudo-arclength continuation (Keller
+/// 1977) also passes folds. @param stride (in, out) adapted to the convergence
 std::optional<Thread> Follower::next(const Thread& before, const Thread& now, double& stride) {
     constexpr double longest = 0.5, shortest = 2e-4;
     const double d_turning = turning(now) - turning(before), d_depth = depth(now) - depth(before), apart = std::hypot(d_turning, d_depth);
@@ -263,7 +265,7 @@ std::optional<Thread> Follower::from_infinite_viscosity() {
     return settled(at_depth(between, goal));
 }
 
-/// The thread on finer meshes, until the result changes no more.
+/// Solves on finer and finer meshes, until frequency and radius change by less than 1e-4.
 std::optional<Thread> Follower::settled(std::optional<Thread> thread) {
     for (int intervals = 2 * coarse; thread && intervals <= 8 * coarse; intervals *= 2) {
         Thread finer = on_even_mesh(*thread, intervals);
