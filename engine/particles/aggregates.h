@@ -23,8 +23,9 @@ struct Grouping {
     Real distance2(Index i, std::int32_t g) const { return domain.minimum_image(x[i] - centre[g - 1]).squaredNorm(); }
 };
 
-/// Forms groups of about `size` free particles. Equal runs along the space-filling curve are made compact by four sweeps in which each
-/// particle joins the nearest centre among its neighbours' groups (Lloyd). The runs alone would need more than twice the iterations.
+/// Forms groups of about `size` free particles. The groups start as equal runs along the space-filling curve. Four sweeps make them
+/// compact: in each, a particle joins the group with the nearest centre among those of its neighbours (Lloyd). With the runs alone, a solve
+/// would need more than twice the iterations.
 /// @param neighbours neighbours(i, visit) calls visit(j) for every neighbour j of i
 /// @param role field::role: only free particles are grouped @param cell edge of the curve's cells [m]
 /// @param group output: 1 to the returned number of groups; 0 for particles that are not free
@@ -60,7 +61,7 @@ int aggregate_by(const Neighbours& neighbours, Span<const Vec3> x, Span<const st
 /// @param group output of aggregate_by(), updated @returns the new number of groups
 template <class Neighbours>
 int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
-    std::vector<Index> parent(group.size());  // of each particle, in the tree of its piece
+    std::vector<Index> parent(group.size());  // parent of each particle in the tree of its piece
     std::iota(parent.begin(), parent.end(), 0);
     const auto root = [&](Index i) {
         while (parent[i] != i) {
@@ -77,7 +78,7 @@ int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
             parent[std::max(a, b)] = std::min(a, b);
         });
     }
-    // The root of a piece is its first particle, so its number is known when the others are reached.
+    // The root of a piece is its first particle, so the number of the piece is known when its other particles are reached.
     int pieces = 0;
     for (std::size_t i = 0; i < group.size(); ++i) {
         if (group[i] <= 0) continue;
@@ -91,11 +92,12 @@ int split_unconnected(const Neighbours& neighbours, Span<std::int32_t> group) {
 int form_aggregates(const Pairs& pairs, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real cell, int size,
                     Span<std::int32_t> group);
 
-/// Centre of each group: the mean over its members, each as the periodic image nearest to the first of them. Groups without members get
-/// the origin. @param group from 1; 0: in no group
+/// Centre of each group: the mean position of its members, each at the periodic image nearest to the first member. Groups without members
+/// get the origin. @param group group of each particle, from 1; 0: in no group
 std::vector<Vec3d> aggregate_centres(Span<const Vec3> x, Span<const std::int32_t> group, int groups, const Domain& domain);
 
-/// The six rigid motions of each group at the current positions: u_i = v + omega x arm_i, with arm_i from the group's centre, in spacings.
+/// The six rigid motions of each group at the current positions: u_i = v + omega x arm_i, with the vector arm_i from the group's centre in
+/// units of spacings. R is the matrix from the motions (v, omega) of all groups to the velocities u of all particles.
 class RigidAggregates {
 public:
     /// @param group output of form_aggregates(); particles that are not free are left out
@@ -111,7 +113,7 @@ public:
     }
     Span<const Vec3d> centres() const { return centre_; }
 
-    /// load = R^T r, six sums per group.
+    /// Sets load = R^T r, six sums per group.
     void restrict_to_groups(Span<const Vec3> r, Span<Real> load) const;
     /// (R motion)_i: velocity of particle i in the rigid motion of its group.
     Vec3 motion_of(Span<const Real> motion, Index i) const {

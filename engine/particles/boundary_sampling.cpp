@@ -26,7 +26,7 @@ std::vector<SurfaceSample> layer_of(const Solid& solid, std::size_t k, const Sam
     }
 }
 
-/// Whether the solid does not rotate, or only about this one of its own axes.
+/// Whether the solid does not rotate, or rotates only about the given one of its own axes.
 bool keeps_axis(const Solid& solid, int axis) {
     for (int b = 0; b < 3; ++b) {
         const Expression& spin = solid.spin.component[static_cast<std::size_t>(b)];
@@ -37,8 +37,8 @@ bool keeps_axis(const Solid& solid, int axis) {
 
 using Corners = std::array<Vec3d, 8>;
 
-/// Corners of the domain, extended by `context` [m], in the axes of the plane. Along periodic axes the domain moves with the plane,
-/// because what leaves on one side enters on the other.
+/// Corners of the domain, extended by `context` [m], in the own axes of the plane. Along periodic axes the domain moves with the plane,
+/// because fluid that leaves on one side enters on the other.
 Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double context, double t) {
     Corners corners;
     const Vec3d moved = plane.position(t) - plane.position(0);
@@ -53,15 +53,17 @@ Corners corners_in_own_axes(const Solid& plane, const Domain& domain, double con
     return corners;
 }
 
-/// BoundaryParticles::behind of a curved surface. A convex surface leaves more of the kernels of nearby fluid to the fluid, and its
-/// particles account for less than half of that. Quadrature for spheres and circles of 3.5 to 12 spacings (cubic kernel, R = 2 d): 0.26 to
-/// 0.32 of the curvature is missing, on concave ones 0.3 to 0.37. @param curvature sum of the principal curvatures, times the spacing
+/// BoundaryParticles::behind of a curved surface. A convex solid fills less of the kernels of nearby fluid than a flat wall does, and the
+/// volumes of its boundary particles account for less than half of that effect. The rest is 0.26 to 0.32 times `curvature` on convex
+/// surfaces and 0.3 to 0.37 times `curvature` on concave ones, by quadrature for spheres and circles of 3.5 to 12 spacings (cubic kernel,
+/// R = 2 d). @param curvature sum of the principal curvatures, times the spacing
 Real behind_surface(double curvature) {
     const double bent = 0.3 * curvature;
     return static_cast<Real>(bent > 0 ? 1 / (1 + bent) : 1 - bent);
 }
 
-/// Whether the point x of solid k [m, in its own axes] is on or in another fixed solid. Edges there are seams, not edges.
+/// Whether the point x of solid k [m, in its own axes] is on or in another fixed solid. An edge of solid k at such a point does not count
+/// as an edge, because the other solid continues the surface.
 bool covered(const Solids& solids, std::size_t k, const Vec3& x, Real spacing) {
     const Vec3 at = solids.all[k].pose.rotation * x + solids.all[k].pose.translation;
     for (std::size_t other = 0; other < solids.all.size(); ++other)
@@ -74,9 +76,9 @@ Vec3 above(const BoundaryParticles& particles, Index s, Real spacing) {
     return particles.position[s] + Real(0.75) * spacing * particles.normal[s];
 }
 
-/// Whether the surface is flat around particle s. Tests points a quarter of a spacing above the surface, up to a spacing to each side:
-/// each must be at that distance from the solids, or nearer to one that is parallel or at right angles. Solids that move are tested alone,
-/// because they may leave others.
+/// Whether the surface is flat around particle s. Tests points a quarter of a spacing above the surface, up to a spacing to each side. Each
+/// point must be at that distance from the solids, or nearer to a solid whose surface is parallel or at right angles to that of s. A solid
+/// that moves is tested without the others, because it may leave them.
 bool flat_at(const BoundaryParticles& particles, Index s, const Solids& solids, Real spacing, int dimensions) {
     const Solid& own = solids.all[particles.solid[s]];
     const Real height = spacing / 4;
@@ -110,7 +112,7 @@ bool in_solid(const BoundaryParticles& particles, Index s, const Vec3& x, const 
 
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end) {
     constexpr int samples = 1024;
-    constexpr double followed = 1000;  // s; irregular rotations may have any orientation later
+    constexpr double followed = 1000;  // s; later, a rotation that depends on time is assumed to reach any orientation
     const Vec3d on_plane = turning_point(*plane.shape), n = plane.shape->normal(Vec3::Zero()).cast<double>();
     SamplingRegion at_rest{spacing, in_own_axes(domain, plane.pose), 3 * spacing, false};
     for (int a = 0; a < 3; ++a) {
@@ -188,7 +190,8 @@ BoundaryParticles sample_solids(const Solids& solids, Real spacing, const Domain
 }
 
 void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const StepContext& step) {
-    // A wall that stands on a floor covers the floor below it and hides the floor's end.
+    // Whether solids cover particle s or the way from s along the vector `to`. For example, a wall on a floor covers the floor below the
+    // wall and hides the end of the floor from particles on the other side.
     const auto hidden = [&](Index s, const Vec3& to) {
         const Vec3 from = above(particles, s, step.spacing);
         for (const Real part : {Real(0), Real(0.25), Real(0.5), Real(0.75)})
@@ -200,7 +203,7 @@ void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const S
         if (!own.moves() && particles.flat[s] >= 0 && hidden(s, Vec3::Zero())) particles.flat[s] = -1;
         if (particles.flat[s] > 0 && (own.body || !flat_at(particles, s, solids, step.spacing, step.dimensions()))) particles.flat[s] = 0;
     });
-    // The particles that are not flat, with explicit periodic images: a periodic axis may be too short for a search that wide.
+    // The particles that are not flat, with explicit periodic images, because a periodic axis may be too short for a search over 2 R.
     Domain open = step.domain;
     open.periodic = {};
     const Vec3 period = step.domain.period();
@@ -231,7 +234,7 @@ void set_solid_volumes(BoundaryParticles& particles, const Solids& solids, const
     std::vector<char> moves, edges(solids.all.size());
     for (const Solid& solid : solids.all) moves.push_back(solid.moves());
     for (Index s = 0; s < particles.size(); ++s) edges[particles.solid[s]] |= particles.behind[s] == 0;
-    // Whether `other` lies on the same face as s, or on one that continues it. Lattice points on an edge belong to both faces.
+    // Whether `other` is on the same face as s, or on a face that continues it. Lattice points on an edge belong to both faces at the edge.
     const auto counts = [&](Index s, Index other) {
         const Index a = particles.solid[s], b = particles.solid[other];
         const bool edge = particles.behind[s] == 0 || particles.behind[other] == 0;

@@ -14,8 +14,8 @@ namespace whorl {
 /// Samples every solid's surface in its current pose, with points about one spacing apart, half a spacing deep in the solid (less in thin
 /// solids). In 2D it samples the curve in which the plane z = 0 cuts the surface. Box and plane: a lattice. Sphere: a spiral. Cylinder:
 /// rings. Mesh: blue noise by throwing darts; equal meshes get equal points. A box or plane that spans a periodic axis has no seam there.
-/// Parts of a solid at rest farther than three spacings outside the domain are left out; of a moving plane, parts that do not meet the
-/// domain before `end`.
+/// Of solids at rest, parts farther than three spacings outside the domain are left out. Of moving planes, parts that do not meet the
+/// domain before `end` are left out.
 /// @param support kernel radius for the volumes [m]; 0: two spacings
 /// @param place_of location of a solid in the scene file, for messages
 /// @param end end of the run [s]
@@ -29,8 +29,8 @@ BoundaryParticles sample_solids(const Solids& solids, Real spacing, const Domain
 /// @param plane in its pose at t = 0
 PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain& domain, Real support, double end);
 
-/// V_s = 1/sum_s' W_ss', including s itself (Akinci et al. 2012) [m^D]. The sum for a solid that moves includes only its own particles, so
-/// that its volumes stay constant.
+/// Sets the volumes V_s = 1/sum_s' W_ss' (Akinci et al. 2012) [m^D, D dimensions]. The sum is over boundary particles s', including s
+/// itself. For a solid that moves it includes only particles of that solid, so that its volumes stay constant.
 void set_solid_volumes(BoundaryParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support);
 
 /// Fills BoundaryParticles::flat of newly sampled particles, or leaves it empty if no wall is flat.

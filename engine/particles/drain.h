@@ -18,7 +18,7 @@ struct time_in_drain {
 
 struct Drain {
     std::shared_ptr<const Shape> shape;
-    Real after = 0;  ///< fluid that has been inside for this long is removed [s]
+    Real after = 0;  ///< time after which fluid inside the drain is removed [s]
 };
 
 /// Removes particles that have stayed in a drain for its delay, after a step of length dt [s]; keeps the order of the others. The store

@@ -72,14 +72,13 @@ struct Emitter::State {
     double start, stop;
     Real spacing, depth;
     std::int16_t role;
-    Solid body, guarded;  ///< guarded: body without its first spacing behind the opening, because fluid that has left may come back that
-                          ///< far
+    Solid body, guarded;  ///< guarded: body without its first spacing behind the opening, into which emitted fluid may come back
     Solid end;
     Domain domain;
     double faster = 1;         ///< area of the opening over the area of its part outside solids
     bool full = false;         ///< the pipe is filled from the start
-    std::vector<Vec3> places;  ///< positions of its first particles, which are not yet in the store
-    double ahead = 0;          ///< length of pipe that they fill [m]; the column begins behind them
+    std::vector<Vec3> places;  ///< positions of the particles that fill the pipe at the start, as long as they are not in the store
+    double ahead = 0;          ///< length of pipe that these particles fill [m]; the column begins behind them
 
     Real apart() const { return static_cast<Real>(least_clearance) * spacing; }  ///< smallest distance of free fluid from the pipe
     /// Whether the position q in the opening's frame is in the part of the pipe that the moving column fills.
@@ -151,8 +150,9 @@ struct Emitter::State {
         fill_pipe(count, length, seed);
     }
 
-    /// Parabolic flow shears: layers of blue noise that slide past each other would bring particles together. So each particle of blue
-    /// noise in the cross-section repeats along its own streamline, with a random phase; streamlines stay apart at any speed.
+    /// Parabolic flow shears a column, so layers of blue noise would slide past each other, and particles would meet. Instead, each
+    /// particle of a blue noise in the cross-section repeats along its own streamline, with a random phase. Streamlines stay apart at any
+    /// speed.
     void make_streamlines(std::uint64_t seed) {
         const long count = column_count();
         length = volume() * static_cast<double>(count) / opening_area(shape);
@@ -161,7 +161,8 @@ struct Emitter::State {
         for (Vec3& q : block) q.z() = static_cast<Real>(random() * length);
     }
 
-    /// Relaxes the first particles of the column into positions behind `before`. Frame of the opening, with z against the flow.
+    /// Relaxes the first particles of the column into positions behind `before`. @param before positions of the particles ahead of the
+    /// column, in the opening's frame but with z against the flow
     void join(std::vector<Vec3> before) {
         const auto begin = static_cast<Real>(ahead);
         std::vector<Vec3> near;
@@ -176,7 +177,7 @@ struct Emitter::State {
             if (moves(block[k])) first[k] = near[n++] - Vec3(0, 0, begin);
     }
 
-    /// Whether free fluid is near enough to feel the particles in the pipe.
+    /// Whether free fluid is so near that it interacts with the particles in the pipe.
     bool meets_fluid(const ParticleStore& fluid) const {
         const auto x = fluid.column<field::position>();
         const auto role_of = fluid.column<field::role>();
@@ -341,8 +342,8 @@ bool Emitter::load(std::istream& in) {
     in.read(reinterpret_cast<char*>(&state_->pushed), sizeof(double));
     in.read(reinterpret_cast<char*>(state_->next_copy.data()), static_cast<std::streamsize>(state_->next_copy.size() * sizeof(long)));
     if (!in) throw EnvironmentError("the saved state of an emitter ends too early", "", "resume from an older checkpoint");
-    // In a valid state the copies of each particle of the block that have entered keep up with the flow. In a damaged one the next step
-    // would add copies almost without end.
+    // Rejects a damaged state. In a valid one, the entered copies of each particle of the block have kept up with the flow; otherwise the
+    // next step would add copies almost without end.
     const State& s = *state_;
     if (!std::isfinite(s.pushed) || s.pushed < 0) return false;
     for (std::size_t k = 0; k < s.block.size(); ++k) {

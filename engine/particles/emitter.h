@@ -37,14 +37,16 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
     thickness = back.cross(width);
 }
 
-/// Particles in the column that a nozzle repeats: one layer for the streamlines of a parabolic profile; 24 layers for a plug, down to 6 if
-/// the opening is so wide that these contain a hundred thousand. @param area of the opening [m^2], in 2D its width [m]
+/// Number of particles in the column that a nozzle repeats. For the streamlines of a parabolic profile it is one layer. For a plug it is 24
+/// layers, or fewer (at least 6) if 24 layers would contain more than a hundred thousand particles.
+/// @param area area of the opening [m^2]; in 2D its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
 /// The pipe behind an opening: `depth` [m] of fluid, and a closed end of least_clearance spacings, which keeps other fluid away from where
 /// particles enter. @param domain its periodic axes repeat the pipe
 Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
-/// A wider and longer end of that pipe, in which new particles appear: other fluid is then too far away to feel a jump of its density.
+/// A wider and longer version of the end of that pipe, in which new particles appear. It keeps other fluid so far away that new particles
+/// cause no jump of the density of that fluid.
 Solid nozzle_end(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
 /// Length of that pipe [m], such that a particle at the opening has a complete neighbourhood.
 inline Real nozzle_depth(double support, double spacing) { return static_cast<Real>(support + spacing); }
@@ -69,7 +71,8 @@ public:
     /// Call after release(). Free particles that have entered the pipe are moved to its wall, and lose the component of their velocity
     /// into it.
     void keep_out(ParticleStore& fluid) const;
-    /// For a pipe in fluid: it is full from the start. @param places positions of its particles, and of those at rest around its end
+    /// For a pipe in fluid: makes the pipe full from the start. @param places positions of the particles in the pipe and of those at rest
+    /// around its end
     void be_full(std::vector<Vec3> places);
     bool is_full() const;
     /// Stops the flow from time t [s] on.

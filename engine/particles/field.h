@@ -2,8 +2,8 @@
 /// Fields (columns of the particle store), and the argument types by which a stage names the fields that it uses.
 ///
 /// A field is a type with `type`, `name`, `unit` and `meaning`. A stage is a struct whose operator() takes Read<field>, Write<field> and
-/// Update<field> arguments. These signatures determine which columns are allocated and which are lasting: those that a stage reads or
-/// updates before any stage has written them. Only lasting columns are sorted, emitted and saved.
+/// Update<field> arguments. These signatures determine which columns are allocated. A column is lasting if a stage reads or updates it
+/// before any stage has written it. Only lasting columns are sorted, emitted and saved.
 #include <string_view>
 
 #include "engine/core/types.h"

@@ -8,7 +8,7 @@
 
 namespace whorl {
 
-/// Reals in the widest vector register. Loops over a multiple of it have no remainder.
+/// Number of Reals in the widest vector register. Loops over a multiple of this number have no remainder.
 inline constexpr Index most_lanes = 16;
 
 /// out[l] = values[index[l]] for l < count, a multiple of `most_lanes`.

@@ -12,7 +12,7 @@ namespace whorl {
 /// positions' order in the store, so it does not depend on the number of threads.
 class Pairs {
 public:
-    std::vector<std::size_t> first;  ///< offsets into `other`, n + 1
+    std::vector<std::size_t> first;  ///< begin of each row in `other`, and the end of the last row
     Column<Index> other;
     Span<const Vec3> x_own, x_other;      ///< positions of the search; must outlive the use of the pairs
     Vec3 period = Vec3::Zero();           ///< Domain::period()

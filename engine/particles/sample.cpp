@@ -42,7 +42,7 @@ std::vector<Vec3> lattice(const Shape& shape, const Extent& e, double spacing, d
         if (!(length > 0)) return x;
         const bool within = layers == Layers::within && !e.spans_period[a];
         count[a] = std::max(1L, within ? static_cast<long>(length / spacing + 0.1) : std::lround(length / spacing));
-        // A layer more than fits would be useless: its centre would be outside. A periodic axis is filled without a seam.
+        // Layers are one spacing apart, except along a periodic axis that the shape spans, which is filled without a seam.
         step[a] = e.spans_period[a] ? length / static_cast<double>(count[a]) : spacing;
         first[a] = e.min[a] + 0.5 * (length - step[a] * static_cast<double>(count[a] - 1));
         if (beyond > 0 && !e.spans_period[a]) first[a] -= step[a], count[a] += 2;

@@ -15,7 +15,8 @@
 namespace whorl {
 namespace {
 
-/// Edge of a cell over the support, along x (cells in a run are contiguous) and across. Measured with tools/bench/bench_particles.cpp.
+/// Edge of a cell relative to the support, along x (the cells of a run are contiguous) and along y and z. These values were the fastest in
+/// tools/bench/bench_particles.cpp.
 constexpr double edge_along = 0.5, edge_across = 1;
 
 bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
@@ -119,8 +120,8 @@ struct NeighbourSearch::Rows {
 };
 
 /// Makes the rows of blocks of particles in parallel, then joins them. It works on a batch of blocks at a time, so that the copies stay
-/// small and in the cache. If no new row is longer than the old one, make() may still read its own rows and those of later batches in
-/// `pairs`.
+/// small and in the cache. If every new row is at most as long as the old one, make() may still read the old rows of its own and of later
+/// batches in `pairs`.
 /// @param make called for the particles [begin, end): appends their rows, and sets pairs.first[i + 1] to the end of row i within the block
 template <class F>
 void NeighbourSearch::join_blocks(Index n, Pairs& pairs, std::vector<Column<Index>>& memory, const F& make) {
@@ -190,8 +191,8 @@ void NeighbourSearch::choose_axes(Span<const Vec3> x, Real support, const Domain
             axis.wraps = false;
         }
     }
-    // Limit the number of bins to a few per particle: the longest axes share bins. Halving a periodic axis keeps it whole if its number of
-    // cells is a multiple of its number of bins.
+    // Limits the number of bins to a few per particle: cells of the longest axes share bins. Along a periodic axis the number of cells must
+    // be a multiple of the number of bins, so cells are enlarged below if necessary.
     const double most = 8.0 * static_cast<double>(x.size()) + 1024;
     double bins[3] = {cells[0], cells[1], cells[2]};
     while (bins[0] * bins[1] * bins[2] > most) {
@@ -265,7 +266,7 @@ void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, 
         const Axis& axis = axis_[a];
         return axis.wraps ? axis.bin(low[a] + k) : low_bin[a] + k;
     };
-    // Along x the bins are contiguous: one run, or two if the range wraps.
+    // Along x the bins are contiguous, so each row of bins is one run, or two runs if the range wraps around.
     const int columns = axis_[0].bins;
     const int first = low_bin[0];
     const int past = std::min(first + count[0], columns), wrapped = first + count[0] - past;

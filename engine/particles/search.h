@@ -8,11 +8,13 @@
 namespace whorl {
 
 /// Finds all pairs closer than the support radius. Keeps its memory from step to step, so use one object for each purpose.
-/// Positions are binned in cells somewhat smaller than the support. If an axis is too long for one bin per cell, the bin is the cell's
-/// coordinate modulo the number of bins, so that a stray particle kilometres away costs nothing. Distant cells may then share a bin; the
-/// distance test separates them. A particle with a non-finite position gets no neighbours. Two particles at the same position are
-/// neighbours at distance 0. The test computes |x_i - x_j|^2, in Real, in the same way from both sides: j is in row i if and only if i is
-/// in row j.
+///
+/// Positions are binned in cells whose edges are about half the support along x, and about the support along y and z. If an axis is too
+/// long for one bin per cell, the bin is the cell's coordinate modulo the number of bins, so that a stray particle kilometres away costs
+/// nothing. Distant cells may then share a bin; the distance test separates their particles.
+///
+/// A particle with a non-finite position gets no neighbours. Two particles at the same position are neighbours at distance 0. The distance
+/// test computes |x_i - x_j|^2, in Real, in the same way for (i, j) and (j, i), so j is in row i if and only if i is in row j.
 class NeighbourSearch {
 public:
     /// Pairs among x, each in both rows. `pairs` keeps a reference to x.
@@ -28,8 +30,9 @@ public:
 
     /// find() with a larger radius than the models need, so that narrow() can make the rows of a later step from it.
     void find_wide(Span<const Vec3> x_own, Span<const Vec3> x_other, Real reach, const Domain& domain, Pairs& pairs);
-    /// Removes the pairs beyond the support, if `pairs` are from find_wide() for positions near enough that no pair within the support can
-    /// be missing. The rows are those of find(), in another order. @returns false and changes nothing otherwise
+    /// Removes the pairs beyond the support from the result of find_wide(), if the positions of that search are so near to the present ones
+    /// that no pair within the support can be missing. The rows are those of find(), in another order. @returns whether it did so;
+    /// otherwise nothing is changed
     static bool narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
     std::size_t capacity_bytes() const;
@@ -50,7 +53,7 @@ private:
 
     void choose_axes(Span<const Vec3> x, Real support, const Domain& domain);
     void fill_bins(Span<const Vec3> x, const Domain& domain);
-    /// @param first index of own[0] among the binned particles; -1: `own` are other particles
+    /// @param first index of own[0] among the binned particles; -1: the particles `own` are not among them
     void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);
     template <bool periodic>
     void fill_rows(Span<const Vec3> own, Index first, Real support, const Domain& domain, Pairs& pairs);

@@ -7,7 +7,7 @@
 namespace whorl {
 namespace {
 
-constexpr int axis_bits = 20;  // per key: 3 x 20 bits, and one more for positions that are not finite
+constexpr int axis_bits = 20;  // a key has 3 x 20 bits, and one more bit for positions that are not finite
 constexpr std::uint64_t not_finite = std::uint64_t(1) << (3 * axis_bits);
 
 /// Position of cell c along the Hilbert curve through 2^bits cells per axis.

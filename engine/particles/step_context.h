@@ -16,7 +16,7 @@ namespace whorl {
 struct StepContext {
     double time = 0;              ///< s, at the start of the step
     Real dt = 0;                  ///< s
-    bool at_frame_time = true;    ///< the step starts at a frame time: every lagged set-up is refreshed, because a resumed run starts here
+    bool at_frame_time = true;    ///< the step starts at a frame time: it reuses nothing of earlier steps, which a resumed run would lack
     bool to_frame_time = true;    ///< the step ends at a frame time: fields that only frames and probes need are computed
     Vec3 gravity = Vec3::Zero();  ///< m/s^2
     Domain domain;
@@ -24,8 +24,8 @@ struct StepContext {
     Real spacing = 0;       ///< m, d
     Real support = 0;       ///< m, kernel radius R
     Real rest_density = 0;  ///< kg/m^3
-    Real mass = 0;          ///< of a particle [kg]: rest_density volume
-    Real volume = 0;        ///< of a particle at rest [m^3]: spacing^3; in 2D spacing^2, per metre of depth
+    Real mass = 0;          ///< mass of a particle, rest_density times volume [kg]
+    Real volume = 0;        ///< volume of a particle at rest [m^3]: spacing^3; in 2D spacing^2, per metre of depth
     KernelForm kernel;
     int dimensions() const { return kernel.dimensions; }  ///< 2: all particles stay in the plane z = 0
 };
@@ -49,8 +49,8 @@ struct EnergyWork {
     double total() const { return gravity + torque + pressure + viscosity + exchange + smoothing + boundary + surface_tension; }
 };
 
-/// Energies of a run so far [J] (docs/physics.md 8). Kinetic and spin energy change by total(). The work of solids is counted in `solids`,
-/// not in the terms through which they act.
+/// Energy budget of a run so far [J] (docs/physics.md 8). Kinetic and spin energy change by total(). The work of solids counts only in
+/// `solids`, not in the pressure, viscosity, ... through which they act.
 struct EnergyBudget : EnergyWork {
     double solids = 0;    ///< work of moving solids, from their ledgers
     double forces = 0;    ///< work of fluid.force and streams

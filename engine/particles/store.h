@@ -1,5 +1,5 @@
 #pragma once
-/// Columns of the particles. The stages declare them; all are sorted, grown and shrunk together.
+/// Columns of the particles. The stages declare the columns; all columns are sorted, grown and shrunk together.
 #include <map>
 #include <memory>
 #include <string>
