@@ -187,7 +187,7 @@ TEST_CASE("invalid input exits with 2, reports every mistake, and writes nothing
           "support\n"
           "--set look.stile=opaque: unknown key \"stile\" in [look]; did you mean \"style\"?; allowed: style, material, absorption, "
           "colour, refraction, "
-          "roughness, cooling, background, ground, table, exposure, samples, field, colour_map, inks, range, trail, slice_axis, "
+          "roughness, cooling, foam, background, ground, table, exposure, samples, field, colour_map, inks, range, trail, slice_axis, "
           "slice_position, "
           "streaks, streak_time, arrows, isolines, relief, opacity, lines, line_width, line_length, title, legend, time_stamp, "
           "environment\n");

@@ -22,12 +22,12 @@ struct ExpectForce {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
                     Update<field::velocity> u) const {
         const StepContext& step = context.step;
-        // Limit: a larger force, as in an impact, will not recur in the next step.
+        // A larger force, as in an impact, will hardly recur in the next step: it counts as most^2/|a|.
         const Real most = step.spacing / (10 * step.dt * step.dt);
         parallel_for(u.size(), [&](Index i) {
             const Real size = a[i].norm();
             if (role[i] != 0 || !std::isfinite(size)) a[i].setZero();
-            else if (size > most) a[i] *= most / size;
+            else if (size > most) a[i] *= most * most / (size * size);
             u[i] += step.dt * a[i];
         });
         each_body(context, [&](RigidBody& body) {
