@@ -38,7 +38,7 @@ struct ByteWriter {
     }
 };
 
-/// Reads values back in the same order. @throws EnvironmentError if the bytes end too early
+/// Reads values in the order in which a ByteWriter appended them. @throws EnvironmentError if the bytes end too early
 struct ByteReader {
     std::string_view bytes;
     std::string_view next(std::size_t n) {
@@ -78,7 +78,7 @@ struct ByteReader {
 std::uint64_t checksum(std::string_view bytes);
 /// Prepends kind, size and checksum to the bytes. @param kind eight characters, the last one a version
 std::string add_checksum(std::string_view kind, std::string bytes);
-/// The bytes given to add_checksum(). @throws EnvironmentError with the kind of damage
+/// The bytes that were given to add_checksum(). @param file the bytes that it returned @throws EnvironmentError with the kind of damage
 std::string_view verify_checksum(std::string_view kind, std::string_view file);
 
 }  // namespace whorl

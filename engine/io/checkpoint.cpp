@@ -67,11 +67,11 @@ void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& che
     ByteWriter file;
     file.bytes.reserve(checkpoint.simulation.size() + (1 << 16));  // one allocation for most of the file
     each_member(file, checkpoint);
-    std::error_code gone;  // a deleted run folder is not made again: the write below reports it
+    std::error_code gone;  // if the run folder was deleted, it is not made again, and the write below fails with a message
     std::filesystem::create_directory(folder / "checkpoints", gone);
     write_text(folder / "checkpoints" / name_of(checkpoint.frame), add_checksum(magic, std::move(file.bytes)), true);
     const auto files = checkpoint_files(folder);
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints")) {  // left by a run that was killed while writing
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "checkpoints")) {  // files of runs that were killed while writing
         const std::string name = entry.path().filename();
         if (name.front() == '.' && name.ends_with(".part") && frame_of(name.substr(1, name.size() - 6)) >= 0)
             std::filesystem::remove(entry.path());
@@ -86,8 +86,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     std::string bytes;
     try {
         bytes = read_whole(file);
-    } catch (const InputError&) {  // the file may be intact: the cause may be its permissions or the disk
-        throw EnvironmentError(file.string() + " cannot be read", "", "it is passed over");
+    } catch (const InputError&) {  // the file may be intact, and its permissions or the disk may be the cause
+        throw EnvironmentError(file.string() + " cannot be read", "", "it is skipped");
     }
     Checkpoint checkpoint;
     try {

@@ -19,7 +19,7 @@ struct CsvTable {
     std::string file;  ///< for messages
 };
 
-/// Reads a table. Cells may be quoted as csv_cell() does, and surrounded by blanks. Lines that begin with # are comments.
+/// Reads a table. Cells may be in quotes, like those of csv_cell(), and surrounded by blanks. Lines that begin with # are comments.
 /// @throws InputError if the file does not exist
 CsvTable read_csv(const std::filesystem::path& file);
 
@@ -38,7 +38,8 @@ class Table {
 public:
     /// Creates a new file with its header line.
     Table(std::filesystem::path file, std::string_view header);
-    /// Continues an existing file, truncated to its first `bytes` (its length at a checkpoint). @throws EnvironmentError if it is shorter
+    /// Truncates an existing file to its first `bytes` bytes (its length at a checkpoint) and continues it. @throws EnvironmentError if the
+    /// file is shorter
     Table(std::filesystem::path file, std::uint64_t bytes);
     ~Table();
     Table(Table&& other) noexcept;

@@ -13,16 +13,16 @@ struct Measures : Energies {
     double max_speed = 0;                                  ///< m/s
     Vec3d momentum = Vec3d::Zero();                        ///< kg m/s
     Vec3d angular_momentum = Vec3d::Zero();                ///< kg m^2/s about the origin, sum m (x cross u + theta w)
-    double density_error_mean = 0, density_error_max = 0;  ///< compression, max(0, rho/rho_0 - 1); 0 if the model has no density
+    double density_error_mean = 0, density_error_max = 0;  ///< of the compression max(0, rho/rho_0 - 1); 0 if the model has no density
     double volume = 0;                                     ///< coupled_volume() if it was computed, else 0
 };
 
 /// Estimates the fluid's volume divided by the volume n d^3 (2D: n d^2) of its n particles. V(r) is the volume of the points outside
-/// solids within r of a particle. The straight line through V(1.3 d) and V(2 d) is evaluated at 0.6 d (2D: 0.55 d), where it equals the
-/// true volume of a lattice with a flat surface, so that roughness of the surface matters little. The error is within 1 % for a pool eight
-/// spacings deep; a cylinder of radius R gets about d^2/R^2 too little. Computed on cells of half a spacing. 0 without particles, or if
-/// they are scattered too widely.
-/// @param x [m] @param spacing d [m]
+/// solids that are within r of a particle. The estimate is the value at 0.6 d (2D: 0.55 d) of the straight line through V(1.3 d) and
+/// V(2 d). For a lattice with a flat surface this is the true volume, and roughness of the surface matters little. The error is within 1 %
+/// for a pool eight spacings deep; the result for a cylinder of radius R is too small by a fraction of about d^2/R^2. Volumes are computed
+/// on cells of half a spacing. The result is 0 without particles, or if the particles are scattered too widely.
+/// @param x positions [m] @param spacing d [m]
 double filled_volume(Span<const Vec3> x, const Domain& domain, const Solids& solids, Real spacing);
 /// filled_volume() of all particles outside nozzles if the coupled solve is used, else 0.
 double coupled_volume(const World& world);
@@ -37,9 +37,10 @@ std::string diagnostics_header();
 std::string diagnostics_row(int frame, double time, const Measures& measures, const RunTotals& before, const RunTotals& now, double wall,
                             double cpu);
 
+/// Header line of bodies.csv.
 std::string bodies_header();
 
-/// @param gravity at the rows' time [m/s^2]
+/// Rows of bodies.csv, one for each free body. @param gravity at the rows' time [m/s^2]
 std::string bodies_rows(int frame, double time, const World& world, const Vec3d& gravity);
 
 }  // namespace whorl

@@ -15,23 +15,23 @@ struct FrameSolid {
     std::shared_ptr<const TriangleMesh> mesh;  ///< in the solid's own coordinates
     Mat3f rotation = Mat3f::Identity();        ///< x_world = rotation x + translation
     Vec3f translation = Vec3f::Zero();         ///< m
-    Vec3f velocity = Vec3f::Zero();            ///< m/s, of its origin
-    Vec3f spin = Vec3f::Zero();                ///< rad/s, in the world's axes
+    Vec3f velocity = Vec3f::Zero();            ///< velocity of the origin of its own coordinates [m/s]
+    Vec3f spin = Vec3f::Zero();                ///< angular velocity in the world's axes [rad/s]
     std::string material;                      ///< name of a material of the look; "": the look's default for solids
-    bool container = false;                    ///< the fluid is inside: drawn as glass or left out, so that it does not hide the fluid
+    bool container = false;                    ///< contains the fluid; drawn as glass or left out, so that the fluid stays visible
     bool ground = false;                       ///< an unbounded plane
 };
 
 /// An opening through which fluid enters. It does not move.
 struct FrameEmitter {
     Vec3f position = Vec3f::Zero();     ///< centre [m]
-    Vec3f direction = -Vec3f::UnitY();  ///< of the flow, unit vector
+    Vec3f direction = -Vec3f::UnitY();  ///< direction of the flow, unit vector
     Vec3f width_axis = Vec3f::UnitX();  ///< unit vector across `direction`
-    float width = 0, thickness = 0;     ///< m; for a disc twice the radius
-    bool slot = false;                  ///< a rectangle; otherwise a disc
+    float width = 0, thickness = 0;     ///< for a disc, both are twice the radius [m]
+    bool slot = false;                  ///< true: a rectangle; false: a disc
 };
 
-/// Points that carry ink with the flow, several to a particle.
+/// Points that carry ink with the flow, several per particle.
 struct FrameMarkers {
     float spacing = 0;            ///< m
     std::vector<Vec3f> position;  ///< m

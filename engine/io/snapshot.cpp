@@ -62,7 +62,7 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     }
     for (const Emitter& emitter : simulation.emitters()) {
         FrameSolid nozzle;
-        // a pipe rather than a ring: long compared with its bore
+        // The nozzle is long compared with its bore, so that it looks like a pipe rather than a ring.
         const EmitterShape& opening = emitter.shape();
         const Real bore = opening.slot ? opening.thickness : 2 * opening.radius;
         nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));
@@ -137,8 +137,8 @@ namespace {
 /// A closed loop in the plane of an opening.
 using Loop = std::vector<Vec3f>;
 
-/// Adds the band between two loops of equal length. Its front faces a viewer for whom the direction from `from` to `to` is left of the
-/// loop's direction.
+/// Adds the band between two loops with equal numbers of points. Its front faces a viewer for whom the direction from `from` to `to` is
+/// left of the loop's direction. @param round_normals normals at the points of the loops; null: those of flat faces
 void add_band(TriangleMesh& mesh, const Loop& from, const Loop& to, const Loop* round_normals) {
     const std::size_t n = from.size();
     for (std::size_t k = 0; k < n; ++k) {
