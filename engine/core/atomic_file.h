@@ -26,7 +26,7 @@ private:
     bool committed_ = false;
 };
 
-/// Writes `bytes` to `file`, or leaves it unchanged. @throws EnvironmentError (disk full, no such folder)
+/// Writes `bytes` to `file`, or leaves the file unchanged. @throws EnvironmentError (disk full, no such folder)
 /// @param durable wait until the data are on the disk, so that they also survive a power cut
 void write_atomically(const std::filesystem::path& file, std::span<const std::byte> bytes, bool durable = false);
 void write_text(const std::filesystem::path& file, std::string_view text, bool durable = false);

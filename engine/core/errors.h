@@ -44,7 +44,7 @@ public:
     EnvironmentError(std::string what, std::string tried = "", std::string remedy = "");
 };
 
-/// The entry of `names` with the smallest edit distance to `word` (a prefix counts as distance 1); "" if all are too far.
+/// The entry of `names` with the smallest edit distance to `word`. An entry that begins with `word` has distance 1. "" if all are too far.
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace whorl

@@ -123,7 +123,7 @@ std::string Key::allowed_beside(double x) const {
         if (may_be_auto) text = "auto, " + text;
         return text;
     }
-    // The limits of the C++ type mean nothing to users: they are shown only if x is a number beyond them.
+    // The limits of the C++ type mean nothing to users, so they are shown only if the number x is beyond them.
     const double largest = single ? shortest_decimal(std::numeric_limits<float>::max()) : std::numeric_limits<double>::max();
     const double low = std::max(least, -largest), high = std::min(most, largest);
     const bool shown = std::isfinite(x) || single, bounded_below = std::abs(low) < 2e9 || (shown && x < low),

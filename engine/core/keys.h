@@ -1,6 +1,6 @@
 #pragma once
-/// Key tables: each describes the keys of a plain struct in a file. The reader with its error messages, the resolved file, the JSON
-/// Schema, the reference page and the sliders of the live view use the table. Defaults are the struct's own member initialisers.
+/// Key tables. Each describes the keys of a plain struct in a file. The reader with its error messages, the resolved file, the JSON Schema,
+/// the reference page and the sliders of the live view use these tables. Defaults are the member initialisers of the struct.
 ///
 ///     KeyTable time_keys() {
 ///         KeyTableOf<TimeKeys> t("end of the run and rate of frames");
@@ -42,8 +42,8 @@ struct Value {
     using List = std::vector<Value>;
     using Table = std::vector<std::pair<std::string, Value>>;  ///< in the file's order
     std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table> data;
-    FileLocation place;      ///< of the value
-    FileLocation key_place;  ///< of the key that names it
+    FileLocation place;      ///< location of the value
+    FileLocation key_place;  ///< location of the key that names the value
 
     Value() = default;
     template <class T>
@@ -78,7 +78,7 @@ enum class InPlane {
     free,    ///< same as in 3D: the entries are not a vector of the flow's space
     vector,  ///< the third is 0 and may be omitted
     axis,    ///< rotation about z: only the third is used, the others must be 0
-    cut      ///< of a shape, of which the plane z = 0 makes a section: the third may be omitted
+    cut      ///< position of a shape that the plane z = 0 may cut: the third may be omitted
 };
 
 /// Fault of a value of the right type (an invalid expression, for example).
@@ -96,18 +96,18 @@ struct KeyCodec;
 /// Access of a key to its member. It depends only on the member's type.
 struct MemberAccess {
     Value (*write)(const void* member);
-    void (*read)(void* member, const Value&);                   ///< the type has been checked; may throw KeyFault
-    std::vector<double> (*constants)(const void* member) = {};  ///< expressions: the values of those that are plain numbers
-    std::string (*variables)(const void* member) = {};          ///< expressions: the letters of the variables that they use
-    Value (*from_text)(const Value& text) = {};                 ///< lists that may also be given as a text: the text's value as a list;
-                                                                ///< may throw KeyFault
+    void (*read)(void* member, const Value&);                   ///< requires a value of the right type; may throw KeyFault
+    std::vector<double> (*constants)(const void* member) = {};  ///< for expressions: the values of those that are plain numbers
+    std::string (*variables)(const void* member) = {};          ///< for expressions: the letters of the variables that they use
+    Value (*from_text)(const Value& text) = {};                 ///< for lists that may also be given as a text: converts the text to a
+                                                                ///< list; may throw KeyFault
 };
 
 struct Key {
     std::string name, unit, meaning;
-    KeyType type = KeyType::number;  ///< of the value, or of each entry of a list
+    KeyType type = KeyType::number;  ///< type of the value, or of each entry of a list
     bool is_list = false;
-    int count = 0;  ///< entries of a list; 0: any number
+    int count = 0;  ///< number of entries of a list; 0: any number
     InPlane in_plane = InPlane::free;
     bool may_be_auto = false;          ///< "auto" is a value (a std::optional member)
     std::vector<std::string> choices;  ///< allowed texts; empty: any text
@@ -118,12 +118,12 @@ struct Key {
     bool is_required = false;
     bool decides = true;      ///< the simulation's result depends on this key
     bool may_change = false;  ///< may be changed during a run
-    std::string selector;     ///< key on which the use of this one depends: "shape" in the same table, "models.pressure" from the root; "":
-                              ///< always used
+    std::string selector;     ///< key that determines whether this key is used: "shape" (in the same table), "models.pressure" (from the
+                              ///< root); "": always used
     std::vector<std::string> selected_by;  ///< values of the selector with which this key is used
     Value standard;                        ///< the default
 
-    std::ptrdiff_t offset = 0;  ///< of the member in the object [bytes]
+    std::ptrdiff_t offset = 0;  ///< offset of the member in the object [bytes]
     const MemberAccess* access = nullptr;
     Value get(const void* object) const { return access->write(static_cast<const char*>(object) + offset); }
 
@@ -146,11 +146,11 @@ struct Key {
 
     /// Reads v into the object's member and appends the faults of v to `problems`. @param path the key's full name, for messages
     void read(void* object, const Value& v, const std::string& path, std::vector<Problem>& problems) const;
-    /// "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" if every value of the type is allowed.
+    /// The allowed values: "more than 0, at most 1", "cubic, wendland_c2 or wendland_c4"; "" if every value of the type is allowed.
     std::string allowed() const;
-    /// allowed() with the limits of the C++ type if x is beyond them.
+    /// allowed(); if x is beyond the limits of the C++ type, these limits too.
     std::string allowed_beside(double x) const;
-    /// "a number", "3 numbers", "one of the texts", ...
+    /// The type as messages name it: "a number", "a list of 3 numbers", "a text", ...
     std::string type_name() const;
 
 private:
@@ -366,8 +366,8 @@ template <class T, std::size_t Count>
 struct KeyCodec<std::array<T, Count>> : ListCodec<std::array<T, Count>, T, static_cast<int>(Count)> {};
 template <class T>
 struct KeyCodec<Eigen::Matrix<T, 3, 1>> : ListCodec<Eigen::Matrix<T, 3, 1>, T, 3> {};
-/// Positions and velocities of the flow are in double and lose their third entry in 2D. Colours and cameras are in single precision and do
-/// not.
+/// In double precision: positions and velocities of the flow, whose third entry may be omitted in 2D. Colours and cameras, which always
+/// have three entries, are in single precision.
 template <>
 struct KeyCodec<Vec3d> : ListCodec<Vec3d, double, 3> {
     static void describe(Key& k) { ListCodec::describe(k), k.in_plane = InPlane::vector; }

@@ -13,8 +13,8 @@ namespace whorl {
 void set_threads(int count);
 int threads();
 
-/// Call first in every thread that OpenMP did not start, so that its parallel loops use the chosen number of threads: OpenMP keeps that
-/// number per thread.
+/// Call first in every thread that OpenMP did not start, so that parallel loops of that thread use the chosen number of threads. OpenMP
+/// keeps that number separately for each thread.
 void adopt_threads();
 
 /// Makes idle OpenMP threads sleep instead of spin, which would slow other programs on a shared machine. Call it first in main(): libgomp
@@ -47,7 +47,7 @@ void parallel_for(Index n, F&& f) {
     });
 }
 
-/// parallel_for for few long iterations: each thread fetches one at a time.
+/// parallel_for() for few long iterations. Each thread fetches one iteration at a time.
 template <class F>
 void parallel_tasks(Index n, F&& f) {
     const auto run = [&f](Index i) __attribute__((noinline)) { f(i); };
@@ -55,7 +55,7 @@ void parallel_tasks(Index n, F&& f) {
     for (Index i = 0; i < n; ++i) run(i);
 }
 
-/// sum_i f(i), in double, over fixed blocks that are added in order: bit-identical for any number of threads.
+/// sum_i f(i), in double, over fixed blocks that are added in order. The result is bit-identical for any number of threads.
 /// @param zero the zero of T, which needs operator+=
 template <class T, class F>
 T parallel_sum(Index n, T zero, F&& f) {
