@@ -229,9 +229,9 @@ private:
         }
         const bool expects =
             traits_.viscosity.implicit && plan_.pressure == PressureModel::ppe && plan_.free_surface && !scene_.models.printed();
-        // Half of the energy of the stages "expected pressure" and "forget pressure" together counts as work of viscosity, F.(u + v)/2.
-        // u is the velocity before the first of them, v the velocity after the viscous solve. The pressure of neighbours, which cancels out
-        // over the steps, does not contribute to these two stages.
+        // Half of the energy of the stages "expected pressure" and "forget pressure" together counts as work of viscosity. That work is
+        // then F.(u + v)/2, with the viscous impulse F, the velocity u before "expected pressure" and the velocity v after the viscous
+        // solve. The pressure of neighbours, which cancels out over the steps, does not contribute.
         if (expects) stage("expected pressure", "pressure", ExpectForce{}, &EnergyBudget::viscosity, 0.5);
         if (traits_.viscosity.implicit) implicit_viscosity();
         if (expects) stage("forget pressure", "pressure", ForgetForce{}, &EnergyBudget::viscosity, 0.5);
