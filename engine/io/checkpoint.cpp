@@ -93,9 +93,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     try {
         ByteReader in{verify_checksum(magic, bytes)};
         each_member(in, checkpoint);
-    } catch (const EnvironmentError& error) { refuse(error.what()); } catch (const InputError& error) {
-        refuse(error.problems().front().what);
-    }
+    } catch (const EnvironmentError& error) { refuse(error.what()); }
     return checkpoint;
 }
 

@@ -190,8 +190,8 @@ KeyTable viscosity_keys() {
     const std::string model = "models.viscosity";
     const std::vector<std::string> implicit = names_of(viscosity_models(), &ViscosityTraits::implicit);
     t.key("tolerance", inside(&ViscosityOptions::limits, &SolveLimits::tolerance), "",
-          "preconditioned residual over the velocities, for a step in which viscosity changes them by a hundredth; smaller if it changes "
-          "them less")
+          "preconditioned residual relative to the velocities, if viscosity changes them by at least a hundredth in a step; if it changes "
+          "them less, the tolerance is reduced in proportion")
         .above(0)
         .at_most(0.5)
         .only_with(model, implicit)

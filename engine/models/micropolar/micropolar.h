@@ -73,7 +73,7 @@ private:
     Column<Vec3> push_;  ///< spin field, including the composed part, whose curl accelerates the flow; scratch of a step
 };
 
-/// Longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest curl of a unit velocity on the lattice [1/m], the
+/// Longest step of the explicit exchange [s]. With kappa = lambda/rho and k the largest eigenvalue of the curl on the lattice [1/m], the
 /// exchange alone has the rates kappa/theta (1 +- sqrt(1 + theta k^2)). The result is the inverse of the larger rate. Such a step is stable
 /// together with the explicit Laplacians, and the spin does not overshoot.
 double exchange_step(double kinematic_coupling, double micro_inertia, double largest_curl);
