@@ -40,7 +40,7 @@ inline std::string variable_names(const std::string& letters) {
 /// A value in a file, with its location. A date has no kind (std::monostate), and no key accepts it.
 struct Value {
     using List = std::vector<Value>;
-    using Table = std::vector<std::pair<std::string, Value>>;  ///< in the file's order
+    using Table = std::vector<std::pair<std::string, Value>>;  ///< entries in the order of the file
     std::variant<std::monostate, bool, std::int64_t, double, std::string, List, Table> data;
     FileLocation place;      ///< location of the value
     FileLocation key_place;  ///< location of the key that names the value

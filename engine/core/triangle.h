@@ -7,7 +7,7 @@ namespace whorl {
 template <class Scalar>
 struct NearestOnTriangle {
     Eigen::Matrix<Scalar, 3, 1> point;
-    int feature;  ///< location of the point: 0 to 2 corner a, b or c; 3 to 5 the edge opposite to it; 6 the face
+    int feature;  ///< location of the point: 0 to 2 corner a, b or c; 3 to 5 the edge opposite to corner a, b or c; 6 the face
 };
 
 /// The point of triangle abc nearest to p (Ericson 2005, "Real-time collision detection", 5.1.5).

@@ -103,7 +103,7 @@ private:
     ContactStep step_;
     std::vector<Moving> moving_;  ///< by solid
     Eigen::Index slots_ = 0;
-    std::vector<Point> points_;              ///< in the order of the pairs of solids
+    std::vector<Point> points_;              ///< points of contact, in the order of the pairs of solids
     Eigen::SparseMatrix<double> lightness_;  ///< M^-1
     struct Held;
     std::shared_ptr<const Held> held_;  ///< null: no contact is held

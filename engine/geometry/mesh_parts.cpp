@@ -55,8 +55,8 @@ void join_around(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, con
 /// @throws InputError if the mesh has holes or inconsistent orientation
 std::vector<std::uint32_t> find_closed_parts(TriangleMesh& mesh, const std::string& name, std::size_t& doubled) {
     struct Edge {
-        int turns = 0, uses = 0;  ///< turns: passes in one direction minus passes in the other; uses: all passes
-        std::uint32_t first = 0;  ///< triangle
+        int turns = 0, uses = 0;  ///< number of triangles that pass the edge one way minus those that pass it the other way; sum of both
+        std::uint32_t first = 0;  ///< first triangle at this edge
     };
     using Ends = std::pair<std::uint32_t, std::uint32_t>;
     std::map<Ends, Edge> edges;

@@ -199,7 +199,7 @@ private:
     std::vector<std::array<Vec3d, 3>> edge_normal_;
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> order_;
-    std::ptrdiff_t crossings_ = 0;  ///< faces with the inside on both sides, or turned inward
+    std::ptrdiff_t crossings_ = 0;  ///< number of faces whose outer side is inside the mesh
 };
 
 /// For drawing: normals are smooth across edges at which the faces differ by less than 40 degrees, and sharp across other edges.

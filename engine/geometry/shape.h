@@ -39,9 +39,10 @@ struct SamplingRegion {
 };
 
 struct SurfaceSample {
-    Vec3d position, outward;     ///< m; unit vector, away from the shape's inside
-    double curvature = 0;        ///< sum of the principal curvatures [1/m], > 0 if convex; 0 on edges and on meshes
-    Vec3d face = Vec3d::Zero();  ///< on an edge where two or three faces meet at right angles: the outward normal of one of them
+    Vec3d position, outward;  ///< m; unit vector, away from the shape's inside
+    double curvature = 0;     ///< sum of the principal curvatures [1/m], > 0 if convex; 0 on edges and on meshes
+    Vec3d face =
+        Vec3d::Zero();  ///< outward normal of one of the faces, on an edge at which two or three faces meet at right angles; elsewhere 0
 };
 
 /// Mass properties of a shape with density 1. In 2D they are per metre of depth.

@@ -101,13 +101,13 @@ inline Real flat_beside(Real distance, Real support) { return std::clamp(distanc
 /// Boundary particles: one layer on the solids' surfaces, about a spacing apart, half a spacing inside the solid.
 struct BoundaryParticles {
     std::vector<Index> solid;         ///< index of each particle's solid
-    Column<Vec3> own_position;        ///< in the solid's own axes [m]
-    Column<Vec3> own_normal;          ///< in the solid's own axes, into the fluid; empty: normals are not updated
-    Column<Vec3> position, velocity;  ///< in world axes [m, m/s]
-    Column<Vec3> normal;              ///< into the fluid
+    Column<Vec3> own_position;        ///< position in the solid's own axes [m]
+    Column<Vec3> own_normal;          ///< normal in the solid's own axes, into the fluid; empty: normals are not updated
+    Column<Vec3> position, velocity;  ///< position and velocity in world axes [m, m/s]
+    Column<Vec3> normal;              ///< unit normal in world axes, into the fluid
     Column<Real> volume;              ///< 1/sum W over the neighbouring boundary particles [m^3] (Akinci et al. 2012)
     Column<Real> behind;              ///< fraction of the kernel that the solid fills, relative to a flat wall; 0: an edge
-    Column<Vec3> own_face, face;      ///< on convex edges SurfaceSample::face, elsewhere 0
+    Column<Vec3> own_face, face;      ///< SurfaceSample::face on convex edges, elsewhere 0; in own and in world axes
     /// Weight of the fluid's mirror images behind a flat wall (R: support radius). It is 1 farther than 2 R from all bends, ends and
     /// openings of the surface and from solids that move, and 0 nearer than R. Ends at another surface, at a right angle that faces the
     /// fluid, do not count; on such a corner the weight is -1. Empty: no wall is flat.

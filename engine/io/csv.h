@@ -16,7 +16,7 @@ struct CsvTable {
     /// The column's index. @throws InputError with the nearest name
     std::size_t index(const std::string& column) const;
     bool has(const std::string& column) const;
-    std::string file;  ///< for messages
+    std::string file;  ///< path of the file, for messages
 };
 
 /// Reads a table. Cells may be in quotes, like those of csv_cell(), and surrounded by blanks. Lines that begin with # are comments.

@@ -13,7 +13,7 @@ struct Measures : Energies {
     double max_speed = 0;                                  ///< m/s
     Vec3d momentum = Vec3d::Zero();                        ///< kg m/s
     Vec3d angular_momentum = Vec3d::Zero();                ///< kg m^2/s about the origin, sum m (x cross u + theta w)
-    double density_error_mean = 0, density_error_max = 0;  ///< of the compression max(0, rho/rho_0 - 1); 0 if the model has no density
+    double density_error_mean = 0, density_error_max = 0;  ///< compression, max(0, rho/rho_0 - 1); 0 if the model has no density
     double volume = 0;                                     ///< coupled_volume() if it was computed, else 0
 };
 

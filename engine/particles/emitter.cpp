@@ -86,9 +86,9 @@ struct Emitter::State {
 
     Vec3 width_axis, thickness_axis;
     double length = 0;            ///< length of a block of the column, the period with which its particles repeat [m]
-    std::vector<Vec3> block;      ///< in the opening's frame: x and y across, z in [0, length), in the order of emission
+    std::vector<Vec3> block;      ///< positions in the opening's frame: x and y across, z in [0, length) in the order of emission
     std::vector<Vec3> first;      ///< first copy of the block, adapted to the initial filling of the pipe
-    std::vector<long> next_copy;  ///< for each particle of the block: the number of its copies that have entered
+    std::vector<long> next_copy;  ///< number of copies of each particle of the block that have entered
     double pushed = 0;            ///< integral of the mean speed [m]
 
     /// Speed over mean speed at a point of the opening.
@@ -104,7 +104,7 @@ struct Emitter::State {
     }
     double peak() const { return !shape.parabolic ? 1 : shape.plane || shape.slot ? 1.5 : 2; }
     int dimensions() const { return shape.plane ? 2 : 3; }
-    double volume() const { return std::pow(static_cast<double>(spacing), dimensions()); }  ///< of a particle
+    double volume() const { return std::pow(static_cast<double>(spacing), dimensions()); }  ///< volume of a particle
 
     long column_count() const {
         return std::lround(column_points(opening_area(shape), static_cast<double>(spacing), shape.parabolic, dimensions()));

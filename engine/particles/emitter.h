@@ -13,8 +13,8 @@ namespace whorl {
 
 struct EmitterShape {
     bool slot = false;                ///< a rectangle, width x thickness; otherwise a disc
-    Vec3 centre = Vec3::Zero();       ///< of the opening [m]
-    Vec3 direction = -Vec3::UnitY();  ///< of the flow, unit vector
+    Vec3 centre = Vec3::Zero();       ///< centre of the opening [m]
+    Vec3 direction = -Vec3::UnitY();  ///< direction of the flow, unit vector
     Real radius = 0;                  ///< m
     Real width = 0, thickness = 0;    ///< m
     bool parabolic = false;           ///< parabolic profile; otherwise a plug
@@ -42,8 +42,8 @@ inline void opening_axes(const EmitterShape& opening, Vec3& width, Vec3& thickne
 /// @param area area of the opening [m^2]; in 2D its width [m]
 double column_points(double area, double spacing, bool parabolic, int dimensions);
 
-/// The pipe behind an opening: `depth` [m] of fluid, and a closed end of least_clearance spacings, which keeps other fluid away from where
-/// particles enter. @param domain its periodic axes repeat the pipe
+/// The pipe behind an opening: `depth` [m] of fluid, and a closed end of least_clearance spacings, which keeps other fluid away from the
+/// places at which particles enter. @param domain its periodic axes repeat the pipe
 Solid nozzle_body(const EmitterShape& opening, Real depth, Real spacing, const Domain& domain);
 /// A wider and longer version of the end of that pipe, in which new particles appear. It keeps other fluid so far away that new particles
 /// cause no jump of the density of that fluid.

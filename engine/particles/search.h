@@ -20,7 +20,7 @@ public:
     /// Pairs among x, each in both rows. `pairs` keeps a reference to x.
     /// @param support R [m]; a periodic axis of the domain must be at least 2 R long
     void find(Span<const Vec3> x, Real support, const Domain& domain, Pairs& pairs);
-    /// For each x_own, its neighbours among x_other.
+    /// Pairs of each particle of x_own with its neighbours in x_other.
     void find(Span<const Vec3> x_own, Span<const Vec3> x_other, Real support, const Domain& domain, Pairs& pairs);
 
     /// find() among x in parts, for callers that need each row only once and not all at the same time. Call start() first, then rows() for

@@ -17,7 +17,8 @@ struct Comparison {
     double at(const std::string& column, double along_value) const;
 };
 
-/// The table of a probe; empty if the scene names none. @throws InputError, at the key, if its columns do not match those of the probe
+/// The table that the scene names for a probe; empty if it names none. @throws InputError, at the key `compare`, if the columns of the
+/// table do not match those of the probe
 std::optional<Comparison> comparison_of(const Scene& scene, std::size_t probe, const Probe& columns_of);
 
 /// @throws InputError with all probes of the scene that cannot measure (a gauge off its surface) or cannot be compared

@@ -22,7 +22,7 @@ public:
 
 private:
     struct Track {
-        Vec3 x, velocity;  ///< at the end of the previous step [m, m/s]
+        Vec3 x, velocity;  ///< position and velocity at the end of the previous step [m, m/s]
         long seen = 0;     ///< number of the last step with the particle; 0: none
     };
     struct Memory {

@@ -27,7 +27,7 @@ ProbeColumns operator+(ProbeColumns a, const ProbeColumns& b);
 struct ProbePlot {
     struct Curve {
         std::size_t column = 0;
-        std::string label;    ///< in the legend
+        std::string label;    ///< label of the curve in the legend
         bool theory = false;  ///< expected values, drawn dashed
     };
     std::string title, unit;

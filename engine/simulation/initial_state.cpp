@@ -263,8 +263,8 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
     if (remove_in_solids(points, world) > 0) {
         const bool on_lattice = keys.sampling != Sampling::blue_noise;
         if (on_lattice) {
-            // If more than half of another layer would fit, the layers at both ends would be too near to a container's walls and be
-            // removed.
+            // Layers::nearest rounds the number of layers up if more than half of another layer fits. In a container, the layers at both
+            // ends are then too near to the walls and are removed.
             std::vector<Vec3> within = sample(Layers::within, 0);
             remove_in_solids(within, world);
             if (within.size() >= points.size()) points.swap(within), layers = Layers::within;

@@ -39,7 +39,7 @@ struct ThreadProblem {
 
     ThreadNumbers full;  ///< numbers at the depth `full_depth`
     double full_depth = 0;
-    double turn_weight = 0, depth_weight = 1, distance = 0;  ///< of the last condition
+    double turn_weight = 0, depth_weight = 1, distance = 0;  ///< coefficients and right-hand side of the last condition
 
     template <class T>
     T share(const T& depth) const {
