@@ -344,7 +344,7 @@ bool has_dry_floor(const Scene& scene, const SceneShapes& shapes) {
             ++(std::any_of(shapes.blocks.begin(), shapes.blocks.end(), covers) ? wet : dry);
         }
     });
-    return wet > 0 && dry > 0;
+    return dry > 0 && (wet > 0 || down.norm() > 0);  // under weight, fluid lands there
 }
 
 void check_placement(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
