@@ -115,6 +115,32 @@ void Multigrid::set_up(SparseRows A, std::vector<GridCell> cells, const Multigri
     }
 }
 
+/// Finds the connected components of A whose entries add up to 0 within round-off: A does not determine the mean of x there.
+std::vector<Multigrid::Component> Multigrid::closed_components(const Eigen::MatrixXd& A) {
+    std::vector<Component> closed;
+    std::vector<char> reached(static_cast<std::size_t>(A.rows()), 0);
+    for (Index first = 0; first < A.rows(); ++first) {
+        if (reached[first]) continue;
+        Component component;
+        component.members = {first};
+        reached[first] = 1;
+        double sum = 0;
+        for (std::size_t head = 0; head < component.members.size(); ++head) {
+            const Index i = component.members[head];
+            component.diagonal += A(i, i);
+            for (Index j = 0; j < A.rows(); ++j) {
+                sum += A(i, j);
+                if (!reached[j] && A(i, j) != 0) reached[j] = 1, component.members.push_back(j);
+            }
+        }
+        component.diagonal /= static_cast<double>(component.members.size());
+        if (component.members.size() == 1) component.diagonal = A.diagonal().mean();  // its own may be 0 within round-off
+        constexpr double round_off = 1e-5;                                            // of sums in float
+        if (std::abs(sum) < round_off * component.diagonal * static_cast<double>(component.members.size())) closed.push_back(component);
+    }
+    return closed;
+}
+
 void Multigrid::factor(const SparseRows& A) {
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(A.size(), A.size());
     for (Index i = 0; i < A.size(); ++i)
@@ -122,16 +148,41 @@ void Multigrid::factor(const SparseRows& A) {
     dense = (dense + dense.transpose()).eval() / 2;
     for (Index i = 0; i < A.size(); ++i)
         if (!(dense(i, i) > static_cast<double>(min_positive))) dense(i, i) = 1;
+    closed_ = closed_components(dense);
+    constexpr double lift = 1e-4;
+    for (const Component& component : closed_)
+        for (Index i : component.members) dense(i, i) *= 1 + lift;
     coarsest_.compute(dense);
-    // left(): smallest pivot, relative to the diagonal element of its row. If A is singular, the pivot is only round-off, and its inverse
-    // would be noise.
+    // left(): smallest pivot, relative to the diagonal element of its row. If A is nearly singular, the pivot is only round-off, and its
+    // inverse would be noise.
     constexpr double round_off = 1e-3;
     const auto left = [&] { return (coarsest_.matrixLLT().diagonal().array().square() / dense.diagonal().array()).minCoeff(); };
     if (coarsest_.info() == Eigen::Success && left() > round_off) return;
-    // The matrix is singular, as in a closed box. Raising the diagonal makes the response to a constant b finite: about 10^4 b/D.
-    constexpr double lift = 1e-4;
     dense.diagonal() *= 1 + lift;
     coarsest_.compute(dense);
+}
+
+/// x = Q (A + lift D)^-1 Q b + (1 - Q) b/D, where Q subtracts the mean over each closed component. Without Q, round-off in the mean of b
+/// would be weighted by 1/lift, and conjugate gradients would search along constants, where p.A p is round-off of any sign.
+void Multigrid::solve_coarsest(Span<const Real> b, Span<Real> x) const {
+    using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+    const auto n = static_cast<Index>(b.size());
+    Eigen::VectorXd v = Eigen::Map<const Vector>(b.data(), n).cast<double>();
+    std::vector<double> means;
+    const auto subtract_mean = [&](const Component& component) {
+        double mean = 0;
+        for (Index i : component.members) mean += v[i];
+        mean /= static_cast<double>(component.members.size());
+        for (Index i : component.members) v[i] -= mean;
+        return mean;
+    };
+    for (const Component& component : closed_) means.push_back(subtract_mean(component));
+    coarsest_.solveInPlace(v);
+    for (std::size_t k = 0; k < closed_.size(); ++k) {
+        subtract_mean(closed_[k]);
+        for (Index i : closed_[k].members) v[i] += means[k] / closed_[k].diagonal;
+    }
+    Eigen::Map<Vector>(x.data(), n) = v.cast<Real>();
 }
 
 void Multigrid::operator()(Span<const Real> b, Span<Real> x) const { cycle(0, b, x); }
@@ -140,9 +191,7 @@ void Multigrid::cycle(std::size_t l, Span<const Real> b, Span<Real> x) const {
     const Level& level = levels_[l];
     const Index n = level.A.size();
     if (l + 1 == levels_.size()) {
-        using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
-        const Eigen::VectorXd solved = coarsest_.solve(Eigen::Map<const Vector>(b.data(), n).cast<double>());
-        Eigen::Map<Vector>(x.data(), n) = solved.cast<Real>();
+        solve_coarsest(b, x);
         return;
     }
     const Level& next = levels_[l + 1];

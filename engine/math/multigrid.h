@@ -37,7 +37,8 @@ struct MultigridOptions {
 ///
 /// A cycle makes damped Jacobi sweeps from zero, adds the correction from the next level, and makes sweeps again. On the next level,
 /// 2 x 2 x 2 cells become one, and the matrix is P^T A P with the interpolation P. The coarsest level is solved by Cholesky factorisation.
-/// If its matrix is singular, as in a closed box, its diagonal is multiplied by 1 + 1e-4. Rows with a zero diagonal give x = 0.
+/// If a connected component of its matrix is singular, as in a closed box, the solve acts on b less its mean over the component, and
+/// the mean is divided by the diagonal. Rows with a zero diagonal give x = 0.
 class Multigrid {
 public:
     void set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options);
@@ -54,11 +55,19 @@ private:
         mutable Column<Real> b, x, work;
     };
     void cycle(std::size_t level, Span<const Real> b, Span<Real> x) const;
+    /// A connected component of the coarsest matrix whose rows add up to 0, as in a closed box.
+    struct Component {
+        std::vector<Index> members;
+        double diagonal = 0;  ///< mean of its diagonal
+    };
+    static std::vector<Component> closed_components(const Eigen::MatrixXd& A);
     void factor(const SparseRows& A);
+    void solve_coarsest(Span<const Real> b, Span<Real> x) const;
 
     std::vector<Level> levels_;
     int sweeps_before_ = 1, sweeps_after_ = 1;
     Eigen::LLT<Eigen::MatrixXd> coarsest_;
+    std::vector<Component> closed_;
 };
 
 /// Estimate of the largest eigenvalue of D^-1 A, with the diagonal D of A: 1.1 times the result of the power method, but at most the
