@@ -95,7 +95,7 @@ void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, d
 }
 
 Vec3d Solid::centre() const {
-    return body ? body->centre : Vec3d(pose.rotation.cast<double>() * turning_point(*shape) + pose.translation.cast<double>());
+    return body ? body->centre : Vec3d(pose.rotation.cast<double>() * pivot() + pose.translation.cast<double>());
 }
 
 void Solid::receive(Push kind, const Wrench& impulse) {
@@ -108,8 +108,8 @@ void Solid::receive(Push kind, const Wrench& impulse) {
 void Solids::set_time(double t, double dt) {
     for (Solid& solid : all) {
         if (solid.body) continue;
-        // The solid turns about its own centre c, so x_world = R (x_own - c) + c + displacement.
-        const Vec3d c = turning_point(*solid.shape), moved = solid.position(t) + solid.shift;
+        // The solid turns about its pivot c, so x_world = R (x_own - c) + c + displacement.
+        const Vec3d c = solid.pivot(), moved = solid.position(t) + solid.shift;
         const Mat3d R = solid.turn * rotation_at(solid.spin, t, solid.turned);
         solid.pose.rotation = R.cast<Real>();
         solid.pose.translation = (c - R * c + moved).cast<Real>();

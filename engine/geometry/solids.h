@@ -28,10 +28,11 @@ Domain in_own_axes(const Domain& domain, const Pose& pose);
 
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position;  ///< displacement from the shape's initial position [m], a function of t
-    VectorExpression spin;      ///< angular velocity about the own axes through turning_point() [rad/s], a function of t
-    bool inside = false;        ///< the fluid is inside the shape
-    double slip_length = 0;     ///< m, in u - u_wall = slip_length du/dn on the surface; 0: no slip, infinite: free slip
+    VectorExpression position;       ///< displacement from the shape's initial position [m], a function of t
+    VectorExpression spin;           ///< angular velocity about the own axes through the pivot [rad/s], a function of t
+    std::optional<Vec3d> own_pivot;  ///< the point about which the solid turns, at the shape's initial position [m]; empty: turning_point()
+    bool inside = false;             ///< the fluid is inside the shape
+    double slip_length = 0;          ///< m, in u - u_wall = slip_length du/dn on the surface; 0: no slip, infinite: free slip
     std::string material;
     Contact contact;                 ///< contact with other solids
     std::optional<RigidBody> body;   ///< set for a free body, which forces move; position and spin then only give its initial pose
@@ -49,11 +50,12 @@ struct Solid {
     void go_on_as(VectorExpression new_position, VectorExpression new_spin, double t);
     bool moves() const;
     bool keeps_ledger() const { return probed || body; }
-    /// Reference point of torques [m]: the centre of mass of a free body, otherwise the current position of turning_point().
+    Vec3d pivot() const { return own_pivot ? *own_pivot : turning_point(*shape); }
+    /// Reference point of torques [m]: the centre of mass of a free body, otherwise the current position of the pivot.
     Vec3d centre() const;
     /// Adds an impulse of the fluid to the ledger, with its work; a free body also changes its momentum.
     void receive(Push kind, const Wrench& impulse);
-    /// Velocity of turning_point() [m/s].
+    /// Velocity of centre() [m/s].
     Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }
     bool sticks() const { return slip_length == 0; }
     /// Whether the fluid slips with friction, so it neither sticks nor slides freely.

@@ -47,6 +47,19 @@ void add_ink_markers(const World& world, Frame& frame) {
     for (const Vec3& c : markers.store.column<field::ink>()) of.ink.push_back(c.cast<float>());
 }
 
+FrameEmitter drawn_opening(const Emitter& emitter) {
+    const EmitterShape& opening = emitter.shape();
+    EmitterShape start = opening;
+    start.direction = emitter.pose().rotation.transpose() * opening.direction;
+    Vec3 width, thickness;
+    opening_axes(start, width, thickness);
+    width = emitter.pose().rotation * width;
+    const bool disc = !opening.slot && !opening.plane;
+    const Real wide = disc ? 2 * opening.radius : opening.width, thick = disc ? wide : opening.thickness;
+    return {opening.centre.cast<float>(), opening.direction.cast<float>(), width.cast<float>(),
+            static_cast<float>(wide),     static_cast<float>(thick),       opening.slot};
+}
+
 }  // namespace
 
 Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fields) : fields_(std::move(fields)) {
@@ -68,12 +81,6 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
         nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));
         nozzle.material = "metal";
         solids_.push_back(std::move(nozzle));
-        Vec3 width, thickness;
-        opening_axes(opening, width, thickness);
-        const bool disc = !opening.slot && !opening.plane;
-        const Real wide = disc ? 2 * opening.radius : opening.width, thick = disc ? wide : opening.thickness;
-        emitters_.push_back({opening.centre.cast<float>(), opening.direction.cast<float>(), width.cast<float>(), static_cast<float>(wide),
-                             static_cast<float>(thick), opening.slot});
     }
 }
 
@@ -85,12 +92,19 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
     frame.number = number;
     frame.time = simulation.time();
     frame.solids = solids_;
-    frame.emitters = emitters_;
     for (std::size_t k = 0; k < world.solids.all.size(); ++k) {
         frame.solids[k].rotation = world.solids.all[k].pose.rotation.cast<float>();
         frame.solids[k].translation = drawn_translation(world.solids.all[k], world.step.domain).cast<float>();
         frame.solids[k].velocity = world.solids.all[k].pose.velocity.cast<float>();
         frame.solids[k].spin = world.solids.all[k].pose.angular_velocity.cast<float>();
+    }
+    std::size_t k = world.solids.all.size();
+    for (const Emitter& emitter : simulation.emitters()) {
+        frame.emitters.push_back(drawn_opening(emitter));
+        const Pose& pose = emitter.pose();
+        FrameSolid& nozzle = frame.solids[k++];
+        nozzle.rotation = pose.rotation.cast<float>(), nozzle.translation = pose.translation.cast<float>();
+        nozzle.velocity = pose.velocity.cast<float>(), nozzle.spin = pose.angular_velocity.cast<float>();
     }
     return frame;
 }

@@ -39,7 +39,6 @@ public:
 private:
     std::vector<std::string> fields_;
     std::vector<FrameSolid> solids_;  ///< the solids, then the nozzles; take() sets the poses
-    std::vector<FrameEmitter> emitters_;
 };
 
 /// The part of a frame that describes particles.

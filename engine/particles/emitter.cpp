@@ -1,6 +1,7 @@
 #include "engine/particles/emitter.h"
 
 #include <algorithm>
+#include <array>
 #include <istream>
 #include <numbers>
 #include <ostream>
@@ -74,6 +75,12 @@ struct Emitter::State {
     std::int16_t role;
     Solid body, guarded;  ///< guarded: body without its first spacing behind the opening, into which emitted fluid may come back
     Solid end;
+    std::array<Pose, 3> at_start;  ///< poses of body, guarded and end at t = 0
+    EmitterShape shape_at_start;
+    Vec3 width_at_start, thickness_at_start;
+    VectorExpression centre_of_time, direction_of_time;
+    bool moving = false;
+    Pose pose;  ///< motion since t = 0
     Domain domain;
     double faster = 1;         ///< area of the opening over the area of its part outside solids
     bool full = false;         ///< the pipe is filled from the start
@@ -201,6 +208,30 @@ struct Emitter::State {
         return all;
     }
 
+    /// Motion of the opening from t = 0 to t: x(t) = R x(0) + c.
+    struct Motion {
+        Mat3d R;
+        Vec3d c;
+    };
+    Motion motion_to(double t) const {
+        const Vec3d from = direction_of_time(0).normalized(), to = direction_of_time(t).normalized();
+        const Mat3d R = Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+        return {R, centre_of_time(t) - R * centre_of_time(0)};
+    }
+    void set_pose(const Pose& to) {
+        pose = to;
+        shape.centre = pose.rotation * shape_at_start.centre + pose.translation;
+        shape.direction = pose.rotation * shape_at_start.direction;
+        width_axis = pose.rotation * width_at_start, thickness_axis = pose.rotation * thickness_at_start;
+        const std::array<Solid*, 3> parts{&body, &guarded, &end};
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+            Pose& part = parts[k]->pose;
+            part.rotation = pose.rotation * at_start[k].rotation;
+            part.translation = pose.rotation * at_start[k].translation + pose.translation;
+            parts[k]->repeats = Repeats(*parts[k]->shape, domain, part.rotation, part.translation);
+        }
+    }
+
     Vec3 world(const Vec3& q) const { return shape.centre + q.x() * width_axis + q.y() * thickness_axis + q.z() * shape.direction; }
     Vec3 local(const Vec3& x) const {
         const Vec3 r = x - shape.centre;
@@ -228,6 +259,9 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
     shape.centre -= spacing * shape.direction;
     s.guarded = nozzle_body(shape, depth - spacing, spacing, domain);
 
+    s.shape_at_start = s.shape;
+    s.width_at_start = s.width_axis, s.thickness_at_start = s.thickness_axis;
+    s.at_start = {s.body.pose, s.guarded.pose, s.end.pose};
     if (shape.parabolic) s.make_streamlines(seed);
     else s.make_column(seed);
     s.first = s.block;
@@ -237,8 +271,23 @@ Emitter::Emitter(EmitterShape shape, Expression speed, double start, double stop
 Emitter::~Emitter() = default;
 Emitter::Emitter(Emitter&&) noexcept = default;
 
+void Emitter::follow(VectorExpression position, VectorExpression direction) {
+    state_->centre_of_time = std::move(position), state_->direction_of_time = std::move(direction);
+    state_->moving = state_->centre_of_time.depends_on_time() || state_->direction_of_time.depends_on_time();
+}
+
+void Emitter::set_time(double t) {
+    if (!state_->moving) return;
+    constexpr double dt = 1e-4;
+    const State::Motion now = state_->motion_to(t), later = state_->motion_to(t + dt);
+    const Eigen::AngleAxisd turn(later.R * now.R.transpose());
+    state_->set_pose(
+        {now.R.cast<Real>(), now.c.cast<Real>(), ((later.c - now.c) / dt).cast<Real>(), (turn.angle() / dt * turn.axis()).cast<Real>()});
+}
+
 void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     State& s = *state_;
+    set_time(t);
     if (t + dt < s.start && !s.full && !s.meets_fluid(fluid)) return;
     const double push = s.push_during(t, dt);
 
@@ -257,17 +306,28 @@ void Emitter::enter(ParticleStore& fluid, double t, double dt) {
     }
 
     const double speed = dt > 0 ? push / dt : 0;
+    Mat3d turn = Mat3d::Identity();
+    Vec3d shift = Vec3d::Zero();  // a point of the opening at x is at turn x + shift at the end of the step
+    if (s.moving) {
+        const State::Motion now = s.motion_to(t), next = s.motion_to(t + dt);
+        turn = next.R * now.R.transpose(), shift = next.c - turn * now.c;
+    }
     for (std::size_t i = 0; i < x.size(); ++i) {
         if (role[i] != s.role) continue;
         const Vec3 q = s.local(x[i]);
         // Particles that enter now start behind the end of the column, and reach it during this step.
         const bool moves = s.in_column(q) || (i >= static_cast<std::size_t>(before) && i < first_placed);
         u[i] = static_cast<Real>(moves ? speed * s.profile(q.x(), q.y()) : 0) * s.shape.direction;
+        if (!s.moving || !(dt > 0)) continue;
+        // The velocity that leads to the particle's place in the opening's frame at the end of the step.
+        const Vec3d begin = x[i].cast<double>(), reached = turn * (begin + dt * u[i].cast<double>()) + shift;
+        u[i] = ((reached - begin) / dt).cast<Real>();
     }
     s.pushed += push;
 }
 
-Index Emitter::release(ParticleStore& fluid, double) const {
+Index Emitter::release(ParticleStore& fluid, double t) {
+    set_time(t);
     const State& s = *state_;
     const auto x = fluid.column<field::position>();
     const auto role = fluid.column<field::role>();
@@ -291,7 +351,8 @@ void Emitter::keep_out(ParticleStore& fluid) const {
         if (!(distance < s.apart())) return;
         const Vec3 n = near.normal(x[i]);
         x[i] += (s.apart() - distance) * n;
-        if (const Real inward = u[i].dot(n); inward < 0) u[i] -= inward * n;
+        const Vec3 relative = s.moving ? Vec3(u[i] - s.pose.velocity_at(x[i])) : u[i];
+        if (const Real inward = relative.dot(n); inward < 0) u[i] -= inward * n;
     });
 }
 
@@ -326,6 +387,8 @@ double Emitter::expected_particles() const { return state_->pushed * opening_are
 double Emitter::speed(double t) const { return state_->peak() * state_->mean_speed(t); }
 
 const EmitterShape& Emitter::shape() const { return state_->shape; }
+
+const Pose& Emitter::pose() const { return state_->pose; }
 
 void Emitter::change(Expression speed, double start, double stop) {
     state_->speed_of_time = std::move(speed);

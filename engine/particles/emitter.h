@@ -62,11 +62,17 @@ public:
     Emitter(EmitterShape shape, Expression speed, double start, double stop, Real spacing, Real depth, int number, std::uint64_t seed,
             const Domain& domain = {}, Real narrower = 0);
 
+    /// Lets the opening move, with the fluid in the pipe: `position` [m] is its centre and `direction` that of the flow (of any length), as
+    /// functions of t [s]; at t = 0 they are those of the constructor. The opening turns with `direction` by the smallest rotation.
+    void follow(VectorExpression position, VectorExpression direction);
+    /// Brings the opening to its place at time t.
+    void set_time(double t);
     /// Call at the start of a step. Fills the buffer with new particles (their other lasting columns are zero) and sets the velocity of
     /// its particles for [t, t + dt]. The move stage then moves them like all others.
     void enter(ParticleStore& fluid, double t, double dt);
-    /// Call after the move. Particles beyond the opening become free (role 0). @return their number
-    Index release(ParticleStore& fluid, double t) const;
+    /// Call after the move, with the time at its end. Particles beyond the opening become free (role 0), with the velocity of the flow plus
+    /// that of the opening. @return their number
+    Index release(ParticleStore& fluid, double t);
 
     /// Call after release(). Free particles that have entered the pipe are moved to its wall, and lose the component of their velocity
     /// into it.
@@ -86,9 +92,12 @@ public:
 
     /// Volume that has passed the opening (the integral of the speed, not a count) over the volume of a particle.
     double expected_particles() const;
-    /// Largest speed at time t [m/s], for the limit of the time step.
+    /// Largest speed of the flow relative to the opening at time t [m/s].
     double speed(double t) const;
+    /// The opening at the last time that was set.
     const EmitterShape& shape() const;
+    /// Displacement and rotation of the opening since t = 0, with their rates.
+    const Pose& pose() const;
 
     /// Changes speed and times from now on. The emitted volume is kept, so the column continues without a gap.
     void change(Expression speed, double start, double stop);

@@ -22,8 +22,8 @@ std::optional<Pouring> pouring(const Scene& scene, const Plan& plan, const Vec3d
     double nearest = INFINITY;
     for (std::size_t k = 0; k < scene.emitters.size(); ++k) {
         const EmitterKeys& emitter = scene.emitters[k];
-        if (emitter.direction.dot(up) > -0.99) continue;
-        const Vec3d offset = emitter.position - axis_point;
+        if (emitter.moves() || emitter.direction(0).normalized().dot(up) > -0.99) continue;
+        const Vec3d offset = emitter.position(0) - axis_point;
         const double distance = (offset - offset.dot(up) * up).norm();
         if (distance < nearest) nearest = distance, chosen = k;
     }

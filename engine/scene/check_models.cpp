@@ -152,6 +152,8 @@ void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& repor
         if (solid.position.depends_on_time() || solid.rotation.depends_on_time())
             report(name + ".density", name + " has a density, so forces move it, but its position or rotation depends on t",
                    "give its initial position and rotation without t, and its velocity");
+        if (solid.pivot)
+            report(name + ".pivot", name + " has a density, so it turns about its centre of mass", "remove pivot, or the density");
     }
     if (!scene.any_free_solid()) return;
     if (!plan.traits.pressure.moves_bodies)
@@ -186,7 +188,7 @@ void check_plane(const Scene& scene, const Plan& plan, const KeyProblems& report
 
 /// Whether fluid is behind the pipe of a nozzle: with the projection it would flow into the pipe.
 bool pipe_in_fluid(const SceneShapes& shapes, const EmitterKeys& e, const Plan& plan) {
-    const Vec3 behind = (e.position - (plan.support + 2 * plan.spacing) * e.direction.normalized()).cast<Real>();
+    const Vec3 behind = (e.position(0) - (plan.support + 2 * plan.spacing) * e.direction(0).normalized()).cast<Real>();
     return !in_solids(shapes, behind, 0) &&
            std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [&](const auto& b) { return b->distance(behind) < 0; });
 }

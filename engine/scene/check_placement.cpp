@@ -168,13 +168,15 @@ private:
 
     void emitter(const std::string& name, std::size_t i) {
         const EmitterKeys& e = scene_.emitters[i];
-        if (outside(e.position, e.position))
-            report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point_text(e.position)), "", domain_text());
-        too_far(name, e.position, e.position);
+        const Vec3d at = e.position(0);
+        if (e.moves() && !moves_inside(name, e)) return;
+        if (outside(at, at))
+            report(name + ".position", fmt::format("{} at {} lies outside of the domain", name, point_text(at)), "", domain_text());
+        too_far(name, at, at);
         Real distance = 0;
-        const int k = shapes_.solids.nearest(e.position.cast<Real>(), distance);
+        const int k = shapes_.solids.nearest(at.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
-            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point_text(e.position), -distance, k),
+            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point_text(at), -distance, k),
                    scene_.solids[static_cast<std::size_t>(k)].container
                        ? "a container (container = true) is closed on all sides: make it as high as the emitter, or move one of them"
                        : "move one of them");
@@ -191,7 +193,23 @@ private:
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
-        viscosity(key, mu, max_age_of(scene_, i + 1), e.position, name);
+        viscosity(key, mu, max_age_of(scene_, i + 1), at, name);
+    }
+
+    /// Checks that a moving opening has a direction and stays in the domain.
+    bool moves_inside(const std::string& name, const EmitterKeys& e) {
+        for (const double t : sample_times(0, scene_.time.end)) {
+            const Vec3d at = e.position(t), way = e.direction(t);
+            if (!at.allFinite() || !way.allFinite())
+                report(name + (at.allFinite() ? ".direction" : ".position"), fmt::format("{} is not finite at t = {:.4g} s", name, t));
+            else if (!(way.norm() > 0)) report(name + ".direction", fmt::format("{}.direction has no length at t = {:.4g} s", name, t));
+            else if (outside(at, at))
+                report(name + ".position", fmt::format("{} is outside of the domain at t = {:.4g} s, at {}", name, t, point_text(at)), "",
+                       domain_text());
+            else continue;
+            return false;
+        }
+        return true;
     }
 
     void solid(const std::string& name, std::size_t i) {

@@ -33,7 +33,7 @@ public:
     std::vector<ClosedRoom> rooms() {
         for (std::size_t e = 0; e < scene_.emitters.size() && !room_of_.empty(); ++e) {
             const EmitterKeys& keys = scene_.emitters[e];
-            const Vec3d ahead = keys.position + scene_.fluid.spacing * keys.direction.normalized();
+            const Vec3d ahead = keys.position(0) + scene_.fluid.spacing * keys.direction(0).normalized();
             const Vec3d from_corner = obstacles_.domain.wrapped(ahead.cast<Real>()).cast<double>() - scene_.domain.min;
             Vec3d start = Vec3d::Zero();
             for (int a = 0; a < D_; ++a) start[a] = std::floor(from_corner[a] / cell_[a]);

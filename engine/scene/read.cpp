@@ -118,7 +118,11 @@ private:
         file = found.lexically_normal();
     }
     void emitter(const std::string& name, EmitterKeys& e) {
-        direction(name + ".direction", e.direction);
+        if (!e.direction.depends_on_time()) {
+            Vec3d way = e.direction(0);
+            direction(name + ".direction", way);
+            e.direction = {{way.x(), way.y(), way.z()}};
+        }
         if (!(e.stop > e.start)) reader_.disagree({name + ".stop", name + ".start"}, name + " stops before it starts");
     }
     void probes() {

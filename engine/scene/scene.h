@@ -140,21 +140,23 @@ struct BlockKeys {
 };
 
 struct EmitterKeys {
-    std::string shape = "disc";       ///< disc | box (a rectangular slot)
-    Vec3d position = Vec3d::Zero();   ///< m, centre of the opening
-    Vec3d direction{0, -1, 0};        ///< normalised when read
-    double radius = 0;                ///< m, disc
-    double width = 0, thickness = 0;  ///< m, box
-    Expression speed{0.0};            ///< m/s, of t; mean over the opening
-    double start = 0, stop = 1e300;   ///< s
+    std::string shape = "disc";                    ///< disc | box (a rectangular slot)
+    VectorExpression position;                     ///< m, of t: centre of the opening
+    VectorExpression direction{{0.0, -1.0, 0.0}};  ///< of t, of any length
+    double radius = 0;                             ///< m, disc
+    double width = 0, thickness = 0;               ///< m, box
+    Expression speed{0.0};                         ///< m/s, of t; mean over the opening
+    double start = 0, stop = 1e300;                ///< s
     Profile profile = Profile::plug;
     std::optional<Expression> viscosity;  ///< Pa s, a function of the initial x, y, z and of age; empty: fluid.viscosity
     Inks ink;                             ///< of t, x, y, z where fluid enters the nozzle
+    bool moves() const { return position.depends_on_time() || direction.depends_on_time(); }
 };
 
 struct SolidKeys {
     ShapeKeys shape;
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
+    std::optional<Vec3d> pivot;           ///< m, before `position` moves it; empty: turning_point()
     bool container = false;               ///< the fluid is inside the shape
     Slip slip = Slip::no;
     double slip_length = 0;             ///< m, navier

@@ -293,8 +293,10 @@ KeyTable block_keys() {
 KeyTable emitter_keys() {
     KeyTableOf<EmitterKeys> t("an opening through which fluid enters");
     t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
-    t.key("position", &EmitterKeys::position, "m", "middle of the opening").required();
-    t.key("direction", &EmitterKeys::direction, "", "direction of flow, of any length");
+    t.key("position", &EmitterKeys::position, "m", "middle of the opening; the fluid leaves with the opening's own velocity added")
+        .required()
+        .of("t");
+    t.key("direction", &EmitterKeys::direction, "", "direction of flow, of any length").of("t");
     t.key("radius", &EmitterKeys::radius, "m", "of the round opening").required().above(0).only_with("shape", {"disc"});
     t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
@@ -318,6 +320,8 @@ KeyTable solid_keys() {
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
     t.key("position", &SolidKeys::position, "m", "displacement of the shape from the position that its own keys give").of("t").live();
     t.key("rotation", &SolidKeys::rotation, "rad/s", "angular velocity about its own axes").of("t").in(InPlane::axis).live();
+    t.key("pivot", &SolidKeys::pivot, "m",
+          "point through which the axis of rotation passes, before position moves it; auto: the shape's middle");
     t.key("container", &SolidKeys::container, "", "the fluid is inside the shape");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
@@ -331,8 +335,7 @@ KeyTable solid_keys() {
           "rotation give its motion")
         .at_least(0);
     t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
-    t.key("tilt", &SolidKeys::tilt, "degrees",
-          "initial rotation: a vector along the axis through the solid's middle, whose length is the angle")
+    t.key("tilt", &SolidKeys::tilt, "degrees", "initial rotation: a vector along the axis through the pivot, whose length is the angle")
         .in(InPlane::axis);
     t.key("friction", &SolidKeys::friction, "", "Coulomb's coefficient at contacts of free bodies; a pair has the geometric mean")
         .at_least(0)

@@ -45,7 +45,11 @@ double max_age_of(const Scene& scene, std::size_t source) {
 
 double max_speed_of(const EmitterKeys& e, double end) {
     double most = 0;
-    for (const double t : sample_times(e.start, std::max(e.start, std::min(e.stop, end)))) most = std::max(most, e.speed(t));
+    const double stop = std::max(e.start, std::min(e.stop, end)), dt = 1e-4 * stop;
+    for (const double t : sample_times(e.start, stop)) {
+        const double own = e.moves() && dt > 0 ? (e.position(t + dt) - e.position(t)).norm() / dt : 0;
+        most = std::max(most, e.speed(t) + own);
+    }
     return most;
 }
 
@@ -63,18 +67,18 @@ namespace {
 double reach_of(const SolidKeys& solid, const Extent& extent, double end) {
     const Vec3d half = 0.5 * (extent.max - extent.min);
     if (!half.allFinite()) return half.norm();
+    const Vec3d from_pivot = solid.pivot ? Vec3d((extent.max + extent.min) / 2 - *solid.pivot) : Vec3d::Zero();
     Vec3d axis = Vec3d::Zero();
     for (const double t : sample_times(0, end)) {
         const Vec3d turning = solid.rotation(t);
         if (axis.isZero(0)) axis = turning.stableNormalized();
         if (turning.cross(axis).norm() > 1e-6 * turning.norm())
-            return half.norm();  // the axis changes, so any corner may be that far
-                                 // from it
+            return half.norm() + from_pivot.norm();  // the axis changes, so any corner may be that far from it
     }
     double most = 0;
     for (const Vec3d& corner :
          {half, Vec3d(-half[0], half[1], half[2]), Vec3d(half[0], -half[1], half[2]), Vec3d(half[0], half[1], -half[2])})
-        most = std::max(most, axis.cross(corner).norm());
+        most = std::max(most, axis.cross(from_pivot).norm() + axis.cross(corner).norm());
     return most;
 }
 
@@ -232,9 +236,9 @@ private:
         const EmitterKeys& e = scene_.emitters[i];
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
         faster(peak * max_speed_of(e, scene_.time.end));
-        viscosity(i + 1, e.position);
+        viscosity(i + 1, e.position(0));
         n_.particles += emitted_volume(e, scene_.time.end, scene_.domain.dimensions) / power_of(d_, scene_.domain.dimensions);
-        falls_from(e.position, e.position);
+        for (const double t : sample_times(0, e.moves() ? scene_.time.end : 0)) falls_from(e.position(t), e.position(t));
         thickness(narrowest_of(e, scene_.domain.dimensions), entry_name("emitter", i));
     }
 

@@ -27,9 +27,12 @@ Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
 }
 
 /// The bounding box of a rotated box.
-Extent turned(const Extent& e, const Mat3d& turn) {
-    const Vec3d middle = (e.min + e.max) / 2, half = (e.max - e.min) / 2;
+Extent turned(const Extent& e, const Solid& solid) {
+    const Mat3d& turn = solid.turn;
+    Vec3d middle = (e.min + e.max) / 2;
+    const Vec3d half = (e.max - e.min) / 2;
     if (!half.allFinite() || turn.isIdentity()) return e;
+    if (solid.own_pivot) middle = *solid.own_pivot + turn * (middle - *solid.own_pivot);
     const Vec3d reach = turn.cwiseAbs() * half;
     return {middle - reach, middle + reach, e.volume};
 }
@@ -76,6 +79,7 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
     solid.shape = std::move(shape);
     solid.position = keys.position;
     solid.spin = keys.rotation;
+    solid.own_pivot = keys.pivot;
     solid.inside = keys.container;
     solid.turn = turned_by(keys.tilt);
     solid.slip_length = slip_length_of(keys);
@@ -88,8 +92,8 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
 EmitterShape opening_of(const EmitterKeys& keys, int dimensions) {
     EmitterShape shape;
     shape.slot = keys.shape == "box";
-    shape.centre = keys.position.cast<Real>();
-    shape.direction = keys.direction.normalized().cast<Real>();
+    shape.centre = keys.position(0).cast<Real>();
+    shape.direction = keys.direction(0).normalized().cast<Real>();
     shape.radius = static_cast<Real>(keys.radius);
     shape.width = static_cast<Real>(keys.width);
     shape.thickness = static_cast<Real>(keys.thickness);
@@ -110,7 +114,7 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     for (std::size_t i = 0; i < scene.solids.size(); ++i) {
         const SolidKeys& keys = scene.solids[i];
         Solid solid = solid_of(keys, made(scene, entry_name("solid", i), keys.shape, problems));
-        shapes.solid_extent.push_back(solid.shape ? turned(extent_of(keys.shape, *solid.shape), solid.turn) : Extent{});
+        shapes.solid_extent.push_back(solid.shape ? turned(extent_of(keys.shape, *solid.shape), solid) : Extent{});
         shapes.solids.all.push_back(std::move(solid));
     }
     for (std::size_t i = 0; i < scene.drains.size(); ++i) {

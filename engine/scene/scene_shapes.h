@@ -26,6 +26,7 @@ double slip_length_of(const SolidKeys& keys);
 /// The solid of this shape according to the scene. It has no pose before Solids::set_time(). The shape of a free body must be bounded.
 Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape);
 /// The opening according to the scene.
+/// The opening at t = 0.
 EmitterShape opening_of(const EmitterKeys& keys, int dimensions);
 /// Appends unusable meshes to `problems`. The shapes are complete only if none was added.
 SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems);

@@ -449,6 +449,7 @@ std::vector<Emitter> make_emitters(const Scene& scene, const Plan& plan, const S
         emitters.emplace_back(opening, keys.speed, keys.start, keys.stop, static_cast<Real>(plan.spacing),
                               nozzle_depth(plan.support, plan.spacing), number, scene.seed + 77 * static_cast<std::uint64_t>(number),
                               scene.domain.box(), taken_by_solids(opening, solids, static_cast<Real>(plan.spacing)));
+        emitters.back().follow(keys.position, keys.direction);
     }
     return emitters;
 }

@@ -359,7 +359,7 @@ struct Simulation::State {
     /// Releases fluid from nozzles, and removes fluid in drains and outside the domain.
     void let_out(double dt) {
         const auto release = [&] {
-            for (const Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
+            for (Emitter& emitter : emitters) totals.emitted_particles += emitter.release(world.fluid, time + dt);
         };
         if (!emitters.empty()) changing(&EnergyBudget::emitted, release);
         for (const Emitter& emitter : emitters) emitter.keep_out(world.fluid);
@@ -471,7 +471,7 @@ void Simulation::load(std::istream& in) {
     for (const std::int16_t role : s.world.fluid.column<field::role>()) must_be_sound(role >= -emitters);
     if (s.world.fluid.has<field::source>())
         for (const std::int16_t source : s.world.fluid.column<field::source>()) must_be_sound(source >= 0 && source <= emitters);
-    for (Emitter& emitter : s.emitters) must_be_sound(emitter.load(in));
+    for (Emitter& emitter : s.emitters) must_be_sound(emitter.load(in)), emitter.set_time(s.time);
     for (Solid& solid : s.world.solids.all)
         if (solid.body) must_be_sound(solid.body->load(in));
     if (!in) throw EnvironmentError("the saved state ends too early", "", "resume from an older checkpoint");

@@ -46,11 +46,14 @@ struct LimitMaker {
             return g > 0 ? std::sqrt(2 * cfl * d / g) : never;
         });
         if (scene.emitters.empty()) return;
-        std::vector<Expression> speeds;
-        for (const EmitterKeys& e : scene.emitters) speeds.push_back(e.speed);
-        limit("emitter", number(cfl) + " d / emitter speed", [cfl = cfl, d = d, speeds](const World& w, double) {
+        limit("emitter", number(cfl) + " d / emitter speed", [cfl = cfl, d = d, emitters = scene.emitters](const World& w, double) {
+            constexpr double dt = 1e-4;
             double speed = 0;
-            for (const Expression& s : speeds) speed = std::max(speed, 2 * std::abs(s(w.step.time)));
+            for (const EmitterKeys& e : emitters) {
+                const double t = w.step.time;
+                speed = std::max(speed, 2 * std::abs(e.speed(t)));
+                if (e.moves()) speed = std::max(speed, 2 * (e.position(t + dt) - e.position(t)).norm() / dt);
+            }
             return speed > 0 ? 2 * cfl * d / speed : never;
         });
     }

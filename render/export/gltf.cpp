@@ -190,21 +190,24 @@ struct SceneExport::Document {
 
     void add_solids() {
         const std::size_t nozzles = of.stage_->emitters.size(), solids = of.stage_->solids.size() - nozzles;
+        std::vector<int> numbers_of;
         for (std::size_t k = 0; k < of.stage_->solids.size(); ++k) {
             const FrameSolid& solid = of.stage_->solids[k];
             const std::string name = k < solids ? fmt::format("solid[{}]", k) : fmt::format("nozzle[{}]", k - solids);
             Json description{{"name", name}};
             if (solid.mesh && !solid.mesh->triangle.empty()) description["mesh"] = mesh(solid, name);
-            place(node(description), of.solids_[k]);
+            place(numbers_of.emplace_back(node(description)), of.solids_[k]);
         }
-        for (std::size_t k = 0; k < nozzles; ++k) {
+        for (std::size_t k = 0; k < nozzles; ++k) {  // an opening moves with its nozzle
             const FrameEmitter& e = of.stage_->emitters[k];
+            const FrameSolid& nozzle = of.stage_->solids[solids + k];
             Mat3f axes;
             axes << e.width_axis, -e.direction.cross(e.width_axis), -e.direction;
             node({{"name", fmt::format("emitter[{}]", k)},
-                  {"translation", numbers(e.position)},
-                  {"rotation", numbers(Eigen::Quaternionf(axes).normalized())},
-                  {"extras", {{"shape", e.slot ? "box" : "disc"}, {"width", e.width}, {"thickness", e.thickness}}}});
+                  {"translation", numbers(Vec3f(nozzle.rotation.transpose() * (e.position - nozzle.translation)))},
+                  {"rotation", numbers(Eigen::Quaternionf(nozzle.rotation.transpose() * axes).normalized())},
+                  {"extras", {{"shape", e.slot ? "box" : "disc"}, {"width", e.width}, {"thickness", e.thickness}}}},
+                 numbers_of[solids + k]);
         }
     }
 

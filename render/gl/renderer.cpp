@@ -542,7 +542,7 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
                                 shot.look.table,
                                 shot.look.environment.string(),
                                 shot.look.ground ? shot.ground : -1e6f,
-                                shot.look.table == "none" ? Vec3f::UnitZ() : ground_light.area()};
+                                shot.look.table == "none" ? Vec3f::UnitZ() : shot.view.target};
         backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
     }
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());

@@ -81,6 +81,7 @@ void SceneLighting::bind(gl::Program& program, const LookOptions& look, const Vi
     const SolidMaterial table = table_material(look.table);
     program.set("table_colour", table.colour);
     program.set("table_roughness", table.roughness);
+    program.set("table_area", Vec3f(view.target.x(), view.target.z(), 0.5f * (view.target - view.position).norm()));
     std::vector<Eigen::Vector4f> terms;
     for (const Vec3f& c : light_) terms.emplace_back(round_share * c.x(), round_share * c.y(), round_share * c.z(), 0);
     program.set("environment_light", terms);

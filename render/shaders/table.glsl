@@ -2,13 +2,14 @@
 // constant: int table: kind of texture_of(); -1: the backdrop
 uniform vec3 table_colour;
 uniform float table_roughness;
+uniform vec3 table_area;       // centre x, z and half-width of the table [m]: where the camera looks, so that it does not grow with the fluid
 uniform float pixel_angle;     // angle of a pixel [rad]
 
 // Colour of the ground at q, seen along d. @param light illumination there, relative to that of an empty scene
 vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
     vec3 paper = backdrop(d) * light;
     if (table < 0) return paper;
-    float far = smoothstep(1.2, 3.2, length(q.xz - ground_area.xy) / ground_area.z);
+    float far = smoothstep(1.2, 3.2, length(q.xz - table_area.xy) / table_area.z);
     if (far >= 1.0) return paper;
     float width = pixel_angle * distance(q, eye) / max(-d.y, 0.2);
     Texture t = texture_of(table, q, vec3(0.0, 1.0, 0.0), width);

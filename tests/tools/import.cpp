@@ -90,14 +90,14 @@ TEST_CASE("import makes a valid scene from SPlisHSPlasH's, and lists keys withou
     CHECK(scene.blocks[0].shape.max == Vec3d(0.5, 2.25, 0.5));
     CHECK(scene.blocks[0].velocity(0, Vec3d::Zero()) == Vec3d(0, -1, 0));
     REQUIRE(scene.emitters.size() == 2);
-    CHECK((scene.emitters[0].direction - Vec3d(-1, 0, 0)).norm() < 1e-8);
+    CHECK((scene.emitters[0].direction(0) - Vec3d(-1, 0, 0)).norm() < 1e-8);
     CHECK(scene.emitters[0].width == Approx(0.2));
     CHECK(scene.emitters[0].thickness == Approx(0.12));
     CHECK(scene.emitters[0].stop == 1.5);
     REQUIRE(scene.emitters[0].viscosity.has_value());
     CHECK((*scene.emitters[0].viscosity)(0) == 1800);
     CHECK(scene.emitters[1].radius == Approx(0.08));
-    CHECK((scene.emitters[1].direction - Vec3d(0, -1, 0)).norm() < 1e-8);
+    CHECK((scene.emitters[1].direction(0) - Vec3d(0, -1, 0)).norm() < 1e-8);
     REQUIRE(scene.solids.size() == 3);
     CHECK(scene.solids[0].container);
     CHECK(scene.solids[0].shape.max == Vec3d(1, 3, 1));

@@ -210,7 +210,7 @@ SeenBox foreseen_extent(const Simulation& start) {
     for (const EmitterKeys& e : scene.emitters)
         for (int n = 0; n <= moments; ++n)
             if (const double t = n * scene.time.end / moments; t >= e.start && t <= e.stop)
-                add(around(landing(start, e.position, e.speed(t) * e.direction), spread));
+                add(around(landing(start, e.position(t), e.speed(t) * e.direction(t).normalized()), spread));
 
     Solids solids;
     solids.all = world.solids.all;

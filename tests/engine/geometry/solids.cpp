@@ -57,6 +57,24 @@ TEST_CASE("a solid turns about its centre at a constant rate exactly", "[geometr
     CHECK((solids.all[0].normal(centre + Vec3(Real(2.5), 0, 0)) - Vec3(1, 0, 0)).norm() < 1e-5);
 }
 
+TEST_CASE("a solid with a pivot swings about it like a pendulum, to 1e-6", "[geometry]") {
+    Solids solids;
+    solids.all.push_back(solid_of(make_box({0, 0, 0}, {2, 4, 2})));
+    Solid& door = solids.all[0];
+    door.own_pivot = Vec3d(0, 4, 1);
+    door.spin = expressions("0", "0", "cos(t)");
+    door.position = expressions("0", "t", "0");
+    const double t = 0.7, angle = std::sin(t);
+    solids.set_time(t, 1e-4);
+    const Vec3d arm(std::cos(angle) * 1 + std::sin(angle) * 2, std::sin(angle) * 1 - std::cos(angle) * 2,
+                    0);  // from the pivot to the middle
+    const Vec3 middle = door.pose.rotation * Vec3(1, 2, 1) + door.pose.translation;
+    CHECK((middle.cast<double>() - Vec3d(0, 4 + t, 1) - arm).norm() < 1e-6);
+    CHECK((door.centre() - Vec3d(0, 4 + t, 1)).norm() < 1e-6);
+    const Vec3d velocity = Vec3d(0, 1, 0) + Vec3d(0, 0, std::cos(t)).cross(arm);
+    CHECK((door.pose.velocity_at(middle).cast<double>() - velocity).norm() < 3e-4);  // mean over the step of 1e-4 s
+}
+
 TEST_CASE("velocities reach the pose at the end of the step", "[geometry]") {
     Solids solids;
     solids.all.push_back(solid_of(make_sphere({0.3, 0, 0}, 1)));

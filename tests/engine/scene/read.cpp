@@ -53,7 +53,7 @@ TEST_CASE("a resolved scene reads back as the same scene, to the last bit and ev
     const Scene again = read_scene_text(resolved, "b/other.toml");
     CHECK(resolved_toml(again) == resolved);
     CHECK(differences(scene, again).empty());
-    CHECK(again.emitters[0].direction == scene.emitters[0].direction);
+    CHECK(again.emitters[0].direction(0) == scene.emitters[0].direction(0));
     CHECK(again.emitters[1].speed.text() == "0.1 + t");
     CHECK(again.solids[0].shape.normal == scene.solids[0].shape.normal);
     CHECK(again.fluid.viscosity(0, Vec3d(-1, 0, 0)) == 2);

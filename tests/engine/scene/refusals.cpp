@@ -24,7 +24,11 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
     for (const auto& [set, expected] : std::vector<std::pair<std::string, std::string>>{
              {"fluid.force=[0, 0, \"1/(2-t)^0.5\"]", "fluid.force is not finite at t = 2 s"},
              {"solid[0].position=[0, \"0.01*(1-t)^0.5\", 0]", "solid[0].position is not finite at t = 1.016 s"},
-             {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"}})
+             {"solid[0].rotation=[0, \"(1-t)^0.5\", 0]", "solid[0].rotation is not finite at t = 1.016 s"},
+             {"emitter[0].position=[\"0.05*t\", 0.05, 0]",
+              "emitter[0] is outside of the domain at t = 2.016 s, at (0.1008, 0.05, 0)" + domain},
+             {"emitter[0].position=[0, \"0.05*(1-t)^0.5\", 0]", "emitter[0] is not finite at t = 1.016 s"},
+             {"emitter[0].direction=[0, \"t < 1 ? -1 : 0\", 0]", "emitter[0].direction has no length at t = 1 s"}})
         CHECK_THAT(messages_with({"time.end=4", set}), Catch::Contains("--set " + set + ": " + expected));
     CHECK_THAT(messages_with({"block[0]={shape=\"box\", min=[0,0.02,0], max=[0.05,0.06,0.05]}", "emitter[0].viscosity=1000",
                               "models.pressure=ppe", "fluid.viscosity=3000-1000*age"}),
@@ -37,6 +41,7 @@ TEST_CASE("impossible scenes are refused with location and hint", "[plan]") {
               "micropolar.torque is not finite at t = 1 s"},
              {{"block[0]={shape=\"box\", min=[0.2,0,0], max=[0.3,0.1,0.1]}"}, "block[0] lies outside of the domain"},
              {{"block[0]={shape=\"box\", min=[0.05,0,0], max=[0.15,0.1,0.1]}"}, "block[0] reaches out of the domain"},
+             {{"solid[1]={shape=\"sphere\", radius=0.01, density=900, pivot=[0,0,0]}"}, "solid[1] has a density, so it turns about its"},
              {{"solid[1]={shape=\"sphere\", radius=0.01, position=[1,0,0]}"}, "solid[1] lies outside of the domain and never enters it"},
              {{"probe[0]={name=\"a\", kind=\"point\", at=[0,9,0]}"}, "probe[0] measures outside the domain"},
              {{"domain.periodic=[true,false,false]", "domain.min=[-0.004,-0.01,-0.1]", "domain.max=[0.004,0.1,0.1]"},

@@ -161,6 +161,10 @@ TEST_CASE("a nozzle fills a pipe of its width, or up to one spacing narrower, at
 TEST_CASE("a run with a nozzle in the fluid resumes bit-identically", "[sim][emitter]") {
     const Tank tank{.start = 0.1};
     CHECK(differing_bits(tank.scene(), 0.12) == "");
+    const Tank moving{.direction = "[\"-cos(3*t)\", \"sin(3*t)\", 0]", .more = "position = [\"0.3-0.2*t\", 0.4]\n"};
+    std::string scene = moving.scene();
+    scene.replace(scene.find("position = [0.3"), scene.find("direction") - scene.find("position = [0.3"), "");
+    CHECK(differing_bits(scene, 0.12) == "");
 }
 
 namespace {
