@@ -24,16 +24,17 @@ enum class FrictionForm {
 ///
 ///   -(F_i u_i - f_i),   F_i = sum_s V sum_l T c(r_is + l d n_s) T (h_is + d_l)/(h_is + b),   f_i = F_i u_wall,   T = 1 - n_s n_s^T
 ///
-/// Each boundary particle s represents the column of layers l behind it (each_layer()). Over a wetted wall these forces add up to mu
-/// du_t/dn times the wall's area for any b. For b -> 0 the fluid sticks, for b -> infinity it slides freely. F_i is symmetric and positive,
-/// so the force is the derivative of an energy, nu m u.(F u)/2. Solids with a slip length enter the viscous terms in no other way.
+/// Each boundary particle s represents the column of layers l behind it (each_layer()). Summed over a wetted wall these forces are mu
+/// du_t/dn times the area of the wall, for any b. For b -> 0 the fluid sticks, for b -> infinity it slides freely. F_i is symmetric and
+/// positive, so the force is the derivative of an energy, nu m u.(F u)/2. The viscous terms contain solids with a slip length in no other
+/// way.
 class WallFriction {
 public:
     /// @param gate weight of a particle's friction @param solid_factor see models/boundary/wall.h
     void set(FrictionForm form, const InteractionContext& context, SolidGate gate, Real solid_factor);
     /// Whether friction acts on any particle.
     bool acts() const { return acts_; }
-    const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid where acts()
+    const Mat3& coefficient(Index i) const { return coefficient_[i]; }  ///< F_i [1/m^2]; valid only if acts()
     const Vec3& load(Index i) const { return load_[i]; }                ///< f_i [1/(m s)]
     /// Fraction of i's volume that lies between i and the wall (one half in the layer that touches the wall). The friction already includes
     /// the shear of this fraction, so a model with its own energy for the volume V counts only the rest.
@@ -44,7 +45,7 @@ public:
                        const std::function<Real(Index)>& nu) const;
 
 private:
-    /// Contribution of boundary particle s to F_i. @param open weight of the gate
+    /// Contribution of boundary particle s to F_i. @param r x_i minus the position of s @param open weight of the gate
     template <class Kernel>
     Mat3 share_of(const Kernel& kernel, const InteractionContext& context, Index s, const Vec3& r, Real open) const;
 

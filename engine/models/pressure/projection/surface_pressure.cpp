@@ -7,10 +7,10 @@
 
 namespace whorl {
 
-/// Finds unit normals and their weights |S| d; both are 0 off the surface.
+/// Finds the unit normals n and their weights |S| d. Away from the surface n and the weight are 0.
 template <class Kernel>
 void SurfacePressure::find_normals(const Kernel& W, const InteractionContext& context) {
-    constexpr Real least = Real(0.02);  // of |S| d; a flat face has .6
+    constexpr Real least = Real(0.02);  // smallest |S| d at a surface; a flat surface has .6
     ProjectionSystem& s = *system_;
     Column<Vec3>& normal = s.surface_normal;
     const Index n = s.size();
@@ -40,7 +40,7 @@ void SurfacePressure::find_normals(const Kernel& W, const InteractionContext& co
     });
 }
 
-/// kappa at i [1/m], positive where the fluid is convex. @param slopes W'/r of the kernel, by pair of i
+/// Curvature kappa at i [1/m], positive if the fluid is convex. @param slopes W'/r of the kernel, one per neighbour of i
 Real SurfacePressure::curvature(const InteractionContext& context, Index i, Span<const Real> slopes) const {
     const StepContext& step = context.step;
     const Vec3d N = system_->surface_normal[i].cast<double>();

@@ -4,15 +4,16 @@
 
 namespace whorl {
 
-/// p_s = sigma kappa near a free surface, for the rows of the pressure and its gradient. Runs after ProjectionGeometry.
+/// p_s = sigma kappa near a free surface, for the rows of the pressure and for its gradient. sigma is the surface tension, kappa the
+/// curvature, n the outward normal. Runs after ProjectionGeometry.
 ///
 ///   n = -S/|S|,  S = sum V grad W smoothed twice;   kappa = tr(P G P (P B P)^-1),  P = 1 - n n^T, across the normal,
 ///   B_i = sum_j w r r^T,  G_i = sum_j w (n_i - n_j) r^T,  w = V |W'|/r |S_j| d
 ///
 /// The neighbours of i lie below the surface. On a sphere the curvature is larger below the surface, so with the neighbours' mean depth e
 /// kappa becomes kappa/(1 + kappa e/(D - 1)). Particles on the surface are d/2 below it, where the pressure is higher by -d/2 dp/dn, with
-/// dp/dn of the last step. Then p_s is smoothed: with M the mean over neighbours on the surface, taken `means` times, the result is 2 M - M
-/// M, because M alone flattens resolved waves. At solids n has no component along the wall's normal: the contact angle is 90 degrees.
+/// dp/dn of the last step. Then p_s is smoothed by 2 M - M M, where M applies the mean over surface particles among the neighbours `means`
+/// times. M alone would flatten resolved waves. At solids n has no component along the wall's normal: the contact angle is 90 degrees.
 class SurfacePressure {
 public:
     SurfacePressure(std::shared_ptr<ProjectionSystem> system, double tension)

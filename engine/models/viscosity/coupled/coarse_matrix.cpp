@@ -19,14 +19,14 @@ Mat36 motion(const Vec3& a) {
     return E;
 }
 
-/// Monomials of a pair, from which all sums over a row's pairs are formed: w, w r, w r r^T, w/r^2 r r^T, and w/r^2 times the ten cubes of
-/// r. The last six entries are unused.
+/// Monomials of a pair, from which all sums over a row's pairs are formed: w, w r, w r r^T, w/r^2 r r^T, and w/r^2 times the ten products
+/// of three components of r. w and r as in coupled_rows.h. The last six entries are unused.
 struct alignas(64) Monomials {
     static constexpr int count = 32, first = 1, second = 4, along = 10, cubes = 16;
     Real v[count] = {};
 };
 
-/// Index of the cube x_a q_k among the distinct ones, with q = (xx, yy, zz, xy, xz, yz).
+/// Index of the product x_a q_k among the ten, with q = (xx, yy, zz, xy, xz, yz).
 constexpr int cube[3][6] = {{0, 3, 5, 1, 2, 4}, {1, 6, 8, 3, 4, 7}, {2, 7, 9, 4, 5, 8}};
 
 [[gnu::always_inline]] inline void add_monomials(Real x, Real y, Real z, Real w, Real* __restrict sum) {
@@ -53,17 +53,17 @@ Mat3 crossing(const Vec3& a) {
     return m;
 }
 
-/// Contribution of the members of one aggregate to the sums of one row, by unit rigid motion. A member's arm is `arm` + r: `arm` is the
-/// position of the row's particle relative to the aggregate's centre.
+/// Contribution of the particles of one aggregate to the sums of one row, for each unit rigid motion of the aggregate. The position of such
+/// a particle relative to the aggregate's centre is `arm` + r, with `arm` that of the row's own particle.
 struct Share {
-    int aggregate;  ///< its number in GroupSums; -1: members without an aggregate
+    int aggregate;  ///< number in GroupSums; -1: neighbours without an aggregate
     Vec3 arm;
     Monomials sums{};
     Vec3 s = Vec3::Zero();         ///< sum w r
     Mat3 arm_s = Mat3::Zero();     ///< sum w arm r^T
-    Mat36 b = Mat36::Zero();       ///< sum w/r^2 r q^T
+    Mat36 b = Mat36::Zero();       ///< sum w/r^2 r q^T, with the six components q of r r^T
     Mat36 arm_b = Mat36::Zero();   ///< sum w/r^2 (arm x r) q^T
-    Mat36 spring = Mat36::Zero();  ///< sum W E, W = 2 c w + 2 c' w/r^2 r r^T
+    Mat36 spring = Mat36::Zero();  ///< sum W E; W = 2 c w + 2 c' w/r^2 r r^T (strain_form.h), E = motion(arm + r)
 
     void unpack(const StrainCoefficients& c) {
         const Real* m = sums.v;
@@ -78,7 +78,8 @@ struct Share {
     }
 };
 
-/// Columns: the six motions of each share. Rows 0 to 8: A = sum w u r^T, row by row; rows 9 to 14: sum w/r^2 (u.r) q.
+/// Matrix F: sums of one row for each unit motion u. Columns: the six motions of each share. Rows 0 to 8: A = sum w u r^T, row by row; rows
+/// 9 to 14: sum w/r^2 (u.r) q.
 class Features {
 public:
     static constexpr int rows = 15;
@@ -109,9 +110,10 @@ public:
             }
         }
     }
-    /// Computes F^T dE/dF, with E the row's energy without the springs' own parts, sum w |u_ij|^2.
+    /// Computes F^T dE/dF, with E the row's energy (strain_form.h) without the terms of the springs, w |u_j - u_i|^2 and w/r^2 ((u_j -
+    /// u_i).r)^2.
     void multiply(const RowSlice& slice, Index lane, const StrainCoefficients& of_row, bool resolved, const Mat3& P);
-    /// Product of two shares.
+    /// 6x6 block of F^T dE/dF for shares k and l.
     Mat6 product(std::size_t k, std::size_t l) const {
         const Real* P = reinterpret_cast<const Real*>(product_.data()) + 6 * k * vectors_ * lane_count + 6 * l;
         Mat6 m;
@@ -155,12 +157,13 @@ struct BlockSum {
     SymmetricBlocks::Block value = SymmetricBlocks::Block::Zero();
 };
 
-/// Contribution of one block of rows to Ac.
+/// Contribution of one block of rows to Ac. The springs are the terms of the energy in which only a pair occurs, c w |u_j - u_i|^2 + c'
+/// w/r^2 ((u_j - u_i).r)^2.
 class CoarseRows {
 public:
     CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums);
     void add_rows(const RowSlice& slice);
-    /// Adds the springs' part of u_j.u_j, mass and friction. Call it after all add_rows().
+    /// Adds the springs' terms quadratic in u_j, the mass and the friction. Call it after all add_rows().
     void add_springs();
 
 private:
@@ -175,7 +178,7 @@ private:
     const RowBlock& block_;
     const Vec4* at_;  ///< positions of the block's touched particles
     GroupSums<BlockSum>& sums_;
-    Column<Lanes> pairs_;               ///< x, y, z of r, and w, of each pair of a slice
+    Column<Lanes> pairs_;               ///< x, y and z of r, and w, of each pair of a slice
     Column<Vec4> springs_;              ///< sum of W over the pairs of each particle that the block touches: xx yy zz, xy xz yz
     std::vector<int> number_;           ///< number in sums_ of each particle's aggregate, -1: none
     std::vector<Share> shares_;         ///< shares of one row, that of the row's own particle first
@@ -239,7 +242,7 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
     block_.each_pair(row, [&](RowBlock::LocalIndex at) {
         const int number = number_[at];
         const Vec3 r(pair[0][lane], pair[1][lane], pair[2][lane]), arm = aggregates_.arm(block_.touched[at]) - r;
-        // An aggregate's image beyond a periodic border is a separate share.
+        // The image of an aggregate beyond a periodic border is a separate share.
         const auto same = [&](const Share& s) { return s.aggregate == number && (number < 0 || (s.arm - arm).squaredNorm() < 1); };
         std::size_t k = 0;
         while (k < shares_.size() && !same(shares_[k])) ++k;
@@ -247,7 +250,7 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
         add_monomials(r[0], r[1], r[2], pair[3][lane], shares_[k].sums.v);
         pair += 4;
     });
-    // Walls belong to no aggregate.
+    // Walls do not belong to an aggregate.
     for (Index k = slice.plain(); slice.walls > 0 && k < slice.width; ++k) {
         const Lanes* wall = pairs_.data() + 4 * static_cast<std::size_t>(k);
         if (!(wall[3][lane] > 0)) continue;
@@ -259,7 +262,8 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
     for (Share& share : shares_) share.unpack(c);
 }
 
-/// Adds the part of the row's own particle, which is in each of the row's pairs: the springs' part of u_i.u_j, and its share of the sums.
+/// Adds the contributions of the row's own particle i, which belongs to each pair of the row: the springs' mixed terms u_i u_j, and -u_i in
+/// the sums of u_j - u_i.
 void CoarseRows::add_coupling(Index row) {
     const Vec3& a = aggregates_.arm(block_.begin + row);
     const Mat36 E = motion(a);

@@ -13,7 +13,8 @@ namespace whorl {
 struct ContactFriction {
     Column<Mat3> coefficient;  ///< dt mu/rho T/(h + b) (1 - n n^T); empty: no such walls
     Column<Vec3> load;         ///< coefficient times the wall's velocity [m/s]
-    /// Fraction of the particle's volume between it and the wall. The friction includes the shear there (WallFriction::counted).
+    /// Fraction of a particle's volume that lies between the particle and the wall. The friction includes the shear there
+    /// (WallFriction::counted).
     Column<Real> counted;
 
     void set(Span<const Vec3> x, Span<const std::int16_t> role, Span<const Real> mu, const Solids& solids, const StepContext& step);

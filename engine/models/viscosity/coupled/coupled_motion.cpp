@@ -25,8 +25,8 @@ void lift_nothing_in(const VesselRotation& rotation, const Vec3& gravity, Span<c
     });
 }
 
-/// The fluid's angular momentum about the axis of a turning vessel. Displacements other than by the velocity change it, and the wall would
-/// replace it step after step.
+/// Keeps the fluid's angular momentum about the axis of a rotating vessel. Displacements other than by the velocity change this angular
+/// momentum, and the wall would replace the change in each step.
 class KeepRotation {
 public:
     KeepRotation(const CoupledSystem& system, Read<field::role> role, Span<const Vec3> x, Span<const Vec3> u)
@@ -34,7 +34,8 @@ public:
         if (acts_) before_ = turning(x, u);
     }
     bool acts() const { return acts_; }
-    /// Adds to u the rotation, without momentum, that the displacement to x with velocities v has removed. v may be u.
+    /// Adds to u a rotation without linear momentum that compensates the change of angular momentum by the displacement to x with the
+    /// velocities v. v may be u.
     void restore(Span<const Vec3> x, Span<const Vec3> v, Span<Vec3> u) const {
         if (!acts_) return;
         const auto n = static_cast<Index>(x.size());
@@ -103,7 +104,8 @@ struct Shifting {
             weights += p.w, strains += p.w * strain;
         });
         const Lanes context = strains / at_least(weights, Real(1e-6));
-        pairs.each_wall([&](std::size_t, const PairLanes& p) {  // repelled by its own mirror image, with the mean strain of the neighbours
+        // The particle's own mirror image repels it, with the mean strain of the neighbours.
+        pairs.each_wall([&](std::size_t, const PairLanes& p) {
             const Lanes3 r = lanes_of(2) * moved_pair(p);
             const Lanes distance = at_least(square_root(dot(r, r)), Real(1e-6));
             const Lanes push = at_most(rate * (own_strain + context), strongest) * at_least(range - distance, 0) / distance;
@@ -146,7 +148,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
                               const StepContext& step) const {
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
-    // In fluid under weight the errors of the pressure's force pair particles up at a rate of p/mu, also where the strain is small.
+    // In fluid under its weight the errors of the pressure's force bring particles together in pairs, at a rate of p/mu, even if the strain
+    // is small.
     const Real layer = step.rest_density * step.gravity.norm() * d, of_weight = static_cast<Real>(s.options.weight_strain);
     Column<Vec4> moved(x.size());
     parallel_for(x.size(), [&](Index i) {  // strain in the middle of the move, which is 0 for a rigid rotation
@@ -212,8 +215,9 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
 }
 
-// The path in the solid's own frame runs from the position in the rows to x minus the solid's motion. Distances are Lipschitz, so a
-// particle that ends farther from the solid than its path is long has met none; others are followed along the path, also at thin plates.
+// In the frame of the solid the path of a particle runs from the position in the rows to x minus the motion of the solid. The distance from
+// a solid changes by at most the length of the path. So a particle that ends farther from the solid than its path is long has not met the
+// solid. Other particles are followed along the path, so that none passes through a thin plate.
 void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role,
                                 Update<field::contact_normal> slip, Solids& solids, const StepContext& step) const {
     if (solids.all.empty()) return;
@@ -225,7 +229,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
             fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
     const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
     const KeepRotation rotation(s, role, x.values, u.values);
-    // By particle, if probes need it: the solid that stopped it, and its velocity before.
+    // By particle, if a probe or KeepRotation needs them: the solid that stopped the particle, and the velocity before the stop.
     const auto recorded = static_cast<std::size_t>(solids.any_probed() || rotation.acts() ? x.size() : 0);
     std::vector<int> stopper(recorded, -1);
     Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));
@@ -238,7 +242,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
             const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
-            // A sliding particle rests at its closest distance; the margin makes it count as touching despite rounding.
+            // A sliding particle rests at the closest distance; with the margin it counts as touching despite rounding.
             const Real touching = closest + Real(0.05) * d;
             const Vec3 to = carried(solid, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);

@@ -24,7 +24,7 @@ struct CoupledOptions {
     /// Ratios of the middle to the largest eigenvalue of M. Above the first a thread is thick, below the second thin (evened).
     double thin_below = 0.8, thin_at = 0.6;
 
-    double gate = 1.6;    ///< longer pairs count only if a common neighbour is closer than `bridge` to both,
+    double gate = 1.6;    ///< longer pairs interact only if a third particle is closer than `bridge` to both,
     double bridge = 1.7;  ///< so that turns of a coil do not interact through the air
 
     double push = 0.1;  ///< compressed particles separate at the rate push (n/n0 - 1)/dt
@@ -32,17 +32,18 @@ struct CoupledOptions {
     double no_surface = 0.0125;
     /// Factor on the rate of loose particles in 3D (1 in 2D), because at rest more particles are loose than compressed.
     double meeting_in_space = 0.25;
-    /// Round solid that turns the fluid about the vertical, -1: none. With a vessel, loose particles at surfaces also approach, if their
-    /// Neighbourhood::surface is at most even_surface: a lattice's has 0.31, a particle on top of it 0.6.
+    /// Round solid that turns the fluid about the vertical, -1: none. With a vessel, loose particles at surfaces also approach, at a rate
+    /// that uses Neighbourhood::surface up to even_surface. The surface of a lattice has 0.31, a particle on top of a surface 0.6.
     Index vessel = -1;
     double even_surface = 0.34;
-    /// (Limit of these rates)/((max |u| + sqrt(g d))/d). It keeps the rates from adding motion of their own in short steps.
+    /// Limit of these rates, in units of (max |u| + sqrt(g d))/d. Without it the rates of short steps would set the fluid in motion.
     double fastest_push = 0.2;
     /// Factors per step on the multiplier, and on the part of it from 0 to the fluid's weight.
     double memory = 0.98, weight_memory = 0.9999;
 
-    double shift_rate = 3, shift_range = 1.1, longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, bound per step
-    /// Strain rate for that repulsion in fluid at rest, over min(p, rho g d)/mu.
+    double shift_rate = 3, shift_range = 1.1,
+           longest_shift = 0.1;  ///< repulsion of close particles: rate over |D|, range, largest displacement per step
+    /// Strain rate that this repulsion adds to |D| under weight, in units of min(p, rho g d)/mu.
     double weight_strain = 0.01;
     double evening_rate = 1,
            evening_range = 2;  ///< the same along thin threads, in which no close particle fills the gaps that stretching widens

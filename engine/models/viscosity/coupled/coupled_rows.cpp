@@ -16,14 +16,13 @@
 namespace whorl {
 namespace {
 
-/// (1 - q^2)^3 as a function of q^2. Its second moment is that of a Wendland kernel of 1.17 times the radius, which has 1.6 times the
-/// pairs.
+/// (1 - q^2)^3 as a function of q^2. A Wendland kernel with the same second moment has 1.17 times the radius and 1.6 times the pairs.
 Real weight_at(Real q2) {
     const Real p = std::max(Real(0), 1 - q2);
     return p * p * p;
 }
 
-/// Properties of M that follow from its eigenvalues.
+/// Properties of M = sum w r r^T that follow from the eigenvalues of M.
 struct MomentShape {
     Mat3 inverse_moment = Mat3::Zero();
     Directions directions;
@@ -52,7 +51,8 @@ MomentShape shape_of(const Mat3& M, const CoupledOptions& o, int dimensions, Nei
     return shape;
 }
 
-/// Adds the walls, which resolve directions but do not make a thread. @param M includes the walls
+/// Adds the walls' parts along the walls to M. Walls resolve directions, but do not change whether the fluid is a thin thread. @param M sum
+/// over all pairs of the row, also with walls
 void add_walls(const RowBlock& block, Index row, Mat3 M, const CoupledOptions& o, int dimensions, Neighbourhood& n, MomentShape& shape) {
     bool any = false;
     for (const WallPoint& wall : block.walls)
@@ -79,9 +79,9 @@ struct CoupledRows::Found {
     int dimensions = 3;
     static constexpr Index part_size = 32 * block_size;
     std::vector<Pairs> near;          ///< neighbours within the usual support: the rows of part_size particles each
-    Pairs far;                        ///< of sparse particles, within the widest support
+    Pairs far;                        ///< neighbours of sparse particles within the widest support
     std::vector<Vec3> sparse;         ///< positions of particles with few neighbours
-    std::vector<Index> sparse_place;  ///< index of each particle in `sparse`, -1: it has enough
+    std::vector<Index> sparse_place;  ///< index of each particle in `sparse`; -1: the particle has enough neighbours
     std::vector<CloseRow> close_row;
     std::vector<std::vector<Index>> close_list;  ///< by block
 
@@ -110,10 +110,10 @@ struct CoupledRows::Walls {
     bool hold(Index i, const Found& found, const CoupledOptions& o) const;
 };
 
-/// Candidates of one row: all particles within the widest support in use, lengths in spacings.
+/// Candidates of one row: all particles within the widest support in use. Lengths in spacings.
 struct CoupledRows::Scratch {
     static constexpr Index most_walls = 6;  ///< limit per particle
-    Column<Real> x, y, z, r2, w;            ///< w: 0 if the candidate does not count
+    Column<Real> x, y, z, r2, w;            ///< w: weight; 0 if the candidate is not a neighbour
     std::vector<Index> index;
     std::vector<Real> order;
     std::vector<std::size_t> bridges;
@@ -121,8 +121,8 @@ struct CoupledRows::Scratch {
     std::vector<std::size_t> row_first;
     std::vector<Real> row_h;
     std::vector<Index> touched;
-    std::vector<std::int32_t> place;  ///< index of each particle in the block's touched list, -1: not in it; all -1 between two blocks
-    std::vector<Index> reached;       ///< by particle j: the last i of which j is a close neighbour's close neighbour
+    std::vector<std::int32_t> place;  ///< index of each particle in `touched`, -1: not in the list; all are -1 between two blocks
+    std::vector<Index> reached;       ///< by particle j: the last i such that j is a close neighbour of a close neighbour of i
 
     unsigned long build = 0;  ///< build for which `reached` was cleared
 
@@ -145,7 +145,7 @@ struct CoupledRows::Scratch {
         for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
         index.resize(n);
     }
-    /// Takes all neighbours of i, r = (x_j - x_i)/d. @param itself index of i among the neighbours, which is left out
+    /// Sets the candidates to the neighbours of i, r = (x_j - x_i)/d. @param itself neighbour to omit, i itself; -1: none
     void take(const Pairs& pairs, Index i, Real inverse_spacing, Index itself) {
         resize(static_cast<std::size_t>(pairs.count(i)));
         Index end = 0;
@@ -176,7 +176,7 @@ struct CoupledRows::Scratch {
 
 namespace {
 
-/// n0, the sum of the weights of radius h on a lattice; an integral instead would be 0.5 % larger in 2D.
+/// n0: sum of the weights of radius h on a lattice. The integral of the weight is 0.5 % larger in 2D.
 Real lattice_sum(int dimensions, Real h) {
     Real sum = 0;
     each_lattice_point(dimensions, static_cast<int>(h),
@@ -184,7 +184,7 @@ Real lattice_sum(int dimensions, Real h) {
     return sum;
 }
 
-/// Computes the weights of all candidates, 0 beyond h. @returns n
+/// Computes the weights w of all candidates, 0 beyond h. @returns n, the sum of the weights of radius h0
 Real weigh(Index count, const Real* __restrict r2, Real h0, Real h, Real* __restrict w) {
     const Real of_h0 = 1 / (h0 * h0), of_h = 1 / (h * h);
     Real density = 1;
@@ -332,7 +332,7 @@ void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const st
     find_moments(block, o);
 }
 
-/// @returns the kernel radius in spacings; the distance of the 16th neighbour if the usual support contains fewer
+/// @returns the kernel radius in spacings: the usual support, or the distance of the 16th neighbour if the usual support contains fewer
 Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const CoupledOptions& o) {
     const Real inverse_spacing = 1 / found.spacing;
     const Index sparse = found.sparse_place[i];
@@ -350,7 +350,8 @@ Real CoupledRows::Scratch::find_candidates(Index i, const Found& found, const Co
     return std::clamp(std::sqrt(*enough), usual, widest);
 }
 
-/// Finds the bridges for pairs longer than the gate; with the usual support, marks the close neighbours of i's close neighbours.
+/// Finds the particles that bridge pairs longer than the gate. With the usual support, marks in `reached` the close neighbours of the close
+/// neighbours of i.
 void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support);
     if (h == usual) {
@@ -364,7 +365,7 @@ void CoupledRows::Scratch::find_bridges(Index i, Real h, const Found& found, con
         if (r2[k] < reach * reach) bridges.push_back(k);
 }
 
-/// Appends the candidates that count to the row.
+/// Appends to the row the candidates that the gate admits.
 void CoupledRows::Scratch::append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& o) {
     const Real usual = static_cast<Real>(o.support), scale = h / usual;
     const Real gate = static_cast<Real>(o.gate) * scale, reach = static_cast<Real>(o.bridge) * scale;
@@ -394,7 +395,8 @@ Real beyond(int dimensions, Real q) {
     return Real(0.5) - Real(315.0 / 256) * q * (1 - t * (Real(4.0 / 3) - t * (Real(1.2) - t * (Real(4.0 / 7) - t / 9))));
 }
 
-/// Fraction of that integral in a solid, which may be thin. @param h distance of its surface [m] @param R the weight's radius [m]
+/// Fraction of the integral of the weight that lies in a solid, which may be thin. @param h distance of the solid's surface from x [m]
+/// @param R radius of the weight [m]
 Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& normal, Real h, Real R) {
     h = std::max(h, Real(0));
     if (!(h < R)) return 0;
@@ -410,8 +412,9 @@ Real filled(int dimensions, const Solid& solid, const Vec3& x, const Vec3& norma
 
 }  // namespace
 
-/// Fraction of the wall behind the particle that no other particle covers: 1 minus sum K over particles below it, with K a bump whose sum
-/// is about 1 over a layer with one particle per spacing.
+/// Fraction of the wall next to the particle that no other particle covers: 1 - sum b K over the particles nearer to the wall. K = (1 -
+/// l^2/R^2)^2 depends on the distance l along the wall; its sum over a layer with one particle per spacing is about 1. b depends on how
+/// much nearer to the wall the particle is.
 Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
     const Real of_radius2 = dimensions == 2 ? Real(1.138) : Real(std::numbers::pi / 3);
     Real open = 1;
@@ -430,10 +433,10 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
     const Solids& solids = walls.solids;
     const Real dt = walls.dt;
     const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
-    // sum w z^2 of a half space full of particles.
+    // sum w z^2 over a half space full of particles, z: distance from its plane.
     const Real half_moment = walls.dimensions == 2 ? Real(std::numbers::pi / 80) * h * h * h * h
                                                    : Real(2 * std::numbers::pi / 3 * 16 / 1155) * h * h * h * h * h;
-    const Real few = walls.dimensions == 2 ? 1 : 2;  // sum w is 1.2 for particles in a row along the wall, 3.5 in a layer
+    const Real few = walls.dimensions == 2 ? 1 : 2;  // sum w is 1.2 for particles in a single file along the wall, 3.5 in a layer
     const std::size_t before = block.walls.size();
     constexpr Real no_lattice = Real(0.0119);  // deficit of each layer of a lattice that touches a flat wall
     Real open = 1;
@@ -468,8 +471,8 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
             continue;
         }
         add(solid, static_cast<Index>(k), normal, height);
-        Real bend = 0;  // excess of the distance over `height` at points a reach to the sides, for curved surfaces
-        // Also finds other faces of the same solid that meet the nearest one in a concave edge.
+        Real bend = 0;  // sum of distance - height at four points beside the particle, at the distance `reach`; for curved surfaces
+        // The four points also find other faces of the same solid that meet the nearest face in a concave edge.
         int along = 0;
         const Vec3 in_own_axes = solid.pose.rotation.transpose() * normal;
         in_own_axes.cwiseAbs().minCoeff(&along);
@@ -488,14 +491,15 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
             add(solid, static_cast<Index>(k), face, face_height);
             count(solid, face, face_height);
         }
-        // Over the kernel's cross-section by the wall, squared lengths along the wall have the mean (R^2 - h^2)/10, in 2D (R^2 - h^2)/9.
+        // The mean square of a component along the wall, over the section of the kernel by the wall, is (R^2 - h^2)/10, in 2D (R^2 -
+        // h^2)/9.
         const Real section = (support * support - height * height) / (reach * reach);
         count(solid, normal, height + bend * section / (walls.dimensions == 2 ? 18 : 20));
     }
     n.density += 1 - open;
 }
 
-/// Arranges rows of similar length next to each other.
+/// Puts rows of similar length into the same slices.
 void CoupledRows::Scratch::arrange(RowBlock& block) const {
     const Index rows = block.size();
     block.count.resize(rows), block.lane.resize(rows);
@@ -599,7 +603,7 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
             const Index row = slice.row[lane];
             Neighbourhood& n = neighbourhood[block.begin + row];
             Vec3 middle(centre.x[lane], centre.y[lane], centre.z[lane]);
-            if (slice.walls > 0)  // the fluid's mirror image replaces the missing part behind a wall
+            if (slice.walls > 0)  // as if the mirror image of the fluid continued behind the wall
                 for (const WallPoint& wall : block.walls)
                     if (wall.row == row) middle -= wall.normal * wall.normal.dot(middle);
             n.weights = weights[lane];
@@ -620,7 +624,7 @@ void CoupledRows::find_moments(RowBlock& block, const CoupledOptions& o) {
     }
 }
 
-/// Lists, for every particle and in the order of the blocks, the entries that blocks have for it.
+/// Lists for every particle the entries that blocks have for it, in the order of the blocks.
 void CoupledRows::number_slots() {
     first_slot_.assign(neighbourhood.size() + 1, 0);
     std::size_t place = 0;

@@ -1,6 +1,6 @@
 #pragma once
-/// Rows of neighbours for the coupled solve. The support grows in thin places, and two turns of a coil have no pairs through the air
-/// between them. The layout makes products as fast as the memory allows.
+/// Rows of neighbours for the coupled solve. The support grows where particles have few neighbours. There are no pairs through the air
+/// between two turns of a coil. The layout makes products as fast as the memory allows.
 #include <array>
 
 #include "engine/geometry/solids.h"
@@ -10,26 +10,28 @@
 
 namespace whorl {
 
-/// Properties of a particle's neighbourhood. Lengths in spacings, r = (x_j - x_i)/d.
+/// Properties of a particle's neighbourhood. Lengths in spacings d, r = (x_j - x_i)/d, w: weight of the pair (docs/physics.md 5).
 struct Neighbourhood {
-    Real unresolved = 0;          ///< k = sum (1 - pi^2), pi the resolution of a direction: 0 in a volume, 1 in a sheet, 2 in a single file
-    Real thin = 0;                ///< 0 in a thick thread, 1 in a thin thread
-    Real weights = 0;             ///< sum w
-    Real spread = 0;              ///< sum w r^2
-    Real density = 0;             ///< n/n0 with the weight of radius `support` over all neighbours, solids counted as fluid
-    Real volume = 1;              ///< volume of the fluid whose strain the row represents; it ends at a wall that holds the particle
-    Vec3 outward = Vec3::Zero();  ///< unit vector away from the neighbours' centre
-    Real surface = 0;             ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
+    Real unresolved = 0;  ///< k = sum (1 - pi^2) over the three directions, pi: degree to which a direction is resolved. 0 in a volume, 1
+                          ///< in a sheet, 2 in a single file
+    Real thin = 0;        ///< 0 in a thick thread, 1 in a thin thread
+    Real weights = 0;     ///< sum w
+    Real spread = 0;      ///< sum w r^2
+    Real density = 0;     ///< n/n0: sum of the weights of radius `support` over its value on a lattice, with solids counted as fluid
+    Real volume = 1;      ///< volume of the fluid whose strain the row represents, over V; it ends at a wall that holds the particle
+    Vec3 outward = Vec3::Zero();   ///< unit vector away from the neighbours' centre
+    Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
     std::int32_t directions = -1;  ///< index in RowBlock::directions; -1: all directions are resolved, and no thread is thin
 };
 
-/// For neighbourhoods in which not all directions are resolved, or a thread is thin.
+/// Additional data of a neighbourhood in which not all directions are resolved, or which is a thin thread.
 struct Directions {
     Mat3 resolved = Mat3::Identity();  ///< P = Q diag(pi) Q^T
     Vec3 along = Vec3::Zero();         ///< direction of a thin thread, unit vector; zero in a thick one
 };
 
-/// sum w/r^2 r r r r of one row per lane. A symmetric matrix has the six entries (xx, yy, zz, xy, xz, yz); the sum maps one to another.
+/// Fourth moment sum w/r^2 r r r r of one row per lane. It maps a symmetric matrix, with the six entries (xx, yy, zz, xy, xz, yz), to
+/// another.
 struct FourthMoment {
     Lanes v[15];  ///< xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz
     /// Index in v of the entry for components k and l of the six.
@@ -38,31 +40,31 @@ struct FourthMoment {
     Lanes of(int k, int l) const { return v[place[k][l]]; }
 };
 
-/// Mean velocity [m/s], over a step of dt [s], of the solid's point that is at x at the start of the step. dt < 0: at x at the end of the
-/// step.
+/// Mean velocity [m/s], over a step of dt [s], of the point of the solid that is at x at the start of the step. dt < 0: of the point that
+/// is at x at the end of the step.
 inline Vec3 velocity_over(const Solid& solid, const Vec3& x, Real dt) { return solid.velocity_at(x + dt / 2 * solid.velocity_at(x)); }
 
-/// Point of a wall that is nearest to a particle that the wall holds: a neighbour that moves with the wall (docs/physics.md 5).
+/// Neighbour of a particle that a wall holds: the nearest point of the wall, which moves with the wall (docs/physics.md 5).
 struct WallPoint {
     Vec3 position, velocity;  ///< position on the surface [m]; mean velocity over this step, along a straight line [m/s]
     Vec3 normal;              ///< into the fluid
     Index row = 0;            ///< row of the particle in its block
     Index solid = 0;
     Real weight = 0;
-    Mat3 lateral = Mat3::Zero();  ///< its part of M along the wall
+    Mat3 lateral = Mat3::Zero();  ///< contribution to M along the wall
 };
 
-/// One row per lane, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`. Shorter rows are
-/// filled up with pairs of the particle with itself, which have weight 0, and so are lanes without a row. Pairs with walls come last.
+/// Rows of lane_count particles, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`. Shorter
+/// rows, and lanes without a row, are filled with pairs of a particle with itself, which have the weight 0. Pairs with walls come last.
 struct RowSlice {
     std::size_t begin = 0;
-    Index width = 0;             ///< pairs of the longest row plus `walls`
+    Index width = 0;             ///< number of pairs of the longest row plus `walls`
     Index walls = 0;             ///< largest number of pairs with walls in a row
     std::size_t first_wall = 0;  ///< index of their weights in RowBlock::wall_weight
     Index plain() const { return width - walls; }
     Index rows = 0;                      ///< lanes that have a row
-    std::uint16_t row[lane_count] = {};  ///< the row in each lane; a lane without a row has that of the first lane
-    bool resolved = true;                ///< all directions are resolved in all its rows
+    std::uint16_t row[lane_count] = {};  ///< row in each lane; lanes without a row contain that of the first lane
+    bool resolved = true;                ///< whether all directions are resolved in all rows
     Lanes of_h2{};                       ///< 1/h^2, with h the radius of the weight in spacings
     SymmetricLanes inverse_moment;       ///< M+ = Q diag(pi/s) Q^T of M = sum w r r^T = Q diag(s) Q^T
     FourthMoment fourth;
@@ -70,23 +72,24 @@ struct RowSlice {
 
 /// The rows of `block_size` particles that are near each other in memory. Pairs refer to neighbours by their index in `touched`, so a
 /// product gathers each velocity once per block and adds forces in the block's own memory. Thus no thread waits for another, and sums have
-/// a fixed order. Only this index is stored per pair. r and the weight are computed from the positions, which are fewer bytes to read.
+/// a fixed order. Only this index is stored per pair. r and the weight are computed from the positions, because reading them would need
+/// more bytes.
 struct RowBlock {
     using LocalIndex = std::uint16_t;
-    Index begin = 0, end = 0;     ///< particles whose rows these are
+    Index begin = 0, end = 0;     ///< range of the particles that the rows belong to
     std::vector<Index> touched;   ///< particles that the pairs refer to; the first end - begin are the rows' own
     std::size_t place = 0;        ///< start of the block's entries in arrays over all blocks' touched particles
-    std::size_t first_slice = 0;  ///< start of its slices in arrays over all blocks' slices
+    std::size_t first_slice = 0;  ///< start of the block's slices in arrays over all blocks' slices
     std::vector<RowSlice> slices;
     std::vector<std::uint16_t> lane;   ///< lane of each row, counted through all slices
-    std::vector<std::uint16_t> count;  ///< pairs of each row
+    std::vector<std::uint16_t> count;  ///< number of pairs of each row, without walls
     std::vector<Directions> directions;
-    Column<LocalIndex> other;      ///< index of j in `touched`; walls follow the particles
+    Column<LocalIndex> other;      ///< index of j in `touched`; walls have the indices that follow
     std::vector<WallPoint> walls;  ///< by row
     std::vector<Lanes> wall_weight;
 
     Index size() const { return end - begin; }
-    std::size_t entries() const { return touched.size() + walls.size(); }  ///< indices that pairs use
+    std::size_t entries() const { return touched.size() + walls.size(); }  ///< number of indices that pairs use
     const RowSlice& slice_of(Index row) const { return slices[lane[row] / lane_count]; }
     Index lane_in_slice(Index row) const { return lane[row] % lane_count; }
     /// Calls f(index in touched) for each pair of a row with a particle, or for every `step`-th.
@@ -102,7 +105,7 @@ struct RowBlock {
 
 /// One pair of each row in a slice.
 struct PairLanes {
-    Lanes3 r, v;                        ///< v: vector stored with the position of j, minus that of i
+    Lanes3 r, v;                        ///< v: vector stored with the position of j, minus the one stored with that of i
     Lanes r2, w;                        ///< r2: never 0
     const RowBlock::LocalIndex* other;  ///< indices of j in `touched`
 };
@@ -196,9 +199,9 @@ public:
     std::vector<RowBlock> blocks;
     std::vector<Neighbourhood> neighbourhood;  ///< one per particle
     Column<Real> nearest_solid;                ///< distance of each free particle to any solid [m]; empty: there are no solids
-    std::size_t pairs = 0;                     ///< in all rows, without padding
+    std::size_t pairs = 0;                     ///< number of pairs in all rows, without padding
     std::size_t slices = 0;                    ///< slices in all blocks
-    std::size_t walls = 0;                     ///< pairs with walls
+    std::size_t walls = 0;                     ///< number of pairs with walls
     Index widest_slice = 0;
 
     /// Position of the particle when the rows were built [m].

@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-/// The unknown part of a velocity: zero for a particle that is stuck or in a nozzle, the tangential part for a sliding one.
+/// The unknown part of a velocity: zero for a prescribed particle, the tangential part for a particle that slides on a solid.
 struct Unknowns {
     Span<const std::int16_t> role;
     Span<const Vec3> slip;
@@ -119,7 +119,7 @@ struct CoupledStep {
         });
     }
 
-    /// Sets the curvature in the directions that the neighbours resolve; 0 for particles that are not free, which their body moves.
+    /// Sets the curvature in the directions that the neighbours resolve; 0 for particles that are not free, whose motion is prescribed.
     void set_curvature() {
         curvature.resize(n);
         parallel_for(n, [&](Index i) {
@@ -133,8 +133,8 @@ struct CoupledStep {
         });
     }
 
-    /// Sets s_i: compressed particles separate; loose particles under pressure approach, where allowed; otherwise volumes are kept in the
-    /// middle of the move, where their rate is tr D - tr T.
+    /// Sets the requested rate of volume change, s_i. Compressed particles separate. Loose particles under pressure approach, as far as the
+    /// options allow. Otherwise s_i = tr T keeps the volume, because the rate of volume change in the middle of the move is tr D - tr T.
     void set_divergence() {
         divergence.resize(n);
         const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
@@ -147,7 +147,7 @@ struct CoupledStep {
         parallel_for(n, [&](Index i) {
             const Neighbourhood& context = system.rows.neighbourhood[i];
             double compressed = context.density - 1;
-            // Fluid under tension is never drawn together, or a thread would creep without end.
+            // Fluid under tension is never drawn together, because a thread would creep without end.
             if (compressed < 0) compressed = p[i] > 0 ? loose(context, compressed) : 0;
             const double pushed = std::clamp(options.push * compressed / dt, -fastest_push, fastest_push);
             divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
@@ -211,8 +211,8 @@ struct CoupledStep {
     }
 
     /// Sets the right-hand side.
-    /// @returns the scale of its residual: the loads on the fluid, without the large forces by which nozzle and solids hold their
-    /// neighbours. These count 3 %, for a fluid at rest that is only dragged along
+    /// @returns the reference for its residual: the norm of the loads on the fluid, without the large forces by which nozzles and solids
+    /// hold their neighbours. It is at least 3 % of the norm with these forces, for a fluid at rest that only moving solids drag along
     double set_load() {
         parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
         form.add_stress(pressure, curvature, load);
@@ -268,7 +268,8 @@ struct CoupledStep {
         return report;
     }
 
-    /// If the last step's change is a bad guess (a jolt, a landing): scales it to the least energy, and updates the residual.
+    /// Replaces a bad initial guess (after a jolt or a landing): minimises the energy along the last step's change, and updates the
+    /// residual.
     void descend_along_last_change() {
         Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
         unknowns.restrict_to(way);
@@ -283,11 +284,12 @@ struct CoupledStep {
 
     /// If fluid can leave only through a narrow opening (a piston before a slit, the first steps under weight), one update of the
     /// multiplier per step gives far too little pressure, and the volume of the fluid as a whole changes. In that case runs conjugate
-    /// gradients for the multiplier, preconditioned by lambda, with a solve for the velocities in each iteration. If they do not halve the
-    /// error, or only move it about, the fluid has no way out, and the solution from before is restored.
+    /// gradients for the multiplier, preconditioned by lambda, with a solve for the velocities in each iteration. If these iterations do
+    /// not halve the mean error, or raise the mean square error to more than four times, the fluid has no way out, and the solution from
+    /// before is restored.
     void keep_volume(SolveReport& report) {
-        constexpr double tolerated = 5e-4;  // mean change of volume in a step
-        constexpr double as_a_whole = 0.5;  // mean over root mean square; below it the error is local and vanishes without this
+        constexpr double tolerated = 5e-4;  // mean relative change of volume in a step
+        constexpr double as_a_whole = 0.5;  // mean over root mean square; below it the error is local and decays without these iterations
         constexpr int most = 4;
         struct Sums {
             double missing = 0, squares = 0, weighted = 0;
@@ -355,9 +357,9 @@ struct CoupledStep {
     }
 
     /// Stores the new velocity, its gradient, and the new multiplier p - lambda (tr D - s). The multiplier has both signs: p < 0 holds a
-    /// stretched thread together and makes it thin. It forgets a fraction per step, or it would grow without end in a room that is too
-    /// full. The fraction is smaller for the part up to the weight, because fluid at rest sinks with tr D of the forgotten part of
-    /// p/lambda.
+    /// stretched thread together and makes it thin. It is reduced by a fraction per step. Otherwise it would grow without end in a full
+    /// room that contains too much fluid. The fraction is smaller for the part from 0 to the weight of the fluid, because fluid at rest
+    /// sinks with tr D = fraction times p/lambda.
     void take_over() {
         const auto depth = [&](Index i) { return static_cast<double>(step.gravity.dot(x[i])); };
         const double infinity = std::numeric_limits<double>::infinity();
@@ -374,7 +376,8 @@ struct CoupledStep {
         });
     }
 
-    /// Sets held = slip.(A u - b) [m/s]: the normal velocity change by which a slippery solid holds its particles.
+    /// Sets held = slip.(A u - b) [m/s], with b the load: the change of normal velocity by which a solid with slip acts on its particles.
+    /// Positive if the solid pushes.
     void find_held() {
         if (!unknowns.any_slip) return;
         Column<Vec3> brought(n);
@@ -385,9 +388,10 @@ struct CoupledStep {
         parallel_for(n, [&](Index i) { held[i] = slip[i].dot(work[i] - brought[i]); });
     }
 
-    /// Distributes the momentum that the fluid lost. Walls receive the forces of their rows, by strain and by pressure. Walls with slip
-    /// receive the friction, and the normal force on their particles. The residual of the solve is shared. A turning vessel also receives
-    /// the opposite of balance(), which replaces forces between fluid and wall.
+    /// Writes the momentum that the fluid lost to the ledgers of the solids. Walls receive the forces of the rows on their points, by
+    /// strain and by pressure. Walls with slip receive the friction, and the normal force on their particles. The residual of the solve is
+    /// distributed over all of them. A rotating vessel also receives the opposite of balance(), which replaces forces between fluid and
+    /// wall.
     void write_ledgers() {
         if (!solids.any_probed()) return;
         const auto m = static_cast<double>(step.mass);
@@ -427,8 +431,8 @@ struct CoupledStep {
         rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
     }
 
-    /// In a turning vessel: counts the work of the pressure on the particles that set_divergence() moves apart or together as an error. As
-    /// (negative) heat it would make the heat fall.
+    /// In a rotating vessel: counts the work that the pressure does on the particles that set_divergence() moves apart or together as an
+    /// error. If it were counted as (negative) heat, the heat would fall.
     void count_pushes(StepReport& report) {
         if (options.vessel < 0 || !solids.any_probed()) return;
         const double pushes = parallel_sum(n, [&](Index i) {
@@ -440,7 +444,7 @@ struct CoupledStep {
             static_cast<double>(step.mass) * static_cast<double>(dt) / static_cast<double>(step.rest_density) * pushes;
     }
 
-    /// A slippery solid can push but not pull: releases the particles that it would have to pull.
+    /// Releases the particles that a solid with slip would have to pull, because solids only push.
     void release_slipping() {
         if (!unknowns.any_slip) return;
         parallel_for(n, [&](Index i) {

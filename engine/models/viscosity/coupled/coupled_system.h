@@ -7,7 +7,7 @@
 ///   CoupledSolve           the velocity at the end of the step, the multiplier (pressure), the gradient
 ///   CoupledMove            x += dt u
 ///   CoupledShift           separates close particles and adjusts their velocity: u += G dx
-///   CoupledContact         stops particles at solids; they stick, or slide along
+///   CoupledContact         stops particles at solids, where they stick or slide
 ///
 /// Nozzles: prescribed particles (role -k) must fill at least `support` spacings above the opening.
 #include <memory>
@@ -35,7 +35,8 @@ struct held {
     using type = std::int32_t;
     static constexpr std::string_view name = "held", unit = "", meaning = "whether a wall that the fluid sticks to has been touched";
 };
-/// Unit normal of the slippery solid that the particle touches; the velocity along it is the solid's. Zero if it touches none.
+/// Unit normal of the solid with slip (free, or with a slip length) that the particle touches, or zero. The velocity along this normal is
+/// that of the solid.
 struct contact_normal {
     using type = Vec3;
     static constexpr std::string_view name = "contact_normal", unit = "", meaning = "normal of the slippery solid that is touched";
@@ -44,8 +45,8 @@ struct contact_normal {
 
 /// Rigid rotation of the fluid in CoupledOptions::vessel.
 struct VesselRotation {
-    Vec3 centre = Vec3::Zero(), up = Vec3::Zero();  ///< a point of the axis, unit vector along it
-    Real rate = 0;                                  ///< of the fluid's angular momentum [rad/s]
+    Vec3 centre = Vec3::Zero(), up = Vec3::Zero();  ///< point on the axis; unit vector along the axis
+    Real rate = 0;                                  ///< angular velocity that follows from the fluid's angular momentum [rad/s]
     Vec3 arm(const Vec3& x) const { return up.cross(x - centre); }
     Vec3 acceleration(const Vec3& x) const { return rate * rate * up.cross(arm(x)); }
 };

@@ -173,9 +173,9 @@ Real StrainForm::divergence(Index i, const Mat3& G) const {
     return n.unresolved == 0 ? G.trace() : (rows_->resolved(i) * G).trace();
 }
 
-// With g = M+ w r, row i adds to the block of j  K (1 + Lambda) g g^T + K |g|^2  and the penalties' 2 w (1 - g.r)(c + c' r r^T / r^2); the
-// last r r^T stands for a fourth moment. The block of i gets the first with g replaced by -h, h = sum g, and
-// 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
+// With g = M+ w r, row i adds to the block of j the strain's K (1 + Lambda) g g^T + K |g|^2 and the penalties' 2 w (1 - g.r)(c + c' r r^T /
+// r^2), in which the last r r^T approximates a fourth moment. To the block of i the row adds the strain's terms with g replaced by -h, h =
+// sum g, and the sum over its pairs of 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
 void StrainForm::diagonal(Span<Mat3> B) const {
     const CoupledRows& rows = *rows_;
     Column<Vec4> parts(2 * rows.entries(), Vec4{});  // xx yy zz, xy xz yz

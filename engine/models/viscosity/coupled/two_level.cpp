@@ -18,7 +18,7 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
         block.each_pair(
             row, [&](RowBlock::LocalIndex at) { visit(block.touched[at]); }, block.count[row] > 32 ? 4 : 1);
     };
-    // Larger aggregates in large fluids, because the factor's entries grow faster than the number of particles.
+    // Large fluids have larger aggregates, because the number of entries of the factor grows faster than that of the particles.
     const int size = static_cast<int>(options.aggregate * std::max(1.0, std::sqrt(static_cast<double>(x.size()) / options.many)));
     aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     const int groups = split_unconnected(neighbours, aggregate);
@@ -42,7 +42,7 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
             return;
         }
         if (any_slip && slip[i] != Vec3::Zero()) {
-            // (I - n n^T) B (I - n n^T) + n n^T, and the inverse without its n n^T
+            // Inverse of (I - n n^T) B (I - n n^T) + n n^T, without the term n n^T of this inverse
             const Mat3 normal = slip[i] * slip[i].transpose(), tangent = Mat3::Identity() - normal;
             const Mat3 held = tangent * B * tangent + normal;
             B = tangent * held.inverse() * tangent;
