@@ -34,7 +34,7 @@ struct LimitMaker {
         limit(std::move(name), std::move(formula), [step](const World&, double) { return step; });
     }
 
-    /// In one step no particle and no solid moves by more than cfl spacings, at its present speed or by falling from rest.
+    /// In one step no particle and no solid moves by more than cfl spacings, at its current speed or by a fall from rest.
     void flow() {
         limit("cfl", number(cfl) + " d / max |u|", [cfl = cfl, d = d](const World& w, double speed) {
             for (const Vec3& u : w.boundary_particles.velocity) speed = std::max(speed, static_cast<double>(u.norm()));
@@ -58,7 +58,8 @@ struct LimitMaker {
         });
     }
 
-    /// Limit for the coupled solve. With longer steps, particles at frictionless walls fall and are caught again, so honey at rest sinks.
+    /// Limit for the coupled solve with free-slip walls. With longer steps the particles at such walls fall and are stopped again in turn,
+    /// so honey at rest sinks.
     void free_slip() {
         if (std::none_of(scene.solids.begin(), scene.solids.end(), [](const SolidKeys& s) { return s.slip == Slip::free; })) return;
         limit("free slip", "0.05 sqrt(d / g)", [d = d](const World& w, double) {
@@ -104,7 +105,8 @@ struct LimitMaker {
         const double k = largest_curl(plan.kernel, static_cast<Real>(R), static_cast<Real>(d));
         const double exchange = n.coupling > 0 ? exchange_step(n.coupling / rho, n.micro_inertia, k) : never;
         constant("spin diffusion", "0.125 R^2 theta / (4 gamma/rho)", diffusion > 0 ? viscous_step(R, diffusion) : never);
-        // The decay rates add up. Their sum is at most 1.1 times the sum of 1/limits (R = 3 d), and a step is stable up to 2/rate.
+        // The decay rates of these terms add up. Their sum is at most 1.1 times the sum of 1/limit (for R = 3 d), and a step is stable up
+        // to 2 over the sum of the rates.
         if (n.composed_coupling > 0)
             constant("spin", "1.5 / (sum of 1/limits of viscosity, spin diffusion and explicit exchange)",
                      1.5 / (1 / viscous_step(R, nu) + diffusion / viscous_step(R, 1) + (n.implicit_exchange ? 0 : 1 / exchange)));

@@ -9,9 +9,9 @@ namespace whorl {
 
 struct StepLimit {
     std::string name;                                        ///< "cfl", "viscous", "sound", "max_step", ...
-    std::string formula;                                     ///< as the plan prints it: "0.4 d / max |u|"
-    std::function<double(const World&, double fastest)> dt;  ///< s; `fastest` is largest_speed() of the fluid, computed once for all
-                                                             ///< limits
+    std::string formula;                                     ///< text for the plan: "0.4 d / max |u|"
+    std::function<double(const World&, double fastest)> dt;  ///< longest step [s]; `fastest`: largest_speed() of the fluid, computed once
+                                                             ///< for all limits
 };
 
 std::vector<StepLimit> step_limits(const Scene& scene, const Plan& plan);

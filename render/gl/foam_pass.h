@@ -1,5 +1,5 @@
 #pragma once
-/// Spray and foam, drawn over the sum of an image's samples: white points, streaked along their motion while the shutter is open.
+/// Draws spray and foam over the averaged samples of an image: white points, blurred along their path while the shutter is open.
 #include <functional>
 
 #include "render/gl/objects.h"
@@ -13,16 +13,16 @@ struct FoamView {
     const View& view;
     const Eigen::Matrix4f& matrix;  ///< world -> clip
     float spacing;                  ///< m
-    float open;                     ///< s, of the shutter
-    Vec3f lamp;                     ///< direction, unit
-    GLuint normals, solids;         ///< distances of the fluid and the solids are in alpha
+    float open;                     ///< time for which the shutter is open [s]
+    Vec3f lamp;                     ///< direction to the light, unit vector
+    GLuint normals, solids;         ///< buffers of the fluid and the solids; alpha: distance from the eye [m], 0: none
 };
 
 class FoamPass {
 public:
     FoamPass(int width, int height) : width_(width), height_(height) {}
     void fill(const Frame& frame, float amount);
-    /// @param prepare sets the studio's uniforms of a program, which it makes the current one
+    /// @param prepare makes the program current and sets the studio's uniforms
     void draw(GLuint picture, const FoamView& foam, const std::string& constants, const std::function<void(gl::Program&)>& prepare);
 
 private:

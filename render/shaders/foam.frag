@@ -1,4 +1,4 @@
-// White of a point of foam, hidden by solids, and by the fluid the more the deeper it is.
+// Colour of a point of foam. Solids hide it; fluid in front of it hides it the more the deeper it is.
 in vec2 place;
 in vec3 world;
 flat in float flies;
@@ -18,11 +18,11 @@ void main() {
     float solid = texelFetch(solid_buffer, pixel, 0).a, away = distance(world, eye);
     if (opacity <= 0.0 || (solid > 0.0 && away > solid)) discard;
     float depth = fluid.a > 0.0 ? max(away - fluid.a, 0.0) / spacing : 0.0;
-    opacity *= exp((shape.z < 0.0 ? -0.3 : -0.7) * max(depth - 0.5, 0.0));  // single bubbles blur into mist before they are hidden
-    // Foam is in the fluid: places beside its particle that are in the air count little.
+    opacity *= exp((shape.z < 0.0 ? -0.3 : -0.7) * max(depth - 0.5, 0.0));  // single bubbles disappear at a smaller depth than mist
+    // Foam is in the fluid, so its points in the air next to the particle are faint.
     if (flies < 0.5) opacity *= fluid.a > 0.0 ? exp(-1.5 * max((fluid.a - away) / spacing - 0.3, 0.0)) : 0.2;
     vec3 n = fluid.a > 0.0 && abs(away - fluid.a) < 2.0 * spacing ? octahedral_decode(fluid.xy) : normalize(eye - world);
-    // Bubbles face all ways and let light through: the body's form shows little.
+    // Bubbles face all directions and transmit light, so the shading shows little of the surface's shape.
     vec3 light = ambient(normalize(n + vec3(0.0, 1.0, 0.0))) + key_colour * (0.55 + 0.45 * dot(n, lamp));
     colour = vec4(held(1.2 * light), 1.0) * opacity;
 }

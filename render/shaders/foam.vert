@@ -1,19 +1,19 @@
-// A point of foam as a rectangle about its way while the shutter is open.
+// A point of foam, as a rectangle around its path while the shutter is open.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 velocity;
-layout(location = 2) in vec4 form;   // place of the corner along and across the way, -1 or 1; radius [m]; opacity, negative for mist
+layout(location = 2) in vec4 form;   // corner: along and across the path, -1 or 1; radius [m]; opacity, negative for mist
 layout(location = 3) in float spray;
 uniform mat4 view_projection;
 uniform vec3 eye;
 uniform float ground_height;
 uniform vec2 half_size;      // pixels
-uniform float pixels;        // of a length of 1 m at a distance of 1 m
-uniform float open;          // s
-uniform vec2 lens;           // radius, and distance where it is sharp [m]
-out vec2 place;              // along and across the way, from its middle [pixels]
+uniform float pixels;        // length in the image of 1 m at a distance of 1 m
+uniform float open;          // time for which the shutter is open [s]
+uniform vec2 lens;           // radius of the lens and distance in focus [m]
+out vec2 place;              // position along and across the path, from its middle [pixels]
 out vec3 world;
 flat out float flies;
-flat out vec3 shape;         // radius, half of the way [pixels]; opacity, negative for mist
+flat out vec3 shape;         // radius and half of the path's length [pixels]; opacity, negative for mist
 
 void main() {
     world = vec3(position.x, max(position.y, ground_height), position.z);
@@ -30,7 +30,7 @@ void main() {
     float sharp = pixels * form.z / far;
     float blur = lens.y > 0.0 ? pixels * lens.x * abs(1.0 / far - 1.0 / lens.y) : 0.0;
     float radius = max(max(sharp, blur), 0.6);
-    // A moving point covers each place for a part of the time only. Highlights are far above white, so that streaks fade less than that.
+    // A moving point covers a pixel only for a part of the time. Its highlights are much brighter than white, so the streak fades less.
     float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.5 * travel / radius);
     float margin = radius + 1.0;
     place = form.xy * vec2(0.5 * travel + margin, margin);

@@ -10,16 +10,16 @@
 namespace whorl {
 namespace {
 
-constexpr int usual_points = 48;      // per particle
-constexpr float scatter = 1.3f;       // farthest point of a particle [spacings]
-constexpr float parting = 0.12f;      // largest velocity of spray relative to its particle, over the particle's
-constexpr float spray_after = 0.02f;  // s
-constexpr float faint = 0.06f;        // foam that is not drawn
+constexpr int usual_points = 48;      // largest number per particle, for amount = 1
+constexpr float scatter = 1.3f;       // largest distance of a point from its particle [spacings]
+constexpr float parting = 0.12f;      // largest velocity of a point of spray relative to its particle, over the particle's velocity
+constexpr float spray_after = 0.02f;  // `airborne` above which a particle is drawn as spray [s]
+constexpr float faint = 0.06f;        // smaller values of foam are not drawn
 constexpr float mist_radius = 1.0f;   // spacings
 constexpr float mist_opacity = 0.24f, mist_of_spray = 0.05f;
 constexpr float bubble_opacity = 0.6f;  // of a point in the fluid
 
-/// Random numbers of a point, 0 .. 1 (PCG, Jarzynski and Olano 2020).
+/// Random numbers of a point, uniform from 0 to 1 (PCG, Jarzynski and Olano 2020).
 class PointNumbers {
 public:
     PointNumbers(float grain, int k) : state_(std::bit_cast<std::uint32_t>(grain) + 0x9e3779b9u * static_cast<std::uint32_t>(k + 1)) {}
@@ -67,7 +67,7 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
                          spray,
                          true};
         for (int k = 0; k < most; ++k) {
-            // Each point appears and fades by itself.
+            // The points appear one after the other as f rises.
             const float opacity = std::clamp(8 * (f - (static_cast<float>(k) + 0.5f) / static_cast<float>(most)) + 0.5f, 0.0f, 1.0f);
             if (!(f > 0 && opacity > 0)) break;
             PointNumbers random((*grain)[i], k);
@@ -79,7 +79,7 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
             const float size = random.next();
             p.radius = d * (0.022f + 0.045f * size * size);
             p.opacity = spray ? opacity : bubble_opacity * opacity;
-            for (int corner = 0; corner < 3 && cut.any(); ++corner)  // a corner has three
+            for (int corner = 0; corner < 3 && cut.any(); ++corner)  // a corner has three walls
                 if (const Cut::Side& side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)
                     p.position += (p.radius - side.inside(p.position)) * side.inward;
         }

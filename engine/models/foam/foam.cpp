@@ -11,7 +11,7 @@ namespace {
 /// Rises linearly from 0 at `low` to 1 at `high`.
 Real ramp(Real value, Real low, Real high) { return std::clamp((value - low) / (high - low), Real(0), Real(1)); }
 
-/// sum of 1 - r/R over a lattice, without its middle. @param reach R over the spacing
+/// Sum of w = 1 - r/R over the neighbours on a lattice. @param reach R over the spacing
 Real lattice_sum(Real reach, int dimensions) {
     const int n = static_cast<int>(std::ceil(reach)), deep = dimensions == 2 ? 0 : n;
     Real sum = -1;
@@ -21,12 +21,12 @@ Real lattice_sum(Real reach, int dimensions) {
     return sum;
 }
 
-/// Sums over a particle's neighbours, each times w and over the lattice's sum of w.
+/// Sums over a particle's neighbours, weighted by w and divided by the sum of w on a lattice.
 struct Company {
-    Real fluid = 0, solid = 0;  ///< 1 together inside the fluid
-    Real approach = 0;          ///< m/s
+    Real fluid = 0, solid = 0;  ///< sums of 1 over fluid and boundary particles; 1 in total inside the fluid
+    Real approach = 0;          ///< sum of |u_ij| - u_ij.r_ij/r [m/s]
     Real foam = 0;
-    Vec3 out = Vec3::Zero();  ///< m, towards where neighbours are missing
+    Vec3 out = Vec3::Zero();  ///< sum of r_ij [m]; points out of the fluid at a surface
 };
 
 Company company_of(Index i, const InteractionContext& context, const Vec3* u, const Real* foam, Real over_sum) {
@@ -69,7 +69,7 @@ void Foam::operator()(const InteractionContext& context, Read<field::velocity> u
         const Real energy = ramp(speed * speed / 2, Real(0.05), Real(0.5));
         const bool spray = amount < alone && speed > spray_speed;
         const Real gain = energy * (trapped + crest) / grow + (spray ? 1 / burst : 0), exchange = near.fluid > alone ? 1 / mixing : 0;
-        // Exact for constant rates, so that no step is too long.
+        // Exact solution for constant rates, so stable for any step.
         const Real rate = gain + 1 / decay + exchange, end = (gain + exchange * near.foam / std::max(near.fluid, alone)) / rate;
         foam[i] = end + (old_foam[i] - end) * std::exp(-rate * step.dt);
         airborne[i] = spray ? airborne[i] + step.dt : airborne[i] * std::exp(-step.dt / landing);
