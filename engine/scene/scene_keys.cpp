@@ -19,7 +19,10 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
             .in(InPlane::cut);
     t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
     t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
-    t.key("radius", shape(&Keys::radius), "m", "of the sphere or cylinder").required().above(0).only_with("shape", {"sphere", "cylinder"});
+    t.key("radius", shape(&Keys::radius), "m", "radius of the sphere or cylinder")
+        .required()
+        .above(0)
+        .only_with("shape", {"sphere", "cylinder"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
         t.key("normal", shape(&Keys::normal), "", "normal, from the solid into the fluid").only_with("shape", {"plane"});
     t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF file, relative to the scene file's folder")
@@ -30,7 +33,7 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
 
 KeyTable time_keys() {
     KeyTableOf<TimeKeys> t("end of the run, time steps, and rate of images");
-    t.key("end", &TimeKeys::end, "s", "when the run ends").required().above(0).not_deciding().live();
+    t.key("end", &TimeKeys::end, "s", "simulated time at which the run ends").required().above(0).not_deciding().live();
     t.key("fps", &TimeKeys::fps, "1/s", "frames per second of the video; for short events use slow_motion").at_least(1e-6);
     t.key("slow_motion", &TimeKeys::slow_motion, "", "factor by which the video is slower than the simulated time").above(0);
     t.key("max_step", &TimeKeys::max_step, "s",
@@ -40,7 +43,7 @@ KeyTable time_keys() {
         .live();
     t.key("cfl", &TimeKeys::cfl, "", "largest displacement of a particle in one step, in spacings").above(0).at_most(2.5).live();
     t.key("fixed_step", &TimeKeys::fixed_step, "s",
-          "length of every step, whatever the models allow (for studies of stability); 0: the models decide")
+          "length of every step, even beyond the limits of the models (for studies of stability); 0: the models determine the steps")
         .at_least(0);
     return t;
 }
@@ -55,7 +58,7 @@ KeyTable domain_keys() {
     t.key("min", &DomainKeys::min, "m", "lowest corner");
     t.key("max", &DomainKeys::max, "m", "highest corner");
     t.key("periodic", &DomainKeys::periodic, "", "axes along which the box repeats").in(InPlane::vector);
-    t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of everything").of("t").live();
+    t.key("gravity", &DomainKeys::gravity, "m/s^2", "acceleration of fluid and free bodies").of("t").live();
     return t;
 }
 
@@ -77,17 +80,18 @@ KeyTable fluid_keys() {
         .at_least(0)
         .live();
     t.key("ink_markers", &FluidKeys::ink_markers, "per spacing",
-          "points along each axis that carry the inks of a particle, so that images show filaments thinner than the spacing (2: 8 per "
-          "particle in 3D, 4 in 2D); 0: each particle carries its own")
+          "markers along each axis that carry the inks of a particle, so that images show filaments thinner than the spacing (2: 8 markers "
+          "per particle in 3D, 4 in 2D); 0: no markers, each particle has a single colour")
         .at_least(0)
         .at_most(4);
     t.key("force", &FluidKeys::force, "m/s^2",
-          "force on every particle over its mass, in addition to gravity; the plan does not predict the speeds that it causes")
+          "force on every particle, divided by the particle's mass, in addition to gravity; the plan does not predict the speeds that this "
+          "force causes")
         .of("txyz")
         .live();
     t.key("kernel", &FluidKeys::kernel, "",
-          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" (whose solve has its own weight) and with the projection, "
-          "otherwise cubic");
+          "smoothing kernel; auto: wendland_c2 with pressure \"coupled\" (whose solve uses another weight function) and with the "
+          "projection, otherwise cubic");
     t.key("support", &FluidKeys::support, "spacings",
           "kernel radius; auto: 2.4 with pressure \"coupled\", 3 with the projection, otherwise 2")
         .at_least(1.2)
@@ -121,28 +125,29 @@ KeyTable pressure_keys() {
         .only_with(model, solving)
         .live();
     t.key("max_iterations", inside(&PressureOptions::limits, &SolveLimits::max_iterations), "",
-          "most iterations of the linear solver per step")
+          "largest number of iterations of the linear solver per step")
         .at_least(1)
         .only_with(model, solving)
         .live();
     t.key("preconditioner", &PressureOptions::preconditioner, "",
-          "of the linear solver; auto: multigrid if enough particles are under pressure to pay for its set-up")
+          "preconditioner of the linear solver; auto: multigrid if so many particles are under pressure that it saves more time than its "
+          "set-up takes")
         .only_with(model, {"ppe"});
     const std::string form = "pressure.form";
-    t.key(
-         "form", &PressureOptions::form, "",
-         "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that fills "
-         "its space or moves gently; auto: by what the fluid fills")
+    t.key("form", &PressureOptions::form, "",
+          "constraint: no density above that at rest, for fluid that splashes and piles up; projection: no divergence, for fluid that "
+          "fills its space or moves gently; auto: projection if the fluid fills its space, otherwise constraint")
         .only_with(model, {"ppe"});
     t.key("source", &PressureOptions::source, "",
           "projection: error that the pressure removes, either the divergence of the velocity or the density error")
         .only_with(form, {"projection"});
     const std::string source = "pressure.source";
-    t.key("clamp", &PressureOptions::clamp, "", "negative pressures are set to 0 after the solve, as printed; false: they pull")
+    t.key("clamp", &PressureOptions::clamp, "",
+          "set negative pressures to 0 after the solve, as printed; false: keep them, so that particles attract each other")
         .only_with(source, {"density"});
     t.key("cycle", &PressureOptions::cycle, "",
-          "of the multigrid; additive: sum of the corrections by the diagonal and by coarse levels; v_cycle: one after the other, as "
-          "printed")
+          "cycle of the multigrid; additive: sum of the corrections by the diagonal and by coarse levels; v_cycle: these corrections one "
+          "after the other, as printed")
         .only_with(source, {"density"});
     t.key("sweeps", &PressureOptions::sweeps, "",
           "number of damped Jacobi sweeps before the correction from each coarse level, and after it")
@@ -155,10 +160,11 @@ KeyTable pressure_keys() {
         .at_most(1)
         .only_with(model, {"ppe"});
     t.key("damping", &PressureOptions::damping, "",
-          "constraint and source density: decay rate of unresolved motion between neighbours, in units of sqrt(g/d)")
+          "constraint and source density: decay rate of relative motion of neighbours that the particles do not resolve, in units of "
+          "sqrt(g/d)")
         .at_least(0)
         .only_with(model, {"ppe"});
-    t.key("sound_speed", &PressureOptions::sound_speed, "m/s", "0: ten times the largest speed that the plan expects")
+    t.key("sound_speed", &PressureOptions::sound_speed, "m/s", "speed of sound; 0: ten times the largest speed that the plan expects")
         .at_least(0)
         .only_with(model, {"wcsph"})
         .live();
@@ -169,14 +175,14 @@ KeyTable pressure_keys() {
         .only_with(model, {"wcsph"})
         .live();
     t.key("sound_damping", &PressureOptions::sound_damping, "",
-          "bulk viscosity over density, sound speed and half the kernel radius; 0: sound does not decay")
+          "bulk viscosity, divided by density, sound speed and half the kernel radius; 0: sound does not decay")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})
         .live();
     t.key("artificial_viscosity", &PressureOptions::artificial_viscosity, "",
-          "kinematic viscosity over sound speed and a twentieth of the kernel radius; auto: 0.1 less what the fluid's own or xsph "
-          "makes, 0 with micropolar models")
+          "kinematic viscosity, divided by sound speed and a twentieth of the kernel radius; auto: 0.1 minus the part that the fluid's "
+          "viscosity or xsph contributes, 0 with micropolar models")
         .at_least(0)
         .at_most(2)
         .only_with(model, {"wcsph"})
@@ -197,29 +203,30 @@ KeyTable viscosity_keys() {
         .only_with(model, implicit)
         .live();
     t.key("max_iterations", inside(&ViscosityOptions::limits, &SolveLimits::max_iterations), "",
-          "most iterations of the linear solver per step")
+          "largest number of iterations of the linear solver per step")
         .at_least(1)
         .only_with(model, implicit)
         .live();
     t.key("preconditioner", &ViscosityOptions::preconditioner, "",
-          "of the linear solver; block_jacobi: 3x3 diagonal blocks; two_level: these, and rigid motions of groups of particles; auto: "
-          "two_level if nu dt/d^2 exceeds 4")
+          "preconditioner of the linear solver; block_jacobi: 3x3 diagonal blocks; two_level: these blocks and rigid motions of groups of "
+          "particles; auto: two_level if nu dt/d^2 exceeds 4")
         .only_with(model, {"full"});
     t.key("laplacian", &ViscosityOptions::laplacian, "",
           "form of the Laplacian; split, with a micropolar model: the share that the coupling needs as brookshaw, the rest as monaghan, so "
           "that no energy is added; auto: split for micropolar fluid with a free surface, otherwise brookshaw")
         .only_with(model, {"explicit"})
         .live();
-    t.key("alpha", &ViscosityOptions::alpha, "", "share of the difference to the neighbours' mean velocity that a step removes")
+    t.key("alpha", &ViscosityOptions::alpha, "", "share of the difference from the neighbours' mean velocity that a step removes")
         .above(0)
         .at_most(1)
         .only_with(model, {"xsph"})
         .live();
-    t.key("correction", &ViscosityOptions::correction, "", "gradients exact for linear fields: a rigid rotation feels no viscosity")
+    t.key("correction", &ViscosityOptions::correction, "",
+          "use gradients that are exact for linear fields, so that viscosity does not act on a rigid rotation")
         .only_with(model, {"full"});
     t.key("penalty", &ViscosityOptions::penalty, "",
-          "penalty over the viscosity, on velocities that alternate from particle to particle, which gradients do not detect; 0, with "
-          "full_assembled or without correction: solids exert no stress, as printed, and every second layer slides")
+          "penalty on velocities that alternate from particle to particle, which gradients do not detect, divided by the viscosity; 0, "
+          "with full_assembled or without correction: solids exert no stress, as printed, and every second layer slides")
         .at_least(0)
         .at_most(2)
         .only_with(model, implicit);
@@ -241,18 +248,22 @@ KeyTable micropolar_keys() {
               "form of the velocity's curl; auto: difference_own_density, or corrected gradients with the projection"));
     own(t.key("curl_spin", &M::curl_spin, "", "form of the spin's curl; auto: symmetric, or corrected gradients with the projection"));
     own(t.key("co_rotating", &M::co_rotating, "",
-              "whether curl u - 2 w is computed as the curl relative to the turning particle, which conserves angular momentum; false: as "
-              "printed, with the projection instead of corrected gradients"));
+              "compute curl u - 2 w as the curl of the velocity relative to the rotating particle, which conserves angular momentum; "
+              "false: as printed (with the projection also instead of its corrected gradients)"));
     own(t.key("xsph_velocity", &M::xsph_velocity, "", "share of the velocity that is smoothed per step").at_least(0).at_most(1)).live();
     own(t.key("xsph_spin", &M::xsph_spin, "", "share of the spin that is smoothed per step").at_least(0).at_most(1)).live();
-    own(t.key("xsph_time", &M::xsph_time, "s", "time in which the smoothing removes these shares; 0: in every step, as printed")
+    own(t.key("xsph_time", &M::xsph_time, "s",
+              "time in which the smoothing removes the shares xsph_velocity and xsph_spin; 0: it removes them in every step, as printed")
             .at_least(0));
-    own(t.key("spin_length", &M::spin_length, "m", "l in the spin's diffusion viscosity l^2; 0: the spacing").at_least(0));
-    own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity spin_length^2").at_least(0));
-    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle over its mass").of("txyz").in(InPlane::axis)).live();
+    own(t.key("spin_length", &M::spin_length, "m", "length l in the spin's diffusion, viscosity times l^2; 0: the spacing").at_least(0));
+    own(t.key("spin_viscosity", &M::spin_viscosity, "Pa s m^2", "gamma, diffusion of the spin; auto: viscosity times spin_length^2")
+            .at_least(0));
+    own(t.key("torque", &M::torque, "m^2/s^2", "torque on every particle, divided by the particle's mass").of("txyz").in(InPlane::axis))
+        .live();
     own(t.key("exchange", &M::exchange, "",
               "time integration of the exchange of spin and flow; auto: explicit if its stable step is long enough"));
-    own(t.key("wall_spin", &M::wall_spin, "", "spin at walls that the fluid sticks to: the solid's rotation, or free of couple stress"));
+    own(t.key("wall_spin", &M::wall_spin, "",
+              "spin at walls that the fluid sticks to; solid: the rotation of the solid; free: the wall exerts no couple stress"));
     own(t.key("effective_viscosity", &M::effective_viscosity, "Pa s",
               "viscosity of slow flows; if set, it determines viscosity, transfer_viscosity, spin_viscosity and micro_inertia, together "
               "with spin_length")
@@ -272,8 +283,8 @@ KeyTable boundary_keys() {
         .only_with("models.boundary", {"akinci", "ppe"})
         .live();
     t.key("volume_factor", &BoundaryKeys::volume_factor, "",
-          "volume of a boundary particle times the kernel sum over the solid; 1: as printed, and fluid hovers; auto: the value for a "
-          "lattice that continues behind the surface")
+          "volume of a boundary particle times the kernel sum over the solid; 1: as printed, fluid hovers above the solid; auto: the value "
+          "for a lattice that continues behind the surface")
         .above(0)
         .at_most(2)
         .only_with("models.boundary", {"akinci"});
@@ -283,8 +294,8 @@ KeyTable boundary_keys() {
 KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
-    t.key("velocity", &BlockKeys::velocity, "m/s", "at the start").of("xyz");
-    t.key("spin", &BlockKeys::spin, "1/s", "at the start; needs a micropolar model").of("xyz").in(InPlane::axis);
+    t.key("velocity", &BlockKeys::velocity, "m/s", "initial velocity").of("xyz");
+    t.key("spin", &BlockKeys::spin, "1/s", "initial spin; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
     t.key("sampling", &BlockKeys::sampling, "", "arrangement of the particles");
     return t;
@@ -293,17 +304,17 @@ KeyTable block_keys() {
 KeyTable emitter_keys() {
     KeyTableOf<EmitterKeys> t("an opening through which fluid enters");
     t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
-    t.key("position", &EmitterKeys::position, "m", "middle of the opening; the fluid leaves with the opening's own velocity added")
+    t.key("position", &EmitterKeys::position, "m", "middle of the opening; the fluid leaves with the velocity of the opening added")
         .required()
         .of("t");
     t.key("direction", &EmitterKeys::direction, "", "direction of flow, of any length").of("t");
-    t.key("radius", &EmitterKeys::radius, "m", "of the round opening").required().above(0).only_with("shape", {"disc"});
+    t.key("radius", &EmitterKeys::radius, "m", "radius of the round opening").required().above(0).only_with("shape", {"disc"});
     t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
-    t.key("speed", &EmitterKeys::speed, "m/s", "mean over the opening").required().at_least(0).of("t").live();
-    t.key("start", &EmitterKeys::start, "s", "when it opens").at_least(0).live();
-    t.key("stop", &EmitterKeys::stop, "s", "when it closes").above(0).live();
-    t.key("profile", &EmitterKeys::profile, "", "speed over the opening");
+    t.key("speed", &EmitterKeys::speed, "m/s", "mean speed over the opening").required().at_least(0).of("t").live();
+    t.key("start", &EmitterKeys::start, "s", "time at which the emitter opens").at_least(0).live();
+    t.key("stop", &EmitterKeys::stop, "s", "time at which the emitter closes").above(0).live();
+    t.key("profile", &EmitterKeys::profile, "", "distribution of the speed over the opening");
     t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "viscosity of the fluid from this emitter; auto: fluid.viscosity")
         .at_least(0)
         .of("xyza");
@@ -318,10 +329,11 @@ KeyTable emitter_keys() {
 KeyTable solid_keys() {
     KeyTableOf<SolidKeys> t("a solid: a wall, a vessel, an obstacle or a free body");
     add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
-    t.key("position", &SolidKeys::position, "m", "displacement of the shape from the position that its own keys give").of("t").live();
-    t.key("rotation", &SolidKeys::rotation, "rad/s", "angular velocity about its own axes").of("t").in(InPlane::axis).live();
-    t.key("pivot", &SolidKeys::pivot, "m",
-          "point through which the axis of rotation passes, before position moves it; auto: the shape's middle");
+    t.key("position", &SolidKeys::position, "m", "displacement of the shape from the position that the keys of the shape define")
+        .of("t")
+        .live();
+    t.key("rotation", &SolidKeys::rotation, "rad/s", "angular velocity about the solid's own axes").of("t").in(InPlane::axis).live();
+    t.key("pivot", &SolidKeys::pivot, "m", "point on the axis of rotation, before position displaces it; auto: the middle of the shape");
     t.key("container", &SolidKeys::container, "", "the fluid is inside the shape");
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
@@ -331,23 +343,24 @@ KeyTable solid_keys() {
         .only_with("slip", {"navier"})
         .live();
     t.key("density", &SolidKeys::density, "kg/m^3",
-          "more than 0: a free body that fluid, gravity and other solids move, and position and rotation give its start; 0: position and "
-          "rotation give its motion")
+          "more than 0: a free body, which fluid, gravity and other solids move; position and rotation are then initial values; 0: "
+          "position and rotation prescribe the motion")
         .at_least(0);
-    t.key("velocity", &SolidKeys::velocity, "m/s", "of a free body at the start");
+    t.key("velocity", &SolidKeys::velocity, "m/s", "initial velocity of a free body");
     t.key("tilt", &SolidKeys::tilt, "degrees", "initial rotation: a vector along the axis through the pivot, whose length is the angle")
         .in(InPlane::axis);
-    t.key("friction", &SolidKeys::friction, "", "Coulomb's coefficient at contacts of free bodies; a pair has the geometric mean")
+    t.key("friction", &SolidKeys::friction, "",
+          "Coulomb's coefficient at contacts of free bodies; a contact uses the geometric mean of the two solids")
         .at_least(0)
         .at_most(10);
     t.key("bounce", &SolidKeys::bounce, "",
-          "share of its speed that a free body keeps when it hits a solid; a pair has the larger of its two")
+          "share of its speed that a free body keeps when it hits a solid; a contact uses the larger value of the two solids")
         .at_least(0)
         .at_most(1);
     t.key("wetting", &SolidKeys::wetting, "",
-          "with surface tension: the solid's attraction of the fluid over the fluid's attraction of itself; contact angle of cos = 2 "
-          "wetting - 1: 1 wets, 0.5 gives 90 degrees, 0 repels; ppe allows all values, coupled up to 0.5 if the fluid sticks, the "
-          "projection only 0.5, wcsph none")
+          "with surface tension: attraction of the fluid by the solid, relative to that by fluid in the solid's place; the cosine of the "
+          "contact angle is 2 wetting - 1: 1 wets, 0.5 gives 90 degrees, 0 repels; ppe allows all values, coupled up to 0.5 if the fluid "
+          "sticks, the projection only 0.5, wcsph none")
         .at_least(0)
         .at_most(1)
         .live();
@@ -362,7 +375,7 @@ KeyTable solid_keys() {
 KeyTable drain_keys() {
     KeyTableOf<DrainKeys> t("a region in which fluid is removed");
     add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
-    t.key("delay", &DrainKeys::delay, "s", "fluid that has been inside for this long is removed").at_least(0);
+    t.key("delay", &DrainKeys::delay, "s", "time after which fluid inside the drain is removed").at_least(0);
     return t;
 }
 
@@ -370,11 +383,11 @@ KeyTable stream_keys() {
     KeyTableOf<StreamKeys> t("a box in which the fluid is brought to a velocity: inflow and outflow of a periodic domain");
     t.key("min", &StreamKeys::min, "m", "lowest corner").required();
     t.key("max", &StreamKeys::max, "m", "highest corner").required();
-    t.key("velocity", &StreamKeys::velocity, "m/s", "of the stream").of("t");
+    t.key("velocity", &StreamKeys::velocity, "m/s", "velocity of the stream").of("t");
     t.key("time", &StreamKeys::time, "s", "time in which the difference of the fluid's velocity from the stream's falls to 1/e")
         .required()
         .above(0);
-    t.key("ink", &StreamKeys::ink, "", "concentrations of up to three inks, 0 to 1, of fluid in the box; none: it keeps its own")
+    t.key("ink", &StreamKeys::ink, "", "concentrations of up to three inks, 0 to 1, of fluid in the box; not set: the fluid keeps its inks")
         .at_least(0)
         .at_most(1)
         .of("txyz");
@@ -383,11 +396,10 @@ KeyTable stream_keys() {
 
 KeyTable vortex_keys() {
     KeyTableOf<VortexKeys> t("a closed vortex line in the fluid at the start; its velocity is added to that of the blocks");
-    t.key("path", &VortexKeys::path, "m", "point of the line as a function of t, which goes once round it from 0 to 2 pi")
-        .required()
-        .of("t");
+    t.key("path", &VortexKeys::path, "m", "point of the closed line as a function of the parameter t from 0 to 2 pi").required().of("t");
     t.key("circulation", &VortexKeys::circulation, "m^2/s", "circulation, right-handed about the direction of rising t").required();
-    t.key("core", &VortexKeys::core, "m", "radius of the core: a straight line turns fluid at r by circulation/(2 pi) r/(r^2 + core^2)")
+    t.key("core", &VortexKeys::core, "m",
+          "radius of the core: the velocity at the distance r from a straight line is circulation/(2 pi) r/(r^2 + core^2)")
         .required()
         .above(0);
     t.key("ink", &VortexKeys::ink, "", "concentrations of up to three inks, 0 to 1, in the core; outside they fall as exp(-(r/core)^4)")
@@ -399,7 +411,7 @@ KeyTable vortex_keys() {
 
 KeyTable probe_keys() {
     KeyTableOf<ProbeKeys> t("a measurement at every frame, in probes/<name>.csv");
-    t.key("name", &ProbeKeys::name, "", "of the file").required();
+    t.key("name", &ProbeKeys::name, "", "name of the probe and of its file").required();
     t.key("kind", &ProbeKeys::kind, "", "quantity that is measured").required();
     t.key("at", &ProbeKeys::at, "m",
           "point at which the fields are interpolated; middle of a flux's opening, or of a gauge on the surface at the start")
@@ -422,20 +434,21 @@ KeyTable probe_keys() {
     t.key("axis_point", &ProbeKeys::axis_point, "m",
           "point at which the axis meets the plate; front, radius and height are measured from it")
         .only_with("kind", {"coil", "extent"});
-    t.key("axis_direction", &ProbeKeys::axis_direction, "", "up, away from the plate").only_with("kind", {"coil", "extent"});
-    t.key("height", &ProbeKeys::height, "m", "height of the measured section above the pile; 0: where the thread comes to rest")
+    t.key("axis_direction", &ProbeKeys::axis_direction, "", "direction of the axis, away from the plate")
+        .only_with("kind", {"coil", "extent"});
+    t.key("height", &ProbeKeys::height, "m", "height of the measured section above the heap; 0: measure where the thread comes to rest")
         .at_least(0)
         .only_with("kind", {"coil"});
     t.key("direction", &ProbeKeys::direction, "", "flux: positive direction of flow; extent: direction in which the front moves")
         .required()
         .only_with("kind", {"flux", "extent"});
-    t.key("radius", &ProbeKeys::radius, "m", "of a round opening or a gauge; in 2D half the length of a line")
+    t.key("radius", &ProbeKeys::radius, "m", "radius of a round opening or of a gauge; in 2D half the length of the line")
         .at_least(0)
         .only_with("kind", {"flux", "gauge"});
-    t.key("width", &ProbeKeys::width, "m", "of a rectangular opening, as of an emitter's; in 2D the length of a line")
+    t.key("width", &ProbeKeys::width, "m", "width of a rectangular opening, as for an emitter; in 2D the length of the line")
         .at_least(0)
         .only_with("kind", {"flux"});
-    t.key("thickness", &ProbeKeys::thickness, "m", "its other side").at_least(0).only_with("kind", {"flux"});
+    t.key("thickness", &ProbeKeys::thickness, "m", "thickness of a rectangular opening").at_least(0).only_with("kind", {"flux"});
     t.key("compare", &ProbeKeys::compare, "",
           "CSV file whose columns are plotted with the probe's columns of the same names, over its column time (for a line: s); relative "
           "to the scene file's folder");
@@ -446,7 +459,7 @@ KeyTable change_keys() {
     KeyTableOf<TimedChange> t(
         "a change of a key's value during the run, as whorl live records it; at time 0 of any key, later of keys that may change");
     t.key("time", &TimedChange::time, "s", "time of the change; the first step that begins then or later uses it").required().at_least(0);
-    t.key("key", inside(&TimedChange::change, &KeyValue::path), "", "as in emitter[0].speed").required();
+    t.key("key", inside(&TimedChange::change, &KeyValue::path), "", "path of the key, as in emitter[0].speed").required();
     t.key("value", inside(&TimedChange::change, &KeyValue::value), "", "new value of the key").required();
     return t;
 }
@@ -464,7 +477,8 @@ KeyTable panel_keys() {
 KeyTable output_keys() {
     KeyTableOf<OutputKeys> t("files in the run folder");
     t.key("images", &OutputKeys::images, "", "images: frames/000001.png ...");
-    t.key("format", &OutputKeys::format, "", "of the images; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
+    t.key("format", &OutputKeys::format, "",
+          "format of the images; exr: linear light, depth, normals, motion, ids and shadow, for compositors")
         .one_of({"png", "exr"});
     t.key("video", &OutputKeys::video, "", "<name>.mp4");
     t.key("size", &OutputKeys::size, "pixels", "width and height of the images, even numbers for a video").at_least(16).at_most(8192);
@@ -473,9 +487,9 @@ KeyTable output_keys() {
           "four")
         .at_least(1)
         .at_most(16);
-    t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: its curve for every panel, over time, below a video of panels");
+    t.key("chart", &OutputKeys::chart, "", "PROBE.COLUMN: column of a probe's table, plotted over time for every panel below the video");
     t.key("checkpoint_every", &OutputKeys::checkpoint_every, "s", "wall time between checkpoints").above(0);
-    t.key("export", &OutputKeys::exports, "", "files for other programs; raw: frames from which whorl draw makes images again")
+    t.key("export", &OutputKeys::exports, "", "files for other programs; raw: complete frames, from which whorl draw makes new images")
         .one_of(export_kinds());
     return t;
 }
@@ -485,20 +499,23 @@ KeyTable budget_keys() {
         "limit of wall time per frame, and the accuracy that may be reduced for it, in this order; budget.csv lists the reductions");
     t.key("seconds_per_frame", &BudgetKeys::seconds_per_frame, "s", "wall time per frame; 0: no limit").at_least(0).live();
     t.key("seconds", &BudgetKeys::seconds, "s", "wall time for all frames; 0: no limit").at_least(0).live();
-    t.key("tolerance", &BudgetKeys::tolerance, "", "first the solvers' tolerances grow, up to this factor on the scene's")
+    t.key("tolerance", &BudgetKeys::tolerance, "", "first the solvers' tolerances are raised, up to this factor on the scene's tolerances")
         .at_least(1)
         .at_most(1000)
         .live();
-    t.key("cfl", &BudgetKeys::cfl, "", "then steps grow, up to this cfl").above(0).at_most(2.5).live();
-    t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface becomes coarser, up to this voxel size").above(0).at_most(2).live();
-    t.key("samples", &BudgetKeys::samples, "", "then images get fewer samples per pixel, down to this").at_least(1).live();
+    t.key("cfl", &BudgetKeys::cfl, "", "then steps become longer, up to this cfl").above(0).at_most(2.5).live();
+    t.key("voxel", &BudgetKeys::voxel, "spacings", "then the surface becomes coarser, up to this edge of a voxel")
+        .above(0)
+        .at_most(2)
+        .live();
+    t.key("samples", &BudgetKeys::samples, "", "then images get fewer samples per pixel, down to this number").at_least(1).live();
     return t;
 }
 
 KeyTable root_keys() {
     KeyTableOf<Scene> t("a scene of Whorl");
-    t.key("name", &Scene::name, "", "of the run folder and the video; default: the file's name").not_deciding();
-    t.key("seed", &Scene::seed, "", "of all random numbers");
+    t.key("name", &Scene::name, "", "name of the run folder and of the video; default: the name of the scene file").not_deciding();
+    t.key("seed", &Scene::seed, "", "seed of all random numbers");
     t.part("time", &Scene::time, time_keys());
     t.part("domain", &Scene::domain, domain_keys());
     t.part("fluid", &Scene::fluid, fluid_keys());

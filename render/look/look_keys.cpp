@@ -70,7 +70,7 @@ KeyTable make_camera_keys() {
     t.key("aperture", &CameraOptions::aperture, "m",
           "diameter of the lens; blurs objects nearer or further than `focus`; 0: everything is sharp")
         .at_least(0);
-    t.key("focus", &CameraOptions::focus, "m", "distance at which the image is sharp; auto: the target's").above(0);
+    t.key("focus", &CameraOptions::focus, "m", "distance at which the image is sharp; auto: the distance of the target").above(0);
     t.all_live();
     t.key("shutter", &CameraOptions::shutter, "degrees",
           "motion blur: share of the time between two images with an open shutter; 360: all of it; 180: as in cinema; 0: no blur")
@@ -100,15 +100,15 @@ KeyTable make_look_keys() {
     t.key("cooling", &L::cooling, "s", "lava: age at which it has lost most of its glow, if a viscosity depends on age; 0: never" + preset)
         .only_with("style", surface);
     t.key("foam", &L::foam, "",
-          "white spray and foam where the fluid breaks up: drawn points over the usual number; 0: none, and drops of single particles are "
-          "drawn")
+          "amount of white spray and foam in breaking fluid: factor on the number of drawn points; 0: none, and single particles are drawn "
+          "as drops")
         .at_least(0)
         .at_most(10)
         .only_with("style", surface);
     t.key("background", &L::background, "",
           "backdrop of the scene; transparent: none, for composing over another image (the studio still lights the scene)")
         .one_of(background_names());
-    t.key("ground", &L::ground, "", "a ground with shadow under the scene");
+    t.key("ground", &L::ground, "", "draw a ground with a shadow under the scene");
     t.key("table", &L::table, "", "material of the ground; none: the backdrop continues").one_of(table_names());
     t.key("exposure", &L::exposure, "", "factor on the brightness of the image").above(0);
     t.key("samples", &L::samples, "", "samples per pixel").at_least(1).at_most(256);
@@ -119,9 +119,9 @@ KeyTable make_look_keys() {
         .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "colour map of the field").one_of(colour_map_names()).only_with("style", field);
     t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do");
-    t.key("range", &L::range, "", "values of the colour map's first and last colour; equal: chosen before the run, for all its images")
+    t.key("range", &L::range, "", "values of the first and last colour of the colour map; if equal: chosen before the run, for all images")
         .only_with("style", field);
-    t.key("trail", &L::trail, "s", "flow time that the trail behind each particle covers; 0: no trail")
+    t.key("trail", &L::trail, "s", "length in time of the trail that shows the past path of each particle; 0: no trail")
         .at_least(0)
         .only_with("style", {"particles"});
     t.key("slice_axis", &L::slice_axis, "", "axis normal to the slice").one_of({"x", "y", "z"}).only_with("style", {"slice"});
@@ -129,7 +129,7 @@ KeyTable make_look_keys() {
         .only_with("style", {"slice"});
     t.key("streaks", &L::streaks, "", "draw streaks along the flow (line integral convolution)").only_with("style", {"slice"});
     t.key("streak_time", &L::streak_time, "s",
-          "flow time that a streak or an arrow covers upstream and downstream; 0: chosen before the run, for all its images")
+          "time that the flow needs from the middle of a streak or an arrow to either end; 0: chosen before the run, for all images")
         .at_least(0)
         .only_with("style", {"slice"});
     t.key("arrows", &L::arrows, "", "number of velocity arrows along the slice's longer side; 0: none")
@@ -141,7 +141,7 @@ KeyTable make_look_keys() {
         .at_least(0)
         .at_most(100)
         .only_with("style", {"slice"});
-    t.key("relief", &L::relief, "", "shading of the slice as a landscape of its value; 1: strongest")
+    t.key("relief", &L::relief, "", "shading of the slice as a landscape whose height is the value of the field; 1: strongest")
         .at_least(0)
         .at_most(1)
         .only_with("style", {"slice"});
@@ -150,7 +150,8 @@ KeyTable make_look_keys() {
         .at_most(100)
         .only_with("style", {"volume"});
     t.key("lines", &L::lines, "",
-          "number of vortex lines, through particles spread evenly over the fluid; lines are drawn only where the field is strong")
+          "number of vortex lines, through particles that are evenly distributed over the fluid; lines are drawn only where the field is "
+          "strong")
         .at_least(1)
         .at_most(100000)
         .only_with("style", lines);
@@ -165,8 +166,8 @@ KeyTable make_look_keys() {
     t.key("time_stamp", &L::time_stamp, "", "write the time on every image");
     t.all_live();
     t.key("environment", &L::environment, "",
-          "panorama of the surroundings (.exr, path relative to the scene file); it lights the scene and is reflected in it; empty: the "
-          "lamps of `background`");
+          "panoramic image of the surroundings (.exr, path relative to the scene file), which lights the scene and is reflected in it; "
+          "empty: the lamps of `background`");
     return t;
 }
 
