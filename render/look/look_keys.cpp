@@ -97,7 +97,8 @@ KeyTable make_look_keys() {
         .only_with("style", {"opaque"});
     t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
-    t.key("cooling", &L::cooling, "s", "lava: age at which it has lost most of its glow, if a viscosity depends on age; 0: never" + preset)
+    t.key("cooling", &L::cooling, "s",
+          "lava: age at which the lava has lost most of its glow, if a viscosity depends on age; 0: it keeps its glow" + preset)
         .only_with("style", surface);
     t.key("foam", &L::foam, "",
           "amount of white spray and foam in breaking fluid: factor on the number of drawn points; 0: none, and single particles are drawn "
