@@ -10,7 +10,7 @@ namespace {
 using Mat6 = Eigen::Matrix<Real, 6, 6>;
 using Mat36 = Eigen::Matrix<Real, 3, 6>;
 
-/// E with v + omega x a = E (v, omega).
+/// Matrix E of a rigid motion at the arm a: E (v, omega) = v + omega x a.
 Mat36 motion(const Vec3& a) {
     Mat36 E;
     E << 1, 0, 0, 0, a[2], -a[1],  //

@@ -77,17 +77,20 @@ void CoupledMove::operator()(Update<field::position> x, Read<field::velocity> u,
 
 namespace {
 
-/// Lengths in spacings, r_ij = x_j - x_i:
-/// dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,   rate = shift_rate
-/// (strain_i + strain_j)
+/// Displacement of a particle by shifting, with lengths in spacings and r_ij = x_j - x_i:
 ///
-/// The first term keeps particles apart. This term only repels, because any attraction makes clumps. A stretched thread widens every gap
-/// along its axis e in proportion, and in a thin thread no particle is close enough to be pushed into the gap. The second term fills gaps
-/// along the axis, and acts only along it, so that its longer range does not thicken the thread.
+///   dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,
+///   rate = shift_rate (strain_i + strain_j),   rate' = evening_rate (strain_i + strain_j)
+///
+/// strain_i is dt |D - T|/2 of particle i plus a part by the weight, thin_i is Neighbourhood::thin, e_i the axis of a thin thread, range
+/// and range' are shift_range and evening_range (CoupledOptions). The first term keeps particles apart. It only repels, because any
+/// attraction makes clumps. Stretching a thread widens every gap along its axis in proportion, and in a thin thread no particle is close
+/// enough to be pushed into the gap. The second term fills such gaps. It acts only along the axis, so that its longer range does not
+/// thicken the thread.
 struct Shifting {
     const CoupledSystem& system;
 
-    /// @param moved by entry of the block: displacement in this step, and dt |D - T|/2
+    /// @param moved by entry of the block: displacement in this step, and strain
     Lanes3 of(const RowBlock& block, const RowSlice& slice, const SliceView<false>& pairs, const Vec4* moved) const {
         const CoupledOptions& o = system.options;
         const Real range = static_cast<Real>(o.shift_range), rate = static_cast<Real>(o.shift_rate), strongest = Real(0.15);
