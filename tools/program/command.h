@@ -1,22 +1,33 @@
 #pragma once
-/// Subcommands of the program. Each has a file with one add_NAME(), and a line in main.cpp.
-///
-/// add_NAME() adds a CLI11 subcommand with its options (tools/scene_file/options.h), and sets a callback that stores the command's
-/// action in `chosen`. main() parses the command line, then calls `chosen` inside run_guarded(), which turns exceptions into messages and
-/// exit codes.
+/// Subcommands of the program. Each has a file with one add_NAME(), and a line in main.cpp. main() parses the command line, then calls the
+/// job of the chosen subcommand inside run_guarded(), which turns exceptions into messages and exit codes.
+#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "tools/process/process.h"
-
-namespace CLI {
-class App;
-}
 
 namespace whorl {
 
 /// Action of the chosen subcommand; returns an ExitCode. May throw InputError (2) and EnvironmentError (1).
 using Job = std::function<int()>;
+
+template <class O>
+struct Command {
+    CLI::App& app;
+    O& options;  ///< exist as long as the program
+};
+
+/// Adds a subcommand whose job is run(options). @param footer examples, printed by --help
+template <class O>
+Command<O> add_command(CLI::App& program, Job& chosen, const std::string& name, const std::string& purpose, int (*run)(const O&),
+                       const std::string& footer) {
+    const auto options = std::make_shared<O>();
+    CLI::App* app = program.add_subcommand(name, purpose)->footer(footer);
+    app->callback([options, run, &chosen] { chosen = [options, run] { return run(*options); }; });
+    return {*app, *options};
+}
 
 void add_render(CLI::App& program, Job& chosen);
 void add_live(CLI::App& program, Job& chosen);

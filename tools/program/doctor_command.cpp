@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -100,20 +98,19 @@ void print_json(const Findings& f) {
     fmt::print("{}\n", json_text(all, 2));
 }
 
+int doctor(const bool& json) {
+    const Findings f = check_machine();
+    json ? print_json(f) : print_text(f);
+    return f.packages.empty() ? exit_done : exit_failed;
+}
+
 }  // namespace
 
 void add_doctor(CLI::App& program, Job& chosen) {
-    const auto json = std::make_shared<bool>(false);
-    CLI::App* app = program.add_subcommand("doctor", "check drawing, video encoding, threads and memory, and name missing packages");
-    app->add_flag("--json", *json, "machine-readable");
-    app->footer("Example:\n  whorl doctor                exit code 0 if drawing and encoding work, otherwise 1");
-    app->callback([json, &chosen] {
-        chosen = [json] {
-            const Findings f = check_machine();
-            *json ? print_json(f) : print_text(f);
-            return f.packages.empty() ? exit_done : exit_failed;
-        };
-    });
+    const auto [app, json] =
+        add_command(program, chosen, "doctor", "check drawing, video encoding, threads and memory, and name missing packages", doctor,
+                    "Example:\n  whorl doctor                exit code 0 if drawing and encoding work, otherwise 1");
+    app.add_flag("--json", json, "machine-readable");
 }
 
 }  // namespace whorl

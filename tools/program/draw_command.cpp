@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <charconv>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -17,9 +15,8 @@
 namespace whorl {
 namespace {
 
-struct DrawOptions {
-    Options shared;
-    std::string frames;  ///< "12", "1-100"
+struct DrawOptions : Options {
+    std::string range;  ///< "12", "1-100"
 };
 
 /// Reads --frames: "12" is frame 12, "1-100" the frames 1 to 100. @throws InputError
@@ -46,12 +43,12 @@ std::string deciding(const SceneFile& before, const std::vector<KeyValue>& chang
 }
 
 int draw(const DrawOptions& options) {
-    set_threads(options.shared.threads);
-    const std::filesystem::path& folder = options.shared.folder;
+    set_threads(options.threads);
+    const std::filesystem::path& folder = options.folder;
     // Several processes may draw ranges of frames into the run's folder at the same time, or other looks into other folders.
     std::error_code none;
-    const bool elsewhere = !options.shared.out.empty() && !std::filesystem::equivalent(options.shared.out, folder, none);
-    const auto hold = options.frames.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
+    const bool elsewhere = !options.out.empty() && !std::filesystem::equivalent(options.out, folder, none);
+    const auto hold = options.range.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared;
     std::optional<RunFolder> held(RunFolder::existing(folder, RunFolder::Hold::looking));
     const std::string status = report_of(folder).value("status", "running");
     const bool goes_on = !held->is_held() && status == "running";
@@ -63,13 +60,13 @@ int draw(const DrawOptions& options) {
         held.emplace(RunFolder::existing(folder, hold));
     }
     if (goes_on) tell_note("the run continues: its frames are drawn as they come, until it ends", false);
-    Options own = options.shared;
+    Options own = options;
     own.scene = (folder / "scene.resolved.toml").string();
     const SceneFile before = read_scene_file(own.scene);
     RedrawRequest request;
     own.set.clear();
     std::vector<KeyValue> changes;
-    for (const std::string& text : options.shared.set) changes.push_back(parse_change(text));
+    for (const std::string& text : options.set) changes.push_back(parse_change(text));
     request.file = changed(read_scene_file(own), changes);
     if (!request.file.scene.panels.empty())
         throw InputError(
@@ -79,10 +76,10 @@ int draw(const DrawOptions& options) {
         throw InputError({deciding(before, changes), 0, 0}, "the change affects the simulation, which is over", "render the scene again",
                          "allowed: keys of [look], [camera], [surface] and [output]");
     request.run = folder;
-    request.out = elsewhere ? options.shared.out : folder;
+    request.out = elsewhere ? options.out : folder;
     if (!elsewhere) request.made = before.scene.output.exports;
-    request.goes_on = goes_on, request.overwrite = options.shared.overwrite, request.quiet = options.shared.quiet;
-    read_frames(options.frames, request);
+    request.goes_on = goes_on, request.overwrite = options.overwrite, request.quiet = options.quiet;
+    read_frames(options.range, request);
     request.file.scene.output.images = true;  // even if the run made none
     if (!request.quiet)
         for (const std::string& warning : camera_warnings(request.file)) std::fprintf(stderr, "warning: %s\n", warning.c_str());
@@ -92,20 +89,16 @@ int draw(const DrawOptions& options) {
 }  // namespace
 
 void add_draw(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<DrawOptions>();
-    CLI::App* app = program.add_subcommand("draw", "draw a run's images again from its exported frames (--export raw), without simulating");
-    app->add_option("--frames", options->frames, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
-    add_options(
-        *app, options->shared,
-        {Option::folder, Option::set, Option::out, Option::overwrite, Option::size, Option::no_video, Option::threads, Option::quiet});
-    app->get_option("--out")->description("folder for the images (default: the run's folder, where they replace the old images)");
-    app->footer(
-        "--set may change keys of [look], [camera], [surface] and [output].\n"
-        "Examples:\n"
-        "  whorl render honey_coil --export raw\n"
-        "  whorl draw out/honey_coil --set look.material=chocolate --out out/chocolate_coil\n"
-        "  whorl draw out/honey_coil --frames 40-60");
-    app->callback([options, &chosen] { chosen = [options] { return draw(*options); }; });
+    const auto [app, o] =
+        add_command(program, chosen, "draw", "draw a run's images again from its exported frames (--export raw), without simulating", draw,
+                    "--set may change keys of [look], [camera], [surface] and [output].\n"
+                    "Examples:\n"
+                    "  whorl render honey_coil --export raw\n"
+                    "  whorl draw out/honey_coil --set look.material=chocolate --out out/chocolate_coil\n"
+                    "  whorl draw out/honey_coil --frames 40-60");
+    app.add_option("--frames", o.range, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
+    add_options(app, o, {&o.folder, &o.set, &o.out, &o.overwrite, &o.size, &o.no_video, &o.threads, &o.quiet});
+    app.get_option("--out")->description("folder for the images (default: the run's folder, where they replace the old images)");
 }
 
 }  // namespace whorl

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <thread>
 
 #include "engine/core/atomic_file.h"
@@ -23,15 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct FarmCommand {
-    Options shared;
+struct FarmCommand : Options {
     FarmOptions farm;
     std::vector<std::string> scenes;
 };
 
-int farm(FarmCommand command) {
-    const Options& o = command.shared;
-    FarmOptions& options = command.farm;
+int farm(const FarmCommand& o) {
+    FarmOptions options = o.farm;
     check_farm(options);
     const bool here = options.on == "local";
     options.threads = o.threads > 0 ? o.threads : here ? static_cast<int>(std::max(1U, std::thread::hardware_concurrency())) : 1;
@@ -39,12 +35,12 @@ int farm(FarmCommand command) {
     set_threads(options.threads);  // predicted times, and so the time limits of jobs, depend on it
     std::vector<SceneFile> files;
     std::vector<fs::path> folders;  // as they are printed in messages
-    for (const std::string& scene : command.scenes) {
+    for (const std::string& scene : o.scenes) {
         Options own = o;
         own.scene = scene;
         files.push_back(read_scene_file(own));
         const std::string name = files.back().scene.name;
-        fs::path folder = o.out.empty() ? fs::path("out") / name : command.scenes.size() == 1 ? o.out : o.out / name;
+        fs::path folder = o.out.empty() ? fs::path("out") / name : o.scenes.size() == 1 ? o.out : o.out / name;
         if (std::find(folders.begin(), folders.end(), folder) != folders.end())
             throw InputError({scene, 0, 0}, "two of the scenes have the name " + name, "rename one of them");
         RunFolder::check_fresh(folder, o.overwrite);  // check all folders before any of them is changed
@@ -85,23 +81,8 @@ int farm(FarmCommand command) {
 }  // namespace
 
 void add_farm(CLI::App& program, Job& chosen) {
-    const auto command = std::make_shared<FarmCommand>();
-    CLI::App* app = program.add_subcommand("farm", "render scenes as jobs on several machines: one job per panel, or per range of frames");
-    app->add_option("scenes", command->scenes, "scene files, or names of shipped scenes")->required()->type_name("SCENE");
-    add_slurm_options(*app, command->farm.on, command->farm.sbatch);
-    app->add_option("--jobs", command->farm.jobs, "slurm: most tasks of a stage at the same time (default: no limit)")
-        ->type_name("N")
-        ->check(whole_number(1));
-    app->add_option("--pieces", command->farm.pieces,
-                    "number of ranges that the frames are drawn in (default: 8, or fewer with at least ten frames each)")
-        ->type_name("N")
-        ->check(whole_number(1));
-    add_options(*app, command->shared,
-                {Option::set, Option::with, Option::out, Option::overwrite, Option::until, Option::size, Option::fps, Option::quality,
-                 Option::no_video, Option::no_images, Option::exports, Option::threads, Option::seed, Option::quiet});
-    app->get_option("--out")->description(
-        "run folder (default: out/<scene name>); for several scenes, the folder that contains their run folders");
-    app->footer(
+    const auto [app, o] = add_command(
+        program, chosen, "farm", "render scenes as jobs on several machines: one job per panel, or per range of frames", farm,
         "A scene with panels has a job per panel, and a last job that puts them side by side. For any other scene, one job simulates and "
         "exports\n"
         "frames, several draw ranges of them, and a last one encodes the video. Limits of time and memory come from the plan. A job whose "
@@ -112,7 +93,20 @@ void add_farm(CLI::App& program, Job& chosen) {
         "  whorl farm towed_post --on slurm --threads 8\n"
         "  whorl farm honey_coil lava dam_break --on slurm --sbatch=--partition=short --out runs\n"
         "  whorl farm spin_up --on local");
-    app->callback([command, &chosen] { chosen = [command] { return farm(*command); }; });
+    app.add_option("scenes", o.scenes, "scene files, or names of shipped scenes")->required()->type_name("SCENE");
+    add_slurm_options(app, o.farm.on, o.farm.sbatch);
+    app.add_option("--jobs", o.farm.jobs, "slurm: most tasks of a stage at the same time (default: no limit)")
+        ->type_name("N")
+        ->check(whole_number(1));
+    app.add_option("--pieces", o.farm.pieces,
+                   "number of ranges that the frames are drawn in (default: 8, or fewer with at least ten frames each)")
+        ->type_name("N")
+        ->check(whole_number(1));
+    add_options(app, o,
+                {&o.set, &o.with, &o.out, &o.overwrite, &o.until, &o.size, &o.fps, &o.quality, &o.no_video, &o.no_images, &o.exports,
+                 &o.threads, &o.seed, &o.quiet});
+    app.get_option("--out")->description(
+        "run folder (default: out/<scene name>); for several scenes, the folder that contains their run folders");
 }
 
 }  // namespace whorl

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <memory>
-
 #include "engine/core/atomic_file.h"
 #include "engine/scene/read.h"
 #include "render/export/ply.h"
@@ -49,17 +46,15 @@ int import_scene(const ImportOptions& options) {
 }  // namespace
 
 void add_import(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<ImportOptions>();
-    CLI::App* app = program.add_subcommand("import", "convert a SPlisHSPlasH scene (JSON), and report keys that have no equivalent");
-    app->add_option("file", options->file, "the SPlisHSPlasH scene")->required()->type_name("FILE.json");
-    app->add_option("--out", options->out, "the scene file (default: FILE.toml in this folder); meshes go to the same folder")
+    const auto [app, o] =
+        add_command(program, chosen, "import", "convert a SPlisHSPlasH scene (JSON), and report keys that have no equivalent", import_scene,
+                    "Each note names a line of the SPlisHSPlasH scene.\n"
+                    "Examples:\n"
+                    "  whorl import DamBreak.json\n"
+                    "  whorl import scenes/DamBreak.json --out my_scenes/dam.toml");
+    app.add_option("file", o.file, "the SPlisHSPlasH scene")->required()->type_name("FILE.json");
+    app.add_option("--out", o.out, "the scene file (default: FILE.toml in this folder); meshes go to the same folder")
         ->type_name("FILE.toml");
-    app->footer(
-        "Each note names a line of the SPlisHSPlasH scene.\n"
-        "Examples:\n"
-        "  whorl import DamBreak.json\n"
-        "  whorl import scenes/DamBreak.json --out my_scenes/dam.toml");
-    app->callback([options, &chosen] { chosen = [options] { return import_scene(*options); }; });
 }
 
 }  // namespace whorl

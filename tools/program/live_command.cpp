@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cstring>
-#include <memory>
 
 #include "engine/core/atomic_file.h"
 #include "engine/core/parallel.h"
@@ -23,8 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct LiveOptions {
-    Options shared;
+struct LiveOptions : Options {
     ServerOptions server;
     bool paused = false, unpaced = false;
 };
@@ -62,25 +59,26 @@ void write_report(const fs::path& folder, const Simulation& simulation, const st
     write_text(folder / "run.json", json_text(run_json(simulation, report), 2) + "\n");
 }
 
-int live(LiveOptions options) {
-    set_threads(options.shared.threads);
+int live(const LiveOptions& given) {
+    LiveOptions options = given;
+    set_threads(options.threads);
     check_server(options.server);
-    const Size size = size_of(options.shared.size);
-    options.shared.size.clear();  // it is the size of the page's images, not of the recording's video
-    Controls controls(options.shared);
+    const Size size = size_of(options.size);
+    options.size.clear();  // it is the size of the page's images, not of the recording's video
+    Controls controls(options);
     if (options.paused) controls.pause();
-    const std::size_t recorded = read_scene_file(options.shared).scene.changes.size();
+    const std::size_t recorded = read_scene_file(options).scene.changes.size();
     if (recorded > 0) controls.report(false, fmt::format("{} recorded changes are ignored; whorl render repeats them", recorded));
 
     InterruptGuard interrupt;
     LiveRenderer live_renderer(size.width, size.height, 1 / controls.file().scene.time.fps);
     Status status;
     LiveServer server(options.server, controls, live_renderer, status);  // an occupied port is reported before anything is written
-    const RunFolder folder = RunFolder::fresh(options.shared.out.empty() ? free_folder(controls.file().scene.name) : options.shared.out,
-                                              options.shared.overwrite);
+    const RunFolder folder =
+        RunFolder::fresh(options.out.empty() ? free_folder(controls.file().scene.name) : options.out, options.overwrite);
     ChangeRecording recording(folder.path());
     const auto say = [&](const std::string& text) {
-        if (!options.shared.quiet) fmt::print(stderr, "whorl: {}\n", text);
+        if (!options.quiet) fmt::print(stderr, "whorl: {}\n", text);
     };
     LiveLoop loop(controls, live_renderer, recording, status, !options.unpaced, say);
     write_report(folder.path(), loop.simulation(), "running");
@@ -94,13 +92,13 @@ int live(LiveOptions options) {
 
     std::printf("%s\n", server.url().c_str());
     std::fflush(stdout);
-    if (!options.shared.quiet) fmt::print(stderr, "whorl: open the address above in a browser; the run starts then, and Ctrl-C ends it\n");
+    if (!options.quiet) fmt::print(stderr, "whorl: open the address above in a browser; the run starts then, and Ctrl-C ends it\n");
     loop.run([&] { return interrupt.interrupted(); });
 
     server.stop();
     live_renderer.close();
     write_report(folder.path(), loop.simulation(), "done");
-    if (!options.shared.quiet)
+    if (!options.quiet)
         fmt::print(stderr, "whorl: recorded; to repeat the run as a video: whorl render {} --quality {}\n", recording.file().string(),
                    controls.options().quality);
     return exit_done;
@@ -137,26 +135,18 @@ const char* const endpoints =
 }  // namespace
 
 void add_live(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<LiveOptions>();
-    options->shared.quality = "draft";
-    options->shared.size = "640x360";
-    CLI::App* app = program.add_subcommand("live", "run a scene in a browser: watch it, change its values, save the scene or a recording");
-    add_options(*app, options->shared,
-                {Option::scene, Option::set, Option::out, Option::overwrite, Option::size, Option::quality, Option::threads, Option::seed,
-                 Option::quiet});
-    app->get_option("--out")->description(
-        "run folder (default: out/<scene name>_live, or the first of _live_2, _live_3, ... that is free)");
-    app->add_option("--host", options->server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
-    app->add_option("--port", options->server.port, "port (default: 8080; 0: any free port)")
-        ->type_name("N")
-        ->check(whole_number(0, 65535));
-    app->add_option("--token", options->server.token,
-                    "token that every request needs (default: none; a random one if --host is not this machine)")
+    const auto [app, o] = add_command(
+        program, chosen, "live", "run a scene in a browser: watch it, change its values, save the scene or a recording", live, endpoints);
+    o.quality = "draft";
+    o.size = "640x360";
+    add_options(app, o, {&o.scene, &o.set, &o.out, &o.overwrite, &o.size, &o.quality, &o.threads, &o.seed, &o.quiet});
+    app.get_option("--out")->description("run folder (default: out/<scene name>_live, or the first of _live_2, _live_3, ... that is free)");
+    app.add_option("--host", o.server.host, "address to listen on (default: 127.0.0.1, this machine only)")->type_name("ADDRESS");
+    app.add_option("--port", o.server.port, "port (default: 8080; 0: any free port)")->type_name("N")->check(whole_number(0, 65535));
+    app.add_option("--token", o.server.token, "token that every request needs (default: none; a random one if --host is not this machine)")
         ->type_name("TEXT");
-    app->add_flag("--paused", options->paused, "start paused");
-    app->add_flag("--unpaced", options->unpaced, "run as fast as possible, not in real time");
-    app->footer(endpoints);
-    app->callback([options, &chosen] { chosen = [options] { return live(*options); }; });
+    app.add_flag("--paused", o.paused, "start paused");
+    app.add_flag("--unpaced", o.unpaced, "run as fast as possible, not in real time");
 }
 
 }  // namespace whorl

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <memory>
-
 #include "engine/core/parallel.h"
 #include "engine/probes/comparison.h"
 #include "engine/scene/available_memory.h"
@@ -49,18 +46,14 @@ int plan(const Options& options) {
 }  // namespace
 
 void add_plan(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* app =
-        program.add_subcommand("plan", "print models with reasons, fields, stages and predicted cost, without running the scene");
-    using O = Option;
+    const auto [app, o] = add_command(program, chosen, "plan",
+                                      "print models with reasons, fields, stages and predicted cost, without running the scene", plan,
+                                      "Examples:\n"
+                                      "  whorl plan honey_coil\n"
+                                      "  whorl plan honey_coil --set fluid.viscosity=0.001        the models for water instead of honey\n");
     add_options(
-        *app, *options,
-        {O::scene, O::set, O::with, O::until, O::size, O::fps, O::quality, O::no_video, O::no_images, O::threads, O::seed, O::json});
-    app->footer(
-        "Examples:\n"
-        "  whorl plan honey_coil\n"
-        "  whorl plan honey_coil --set fluid.viscosity=0.001        the models for water instead of honey\n");
-    app->callback([options, &chosen] { chosen = [options] { return plan(*options); }; });
+        app, o,
+        {&o.scene, &o.set, &o.with, &o.until, &o.size, &o.fps, &o.quality, &o.no_video, &o.no_images, &o.threads, &o.seed, &o.json});
 }
 
 }  // namespace whorl

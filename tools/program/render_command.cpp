@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "engine/core/parallel.h"
 #include "engine/probes/comparison.h"
@@ -47,19 +45,16 @@ int render(const Options& options) {
 }  // namespace
 
 void add_render(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* app = program.add_subcommand("render", "simulate and draw a scene: images, video and diagnostics in a run folder");
-    add_options(*app, *options,
-                {Option::scene, Option::set, Option::with, Option::out, Option::overwrite, Option::until, Option::frames, Option::size,
-                 Option::fps, Option::quality, Option::no_video, Option::no_images, Option::no_draw, Option::exports, Option::threads,
-                 Option::seed, Option::dry_run, Option::quiet, Option::json});
-    app->footer(
+    const auto [app, o] = add_command(
+        program, chosen, "render", "simulate and draw a scene: images, video and diagnostics in a run folder", render,
         "A folder with a run is refused unless --overwrite is given; a folder with other files is always refused. Ctrl-C saves the state.\n"
         "Examples:\n"
         "  whorl render honey_coil\n"
         "  whorl render honey_coil --quality draft --until 1 --size 640x360 --out runs/try\n"
         "  whorl render dam_break --no-images --set fluid.spacing=0.01");
-    app->callback([options, &chosen] { chosen = [options] { return render(*options); }; });
+    add_options(app, o,
+                {&o.scene, &o.set, &o.with, &o.out, &o.overwrite, &o.until, &o.frames, &o.size, &o.fps, &o.quality, &o.no_video,
+                 &o.no_images, &o.no_draw, &o.exports, &o.threads, &o.seed, &o.dry_run, &o.quiet, &o.json});
 }
 
 }  // namespace whorl

@@ -1,5 +1,3 @@
-#include <CLI/CLI.hpp>
-#include <memory>
 
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
@@ -46,20 +44,15 @@ int resume(const Options& options) {
 }  // namespace
 
 void add_resume(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<Options>();
-    CLI::App* app =
-        program.add_subcommand("resume", "continue a run from its last checkpoint, with the same result as an uninterrupted run");
-    add_options(*app, *options,
-                {Option::folder, Option::until, Option::frames, Option::force, Option::no_video, Option::no_draw, Option::threads,
-                 Option::quiet, Option::json});
-    app->footer(
+    const auto [app, o] = add_command(
+        program, chosen, "resume", "continue a run from its last checkpoint, with the same result as an uninterrupted run", resume,
         "--until or --frames set a new end, also for a finished run. The new end is stored in scene.resolved.toml; rendering that file "
         "gives\n"
         "the same run.\n"
         "Examples:\n"
         "  whorl resume out/honey_coil\n"
         "  whorl resume out/honey_coil --until 8         continue until 8 s");
-    app->callback([options, &chosen] { chosen = [options] { return resume(*options); }; });
+    add_options(app, o, {&o.folder, &o.until, &o.frames, &o.force, &o.no_video, &o.no_draw, &o.threads, &o.quiet, &o.json});
 }
 
 }  // namespace whorl

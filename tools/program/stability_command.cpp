@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
-#include <memory>
 
 #include "engine/core/clock.h"
 #include "engine/simulation/simulation.h"
@@ -232,19 +230,17 @@ int run_stability(const SweepOptions& options) {
 }  // namespace
 
 void add_stability(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<SweepOptions>();
-    CLI::App* app = program.add_subcommand("stability",
-                                           "run a scene with extreme settings and draw a map of the stable ones with the predicted limits");
-    add_sweep_options(*app, *options);
-    app->footer(
-        "Each cell is a run in a separate process. Finished cells are kept: repeat the command to continue a stopped map.\n"
-        "Cells that failed, or whose scene was edited since, are run again.\n"
-        "time.fixed_step overrides the limits of the models, so a map over it tests these limits.\n"
-        "Examples:\n"
-        "  whorl stability viscous_steps\n"
-        "  whorl stability my_map.toml --budget 20min --out maps/mine\n"
-        "  whorl stability viscous_steps --on slurm --jobs 20");
-    app->callback([options, &chosen] { chosen = [options] { return run_stability(*options); }; });
+    const auto [app, o] =
+        add_command(program, chosen, "stability",
+                    "run a scene with extreme settings and draw a map of the stable ones with the predicted limits", run_stability,
+                    "Each cell is a run in a separate process. Finished cells are kept: repeat the command to continue a stopped map.\n"
+                    "Cells that failed, or whose scene was edited since, are run again.\n"
+                    "time.fixed_step overrides the limits of the models, so a map over it tests these limits.\n"
+                    "Examples:\n"
+                    "  whorl stability viscous_steps\n"
+                    "  whorl stability my_map.toml --budget 20min --out maps/mine\n"
+                    "  whorl stability viscous_steps --on slurm --jobs 20");
+    add_sweep_options(app, o);
 }
 
 }  // namespace whorl

@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <deque>
-#include <memory>
 #include <optional>
 
 #include "engine/core/atomic_file.h"
@@ -245,22 +243,20 @@ int run_tradeoff(const SweepOptions& options) {
 }  // namespace
 
 void add_tradeoff(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<SweepOptions>();
-    CLI::App* app = program.add_subcommand("tradeoff", "sweep settings, measure cost and error of each, draw the Pareto front");
-    add_sweep_options(*app, *options);
-    app->add_flag("--all", options->all, "run the whole grid, not only the points that may lie on the front");
-    app->add_option("--recommend", options->recommend,
-                    "print the best settings that reach this goal and write them to recommended.toml: \"error<2%\", \"fps>24\"")
+    const auto [app, o] =
+        add_command(program, chosen, "tradeoff", "sweep settings, measure cost and error of each, draw the Pareto front", run_tradeoff,
+                    "Each point is a run in a separate process. Finished points are kept: repeat the command to continue a stopped study.\n"
+                    "Points that failed, or whose scene was edited since, are run again.\n"
+                    "Examples:\n"
+                    "  whorl tradeoff coil_frequency --budget 10min\n"
+                    "  whorl tradeoff coil_frequency --recommend \"error<5%\"\n"
+                    "  whorl tradeoff coil_frequency --on slurm --jobs 20 --sbatch=--partition=short\n"
+                    "  whorl render honey_coil --with out/coil_frequency/recommended.toml");
+    add_sweep_options(app, o);
+    app.add_flag("--all", o.all, "run the whole grid, not only the points that may lie on the front");
+    app.add_option("--recommend", o.recommend,
+                   "print the best settings that reach this goal and write them to recommended.toml: \"error<2%\", \"fps>24\"")
         ->type_name("GOAL");
-    app->footer(
-        "Each point is a run in a separate process. Finished points are kept: repeat the command to continue a stopped study.\n"
-        "Points that failed, or whose scene was edited since, are run again.\n"
-        "Examples:\n"
-        "  whorl tradeoff coil_frequency --budget 10min\n"
-        "  whorl tradeoff coil_frequency --recommend \"error<5%\"\n"
-        "  whorl tradeoff coil_frequency --on slurm --jobs 20 --sbatch=--partition=short\n"
-        "  whorl render honey_coil --with out/coil_frequency/recommended.toml");
-    app->callback([options, &chosen] { chosen = [options] { return run_tradeoff(*options); }; });
 }
 
 }  // namespace whorl

@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/errors.h"
@@ -19,15 +17,14 @@
 namespace whorl {
 namespace {
 
-struct EncodeOptions {
-    Options shared;
+struct EncodeOptions : Options {
     int crf = 18;
 };
 
 /// Encodes every image of frames/, in the order of their names.
 int encode(const EncodeOptions& options) {
-    const std::filesystem::path &folder = options.shared.folder, &out = options.shared.out;
-    const std::optional<double> given_fps = options.shared.fps;
+    const std::filesystem::path &folder = options.folder, &out = options.out;
+    const std::optional<double> given_fps = options.fps;
     const RunFolder held = RunFolder::existing(folder, out.empty() ? RunFolder::Hold::alone : RunFolder::Hold::shared);
     const std::filesystem::path frames = folder / "frames", scene_file = folder / "scene.resolved.toml";
     std::map<std::filesystem::path, std::filesystem::path> pictures;  // images by file name without suffix
@@ -82,18 +79,17 @@ int encode(const EncodeOptions& options) {
 }  // namespace
 
 void add_video(CLI::App& program, Job& chosen) {
-    const auto options = std::make_shared<EncodeOptions>();
-    CLI::App* app = program.add_subcommand("video", "encode a run's video again from its images");
-    add_options(*app, options->shared, {Option::folder, Option::fps, Option::out});
-    app->get_option("--fps")->check(any_number("", true));
-    app->add_option("--crf", options->crf, "quality of H.264 and VP9, 0 to 51; a lower value gives a better and larger video")
+    const auto [app, o] =
+        add_command(program, chosen, "video", "encode a run's video again from its images", encode,
+                    "Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
+    add_options(app, o, {&o.folder, &o.fps, &o.out});
+    app.get_option("--fps")->check(any_number("", true));
+    app.add_option("--crf", o.crf, "quality of H.264 and VP9, 0 to 51; a lower value gives a better and larger video")
         ->capture_default_str()
         ->check(whole_number(0, 51));
-    app->get_option("--out")->type_name("FILE")->description(
+    app.get_option("--out")->type_name("FILE")->description(
         "name of the video, ending in .mp4, .mov (ProRes), .webm or .gif (default: <scene>.mp4 in the run folder); .mov and .webm keep "
         "alpha");
-    app->footer("Example:\n  whorl video out/honey_coil --fps 60 --crf 12\n  whorl video out/honey_coil --out honey.gif");
-    app->callback([options, &chosen] { chosen = [options] { return encode(*options); }; });
 }
 
 }  // namespace whorl

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -41,75 +42,55 @@ std::string quotient(const std::string& text) {
 
 std::string not_empty(const std::string& text) { return text.empty() ? "is empty; give a name, or remove the option" : ""; }
 
-void add_options(CLI::App& app, Options& o, std::initializer_list<Option> which) {
-    for (const Option option : which) switch (option) {
-            case Option::scene:
-                app.add_option("scene", o.scene, "scene file, or the name of a shipped scene (honey_coil)")->required()->type_name("SCENE");
-                break;
-            case Option::folder:
-                app.add_option("folder", o.folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
-                break;
-            case Option::set:
-                app.add_option("--set", o.set, "change a key of the scene: fluid.viscosity=100, emitter[0].speed=0.3 (repeatable)")
-                    ->type_name("KEY=VALUE")
-                    ->allow_extra_args(false);
-                break;
-            case Option::with:
-                app.add_option(
-                       "--with", o.with,
+void add_options(CLI::App& app, Options& o, std::initializer_list<const void*> which) {
+    const auto has = [&](const auto& member) { return std::find(which.begin(), which.end(), &member) != which.end(); };
+    if (has(o.scene))
+        app.add_option("scene", o.scene, "scene file, or the name of a shipped scene (honey_coil)")->required()->type_name("SCENE");
+    if (has(o.folder)) app.add_option("folder", o.folder, "the run folder, as in out/honey_coil")->required()->type_name("RUN_FOLDER");
+    if (has(o.set))
+        app.add_option("--set", o.set, "change a key of the scene: fluid.viscosity=100, emitter[0].speed=0.3 (repeatable)")
+            ->type_name("KEY=VALUE")
+            ->allow_extra_args(false);
+    if (has(o.with))
+        app.add_option("--with", o.with,
                        "override keys of the scene with those of this file, as written by `whorl tradeoff --recommend` (repeatable)")
-                    ->type_name("FILE")
-                    ->allow_extra_args(false);
-                break;
-            case Option::out:
-                app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR")->check(not_empty);
-                break;
-            case Option::overwrite: app.add_flag("--overwrite", o.overwrite, "replace an existing run in the folder"); break;
-            case Option::force: app.add_flag("--force", o.force, "continue even if a mesh, image or table of the scene was edited"); break;
-            case Option::until:
-                app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T")->check(any_number("s"));
-                break;
-            case Option::frames: app.add_option("--frames", o.frames, "stop after N frames")->type_name("N")->check(whole_number(1)); break;
-            case Option::size:
-                app.add_option("--size", o.size, "size of the images in pixels, as in 1280x720 (output.size)")->type_name("WxH");
-                break;
-            case Option::fps:
-                app.add_option("--fps", o.fps, "frames per second of the video, as in 25, 29.97 or 24000/1001 (time.fps)")
-                    ->type_name("N")
-                    ->transform(quotient)
-                    ->check(any_number());
-                break;
-            case Option::quality:
-                app.add_option("--quality", o.quality,
-                               "draft, standard or fine: sets samples per pixel and the keys of the scene's table [quality.NAME]")
-                    ->type_name("NAME");
-                break;
-            case Option::no_video: app.add_flag("--no-video", o.no_video, "write images but no video"); break;
-            case Option::no_images: app.add_flag("--no-images", o.no_images, "simulate and measure, but draw no images"); break;
-            case Option::no_draw:
-                app.add_flag("--no-draw", o.no_draw, "simulate and export raw frames, which whorl draw draws later");
-                break;
-            case Option::exports:
-                app.add_option("--export", o.exports,
-                               "write points, mesh, obj, vdb, scene, vtk for other programs, raw for whorl draw (separated by commas)")
-                    ->type_name("KINDS")
-                    ->delimiter(',')
-                    ->allow_extra_args(false);
-                break;
-            case Option::threads:
-                app.add_option("--threads", o.threads, "threads (default: all cores); never changes the result")
-                    ->type_name("N")
-                    ->check(whole_number(0, 1024));
-                break;
-            case Option::seed:
-                app.add_option("--seed", o.seed, "seed of all random numbers (seed)")
-                    ->type_name("N")
-                    ->check(whole_number(0, std::numeric_limits<long long>::max()));
-                break;
-            case Option::dry_run: app.add_flag("--dry-run", o.dry_run, "check the scene and options only; run and write nothing"); break;
-            case Option::quiet: app.add_flag("--quiet", o.quiet, "print no progress"); break;
-            case Option::json: app.add_flag("--json", o.json, "machine-readable progress and result on standard output"); break;
-        }
+            ->type_name("FILE")
+            ->allow_extra_args(false);
+    if (has(o.out)) app.add_option("--out", o.out, "run folder (default: out/<scene name>)")->type_name("DIR")->check(not_empty);
+    if (has(o.overwrite)) app.add_flag("--overwrite", o.overwrite, "replace an existing run in the folder");
+    if (has(o.force)) app.add_flag("--force", o.force, "continue even if a mesh, image or table of the scene was edited");
+    if (has(o.until)) app.add_option("--until", o.until, "end of the run [s] (time.end)")->type_name("T")->check(any_number("s"));
+    if (has(o.frames)) app.add_option("--frames", o.frames, "stop after N frames")->type_name("N")->check(whole_number(1));
+    if (has(o.size)) app.add_option("--size", o.size, "size of the images in pixels, as in 1280x720 (output.size)")->type_name("WxH");
+    if (has(o.fps))
+        app.add_option("--fps", o.fps, "frames per second of the video, as in 25, 29.97 or 24000/1001 (time.fps)")
+            ->type_name("N")
+            ->transform(quotient)
+            ->check(any_number());
+    if (has(o.quality))
+        app.add_option("--quality", o.quality,
+                       "draft, standard or fine: sets samples per pixel and the keys of the scene's table [quality.NAME]")
+            ->type_name("NAME");
+    if (has(o.no_video)) app.add_flag("--no-video", o.no_video, "write images but no video");
+    if (has(o.no_images)) app.add_flag("--no-images", o.no_images, "simulate and measure, but draw no images");
+    if (has(o.no_draw)) app.add_flag("--no-draw", o.no_draw, "simulate and export raw frames, which whorl draw draws later");
+    if (has(o.exports))
+        app.add_option("--export", o.exports,
+                       "write points, mesh, obj, vdb, scene, vtk for other programs, raw for whorl draw (separated by commas)")
+            ->type_name("KINDS")
+            ->delimiter(',')
+            ->allow_extra_args(false);
+    if (has(o.threads))
+        app.add_option("--threads", o.threads, "threads (default: all cores); never changes the result")
+            ->type_name("N")
+            ->check(whole_number(0, 1024));
+    if (has(o.seed))
+        app.add_option("--seed", o.seed, "seed of all random numbers (seed)")
+            ->type_name("N")
+            ->check(whole_number(0, std::numeric_limits<long long>::max()));
+    if (has(o.dry_run)) app.add_flag("--dry-run", o.dry_run, "check the scene and options only; run and write nothing");
+    if (has(o.quiet)) app.add_flag("--quiet", o.quiet, "print no progress");
+    if (has(o.json)) app.add_flag("--json", o.json, "machine-readable progress and result on standard output");
 }
 
 }  // namespace whorl

@@ -1,6 +1,5 @@
 #pragma once
 /// Options that several subcommands share.
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -37,30 +36,6 @@ struct Options {
     bool dry_run = false, quiet = false, json = false;
 };
 
-enum class Option {
-    scene,
-    folder,
-    set,
-    with,
-    out,
-    overwrite,
-    force,
-    until,
-    frames,
-    size,
-    fps,
-    quality,
-    no_video,
-    no_images,
-    no_draw,
-    exports,
-    threads,
-    seed,
-    dry_run,
-    quiet,
-    json
-};
-
 /// Validator for CLI11's check(): returns "" if the text is a valid number, otherwise an error message.
 using NumberCheck = std::function<std::string(const std::string&)>;
 NumberCheck whole_number(long long least, long long most = std::numeric_limits<int>::max());
@@ -70,7 +45,7 @@ std::string quotient(const std::string& text);
 
 /// Validator for CLI11's check(): returns an error message if the text is empty, otherwise "".
 std::string not_empty(const std::string& text);
-/// Adds the options in `which` to a subcommand. `options` must outlive the parsing: keep it in a shared_ptr that the callback captures.
-void add_options(CLI::App& subcommand, Options& options, std::initializer_list<Option> which);
+/// Adds the options whose members `which` points to: {&o.scene, &o.set}. `options` must outlive the parsing.
+void add_options(CLI::App& subcommand, Options& options, std::initializer_list<const void*> which);
 
 }  // namespace whorl
