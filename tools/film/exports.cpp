@@ -27,33 +27,19 @@ FlowGrid volume_grid(const Frame& frame, const LookOptions& look) {
 
 }  // namespace
 
-FilmOptions film_options(const Scene& scene, const std::filesystem::path& folder) {
-    const OutputKeys& output = scene.output;
-    const bool video = output.images && output.video;
-    return {.folder = folder,
-            .video = video ? folder / (scene.name + ".mp4") : std::filesystem::path(),
-            .images = output.images,
-            .name = scene.name,
-            .exports = output.exports,
-            .format = output.format,
-            .width = output.size[0],
-            .height = output.size[1],
-            .fps = scene.time.fps,
-            .interval = scene.time.frame_interval()};
-}
-
 Exports::Exports(FilmOptions options)
-    : options_(std::move(options)), scene_({options_.name, options_.fps, options_.interval, options_.width, options_.height}) {
-    for (const std::string& kind : options_.exports) std::filesystem::create_directories(options_.folder / kind);
+    : options_(std::move(options)),
+      scene_({options_.name, options_.time.fps, options_.time.frame_interval(), options_.output.size[0], options_.output.size[1]}) {
+    for (const std::string& kind : options_.output.exports) std::filesystem::create_directories(options_.folder / kind);
     if (wants("scene") && options_.frames_before > 0) scene_.go_on_from(scene_file(), options_.frames_before);
     for (int frame = 1; wants("vtk") && frame <= options_.frames_before; ++frame)
         for (const auto& [part, suffix] : {std::pair{"points", "vtp"}, {"mesh", "vtp"}, {"flow", "vti"}})
             if (const std::filesystem::path made = vtk_file(part, frame, suffix); std::filesystem::exists(made))
-                timed_.push_back({(frame - 1) * options_.interval, part, made.filename().string()});
+                timed_.push_back({(frame - 1) * options_.time.frame_interval(), part, made.filename().string()});
 }
 
 bool Exports::wants(const char* kind) const {
-    return std::find(options_.exports.begin(), options_.exports.end(), kind) != options_.exports.end();
+    return std::find(options_.output.exports.begin(), options_.output.exports.end(), kind) != options_.output.exports.end();
 }
 
 std::filesystem::path Exports::file(const char* kind, int frame, const char* suffix) const {

@@ -21,19 +21,15 @@ struct PictureOptions {
 };
 
 struct FilmOptions {
-    std::filesystem::path folder;      ///< the run folder
-    std::filesystem::path video;       ///< empty: no video
-    bool images = true;                ///< false: nothing is drawn, and EGL is not started
-    std::string name;                  ///< of the scene; exported files are KIND/NAME.0001.SUFFIX
-    std::vector<std::string> exports;  ///< points, mesh, obj, vdb, scene, vtk, raw
-    std::string format = "png";        ///< of the images: png | exr
-    int width = 1280, height = 720;    ///< of an image [pixels]
-    double fps = 24;
-    double interval = 0;    ///< simulated time between frames [s]
+    std::filesystem::path folder;  ///< the run folder
+    std::string name;              ///< of the scene; exported files are KIND/NAME.0001.SUFFIX
+    OutputKeys output;             ///< without images, nothing is drawn or encoded, and EGL is not started
+    TimeKeys time;
     int frames_before = 0;  ///< frames that already exist (a resumed run); the video begins with their images
+
+    /// Path of the video; empty: no video.
+    std::filesystem::path video() const { return output.images && output.video ? folder / (name + ".mp4") : std::filesystem::path(); }
 };
-/// Options from the scene's [output] and [time].
-FilmOptions film_options(const Scene& scene, const std::filesystem::path& folder);
 
 class Exports {
 public:

@@ -64,7 +64,7 @@ void Film::timed(const std::string& stage, const std::function<void()>& work) {
 
 void Film::make_surfaces() {
     while (auto shot = to_surface_.pop()) {
-        const bool drawn = options_.images && !shows_field((*shot)->how->look);
+        const bool drawn = options_.output.images && !shows_field((*shot)->how->look);
         SurfaceOptions how = (*shot)->how->surface;
         how.distance = how.distance && (drawn || exports_.wants_distance());
         const bool wanted = drawn || (exports_.wants_surface() && (*shot)->frame->dimensions == 3);
@@ -76,16 +76,17 @@ void Film::make_surfaces() {
 
 void Film::draw() {
     std::optional<Renderer> renderer;  // created on this thread, which owns the context, and early, because it takes a while
-    if (options_.images) renderer.emplace(options_.width, options_.height);
+    if (options_.output.images) renderer.emplace(options_.output.size[0], options_.output.size[1]);
     while (auto shot = to_draw_.pop()) {
         const Frame& frame = *(*shot)->frame;
         if (renderer)
             timed("draw", [&] {
                 const View view = view_at((*shot)->how->camera, frame.time, frame.domain_min, frame.domain_max);
-                if (options_.format == "exr") {
-                    const View next = view_at((*shot)->how->camera, frame.time + options_.interval, frame.domain_min, frame.domain_max);
+                if (options_.output.format == "exr") {
+                    const View next =
+                        view_at((*shot)->how->camera, frame.time + options_.time.frame_interval(), frame.domain_min, frame.domain_max);
                     (*shot)->layers = renderer->draw_layers(frame, (*shot)->surface, (*shot)->how->look, view,
-                                                            {next, static_cast<float>(options_.interval)});
+                                                            {next, static_cast<float>(options_.time.frame_interval())});
                 } else (*shot)->image = renderer->draw(frame, (*shot)->surface, (*shot)->how->look, view);
                 const std::lock_guard lock(mutex_);
                 device_ = renderer->device();
@@ -107,24 +108,24 @@ void Film::export_files() {
 
 /// Writes the image and removes the frame's image in the other format.
 void Film::write_picture(const Shot& shot) const {
-    const bool exr = options_.format == "exr";
-    const std::filesystem::path file = picture_file(options_.folder, shot.frame->number, options_.format);
-    if (exr) write_exr(file, shot.layers, {options_.fps, shot.frame->time});
+    const bool exr = options_.output.format == "exr";
+    const std::filesystem::path file = picture_file(options_.folder, shot.frame->number, options_.output.format);
+    if (exr) write_exr(file, shot.layers, {options_.time.fps, shot.frame->time});
     else write_png(file, shot.image);
     std::filesystem::remove(picture_file(options_.folder, shot.frame->number, exr ? "png" : "exr"));
 }
 
 void Film::write() {
     std::optional<VideoEncoder> encoder;
-    if (!options_.video.empty()) {
-        encoder.emplace(options_.video, options_.width, options_.height, VideoOptions{options_.fps, 18});
+    if (!options_.video().empty()) {
+        encoder.emplace(options_.video(), options_.output.size[0], options_.output.size[1], VideoOptions{options_.time.fps, 18});
         for (int frame = 1; frame <= options_.frames_before; ++frame)
-            encoder->add(read_picture(options_.folder, frame, options_.width, options_.height));
+            encoder->add(read_picture(options_.folder, frame, options_.output.size[0], options_.output.size[1]));
     }
     while (auto shot = to_write_.pop()) {
         timed("write", [&] {
-            if (options_.images) write_picture(**shot);
-            if (encoder) encoder->add(options_.format == "exr" ? shown((*shot)->layers) : (*shot)->image);
+            if (options_.output.images) write_picture(**shot);
+            if (encoder) encoder->add(options_.output.format == "exr" ? shown((*shot)->layers) : (*shot)->image);
             if ((*shot)->write_state) write_checkpoint(options_.folder, *(*shot)->state);
         });
         written_ = (*shot)->frame->number;
@@ -140,7 +141,7 @@ void Film::write() {
     if (encoder && complete) encoder->finish();
     encoder.reset();
     const std::lock_guard lock(mutex_);
-    if (!options_.video.empty()) times_["encode"] = {wall_seconds() - wall, children_cpu_seconds() - cpu, 1};
+    if (!options_.video().empty()) times_["encode"] = {wall_seconds() - wall, children_cpu_seconds() - cpu, 1};
 }
 
 void Film::rethrow() const {

@@ -23,10 +23,11 @@ namespace {
 namespace fs = std::filesystem;
 
 FilmOptions film_options(const RedrawRequest& request, bool whole) {
-    FilmOptions options = film_options(request.file.scene, request.out);
-    if (!whole) options.video.clear();
+    const Scene& scene = request.file.scene;
+    FilmOptions options{request.out, scene.name, scene.output, scene.time};
+    if (!whole) options.output.video = false;
     // Some exports have a file for all frames, which a range must not replace.
-    std::erase_if(options.exports, [&](const std::string& what) {
+    std::erase_if(options.output.exports, [&](const std::string& what) {
         const bool made = std::find(request.made.begin(), request.made.end(), what) != request.made.end();
         return what == "raw" ? request.out == request.run : !whole && made && (what == "scene" || what == "vtk");
     });
@@ -167,7 +168,7 @@ int redraw(const RedrawRequest& request) {
     };
     const bool whole = frames.whole();
     const FilmOptions options = film_options(request, whole);
-    if (!options.video.empty()) check_video(file.scene);
+    if (!options.video().empty()) check_video(file.scene);
     std::optional<RunFolder> held;
     if (request.out != request.run)
         held.emplace(RunFolder::drawing(request.out, request.run, resolved_toml(file),
@@ -188,7 +189,7 @@ int redraw(const RedrawRequest& request) {
         before = frame.solids;
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
         film.add(std::move(frame), how, nullptr, false);
-        pictures.push_back(picture_file(request.out, number, options.format));
+        pictures.push_back(picture_file(request.out, number, options.output.format));
         if (line.due()) line.show(fmt::format("{} of {} frames", film.frames_written(), pictures.size() + frames.ready().size()));
     }
     film.finish(!pictures.empty());
@@ -196,7 +197,7 @@ int redraw(const RedrawRequest& request) {
     line.clear();
     if (!request.quiet)
         fmt::print(stderr, "{} drawn: {}\n", counted(static_cast<int>(pictures.size()), "frame"),
-                   whole && !options.video.empty() ? options.video.string() : request.out.string());
+                   whole && !options.video().empty() ? options.video().string() : request.out.string());
     return exit_done;
 }
 

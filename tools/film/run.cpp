@@ -103,7 +103,7 @@ Run::Run(const RunRequest& request, const Plan& plan, std::string encoder)
       scene_text_(resolved_toml(file_)) {
     make_folders();
     report_.encoder = std::move(encoder);
-    report_.draws = film_options().images;
+    report_.draws = film_options().output.images;
     report_.frames_planned = last_;
     if (request.from) resume();
     frame_ = first_ - 1;
@@ -144,9 +144,8 @@ std::vector<double> Run::foreseen_frames(const Plan& plan) const {
 }
 
 FilmOptions Run::film_options() const {
-    FilmOptions options = whorl::film_options(scene_, request_.folder);
-    if (request_.no_draw) options.images = false, options.video.clear();
-    options.frames_before = first_ - 1;
+    FilmOptions options{request_.folder, scene_.name, scene_.output, scene_.time, first_ - 1};
+    if (request_.no_draw) options.output.images = false;
     return options;
 }
 
@@ -257,7 +256,7 @@ void Run::say_done(double wall) {
     if (const RunTotals& totals = simulation_.totals(); totals.unconverged_solves > 0)
         progress_->note(fmt::format("{} solves of {} steps ended before their tolerance (run.json: first_troubles)",
                                     totals.unconverged_solves, totals.steps));
-    const fs::path video = film_options().video;
+    const fs::path video = film_options().video();
     const std::string expected = report_.predicted_wall > 0 ? fmt::format(" ({} expected)", duration(report_.predicted_wall)) : "";
     progress_->say(fmt::format("{}, done in {}{}: {}", counted(frames_written(), "frame"), duration(wall), expected,
                                (video.empty() ? folder_.path() : video).string()));
