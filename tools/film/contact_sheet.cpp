@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "engine/core/errors.h"
-#include "engine/io/frame.h"
 #include "render/image/exr.h"
-#include "render/image/image.h"
 
 namespace whorl {
 
@@ -21,14 +19,6 @@ namespace {
 std::filesystem::path existing_picture(const std::filesystem::path& run_folder, int frame) {
     const std::filesystem::path layers = picture_file(run_folder, frame, "exr");
     return std::filesystem::exists(layers) ? layers : picture_file(run_folder, frame);
-}
-
-/// Indices of at most twelve of `count` items, evenly spaced from the first to the last.
-std::vector<int> spread(int count) {
-    const int chosen = std::min(12, count);
-    std::vector<int> numbers;
-    for (int k = 0; k < chosen; ++k) numbers.push_back(chosen > 1 ? static_cast<int>(std::lround(k * (count - 1.0) / (chosen - 1))) : 0);
-    return numbers;
 }
 
 }  // namespace
@@ -65,14 +55,16 @@ Frame exported_frame(const std::filesystem::path& run_folder, int frame) {
 }
 
 void write_contact_sheet(const std::filesystem::path& run_folder, const std::vector<std::filesystem::path>& pictures) {
+    const int count = static_cast<int>(pictures.size()), chosen = std::min(12, count);
     std::vector<Image> images;
-    for (const int k : spread(static_cast<int>(pictures.size()))) images.push_back(read_picture(pictures[static_cast<std::size_t>(k)]));
+    for (int k = 0; k < chosen; ++k)
+        images.push_back(read_picture(pictures[chosen > 1 ? static_cast<std::size_t>(std::lround(k * (count - 1.0) / (chosen - 1))) : 0]));
     if (!images.empty()) write_png(run_folder / "contact.png", contact_sheet(images, 4, 480));
 }
 
 void write_contact_sheet(const std::filesystem::path& run_folder, int frames) {
     std::vector<std::filesystem::path> pictures;
-    for (const int k : spread(frames)) pictures.push_back(existing_picture(run_folder, k + 1));
+    for (int frame = 1; frame <= frames; ++frame) pictures.push_back(existing_picture(run_folder, frame));
     write_contact_sheet(run_folder, pictures);
 }
 
