@@ -72,14 +72,20 @@ struct Orders {
 };
 
 class Controls {
+    /// Copy of a member.
+    template <class T>
+    T locked(const T& member) const {
+        const std::lock_guard lock(mutex_);
+        return member;
+    }
     template <class F>
-    auto locked(F&& value) const {
+    auto with_lock(F&& value) const {
         const std::lock_guard lock(mutex_);
         return value();
     }
     template <class F>
     void order(F&& change) {
-        locked(change);
+        with_lock(change);
         changed_.notify_all();
     }
 
@@ -116,15 +122,11 @@ public:
 
     /// Sets the notice that users see.
     void report(bool error, std::string text) {
-        locked([&] { tell_locked(error, std::move(text)); });
+        with_lock([&] { tell_locked(error, std::move(text)); });
     }
-    std::optional<Notice> newest_notice() const {
-        return locked([&] { return notice_; });
-    }
+    std::optional<Notice> newest_notice() const { return locked(notice_); }
     /// Error of the scene file as last saved; empty if it is valid.
-    std::string file_problem() const {
-        return locked([&] { return file_problem_; });
-    }
+    std::string file_problem() const { return locked(file_problem_); }
 
     /// Called by the loop: waits for orders, at most `seconds`, and takes them.
     Orders take(double seconds);
@@ -134,40 +136,30 @@ public:
     void wait_for_change(double seconds);
     /// Whether take() would return a restart, which need not wait for the end of the frame.
     bool restart_wanted() const {
-        return locked([&] { return orders_.scene && orders_.scene->simulation; });
+        return with_lock([&] { return orders_.scene && orders_.scene->simulation; });
     }
 
     // Current settings.
-    SceneFile file() const {
-        return locked([&] { return wanted_; });
-    }
-    Plan plan() const {
-        return locked([&] { return plan_; });
-    }
+    SceneFile file() const { return locked(wanted_); }
+    Plan plan() const { return locked(plan_); }
     struct WantedPicture {
         PictureOptions how;
         std::uint64_t revision;
     };
     WantedPicture picture() const {
-        return locked([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, revision_}; });
+        return with_lock([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, revision_}; });
     }
-    Options options() const {
-        return locked([&] { return options_; });
-    }
+    Options options() const { return locked(options_); }
     /// Whether the run plays. False while it waits at its first frame for a viewer, play() or step().
     bool playing() const {
-        return locked([&] { return orders_.playing && !waiting_; });
+        return with_lock([&] { return orders_.playing && !waiting_; });
     }
     bool can_undo() const {
-        return locked([&] { return !undo_.empty(); });
+        return with_lock([&] { return !undo_.empty(); });
     }
     /// Number that increases with every change of the scene.
-    std::uint64_t revision() const {
-        return locked([&] { return revision_; });
-    }
-    std::filesystem::path scene_path() const {
-        return locked([&] { return path_; });
-    }
+    std::uint64_t revision() const { return locked(revision_); }
+    std::filesystem::path scene_path() const { return locked(path_); }
 
 private:
     void remember(const std::vector<KeyDifference>& back);
