@@ -41,9 +41,8 @@ std::string key_of(SceneFile file) {
     file.scene.output.exports.clear(), file.scene.output.video = true;
     if (file.scene.places.count("camera.min") == 0) file.camera.min.reset(), file.camera.max.reset();
     std::error_code none;  // a rebuilt program does not use the runs of the old one
-    std::string text = resolved_toml(file) + std::to_string(fs::last_write_time(program_path(), none).time_since_epoch().count());
-    for (const auto& [name, sum] : input_checksums(file)) text += fmt::format("{} {:x}\n", name, sum);
-    return fmt::format("{} | {} | {} threads | {:x}", build_id(), processor_name(), threads(), std::hash<std::string>()(text));
+    return fmt::format("{} {:x} | {} | {} threads | {:x}", build_id(), fs::last_write_time(program_path(), none).time_since_epoch().count(),
+                       processor_name(), threads(), input_hash(file));
 }
 
 Json read_cache() {

@@ -264,9 +264,16 @@ std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file) {
     };
     for (const BlockKeys& block : file.scene.blocks) add(block.shape.file);
     for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file);
+    for (const DrainKeys& drain : file.scene.drains) add(drain.shape.file);
     for (const ProbeKeys& probe : file.scene.probes) add(probe.compare);
     add(file.look.environment);
     return sums;
+}
+
+std::size_t input_hash(const SceneFile& file) {
+    std::string text = resolved_toml(file);
+    for (const auto& [name, sum] : input_checksums(file)) text += fmt::format("{} {:x}\n", name, sum);
+    return std::hash<std::string>()(text);
 }
 
 SceneFile read_resolved(const std::string& text, const std::string& path) {

@@ -35,6 +35,8 @@ SceneFile read_resolved(const std::string& text, const std::string& file);
 void find_environment(SceneFile& file);
 /// Checksums of the meshes, images and tables that the scene names, by absolute path. @throws InputError if one cannot be read
 std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file);
+/// Hash of the scene and of the files that it names. @throws InputError as input_checksums()
+std::size_t input_hash(const SceneFile& file);
 /// Text of scene.resolved.toml, with every value in use. Reading it gives the same scene.
 std::string resolved_toml(const SceneFile& file);
 

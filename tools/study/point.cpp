@@ -20,7 +20,6 @@
 #include "engine/io/checkpoint.h"
 #include "render/video/process.h"
 #include "tools/process/json_text.h"
-#include "tools/process/process.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
@@ -82,23 +81,13 @@ std::string text_of(const fs::path& file) {
 
 Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, false); }
 
-/// Checksum of a run's input: the scene with its settings, and the files that it names. If the scene is invalid: of its file only.
+/// Hash of a run's input: the scene with its settings, and the files that it names. If the scene is invalid: of its file only.
 std::size_t hash_of(const Options& options) {
-    const std::hash<std::string> hash;
     try {
-        const SceneFile file = read_scene_file(options);
-        std::string text = resolved_toml(file);
-        const auto add = [&](const fs::path& named) {
-            if (!named.empty()) text += fmt::format("\n{:x}", hash(text_of(named)));
-        };
-        for (const BlockKeys& block : file.scene.blocks) add(block.shape.file);
-        for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file);
-        for (const DrainKeys& drain : file.scene.drains) add(drain.shape.file);
-        add(file.look.environment);
-        return hash(text);
+        return input_hash(read_scene_file(options));
     } catch (const InputError&) {}
     try {
-        return hash(text_of(find_scene(options.scene)));
+        return std::hash<std::string>()(text_of(find_scene(options.scene)));
     } catch (const InputError&) { return 0; }  // reported when the point runs
 }
 
