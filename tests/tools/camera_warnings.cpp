@@ -1,9 +1,8 @@
-#include "tools/scene_file/camera_warnings.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tools/scene_file/scene_changes.h"
+#include "tools/scene_file/scene_file.h"
 
 using namespace whorl;
 

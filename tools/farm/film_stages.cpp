@@ -9,7 +9,6 @@
 #include "tools/farm/stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/process/process.h"
-#include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
 namespace {

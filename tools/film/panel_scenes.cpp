@@ -10,7 +10,6 @@
 #include "tools/cost/choices.h"
 #include "tools/film/exports.h"
 #include "tools/process/process.h"
-#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

@@ -27,7 +27,6 @@
 #include "tools/film/tables.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"
-#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

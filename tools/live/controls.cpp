@@ -12,7 +12,6 @@
 #include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
 #include "tools/cost/choices.h"
-#include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
 namespace {

@@ -8,7 +8,6 @@
 #include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
-#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/options.h"
 #include "tools/scene_file/scene_changes.h"
 

@@ -5,7 +5,7 @@
 #include "render/export/ply.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/program/command.h"
-#include "tools/scene_file/camera_warnings.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {

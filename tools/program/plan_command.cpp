@@ -9,7 +9,6 @@
 #include "tools/film/progress.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
-#include "tools/scene_file/camera_warnings.h"
 
 namespace whorl {
 namespace {

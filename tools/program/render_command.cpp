@@ -9,7 +9,6 @@
 #include "tools/film/run.h"
 #include "tools/program/command.h"
 #include "tools/program/preview.h"
-#include "tools/scene_file/camera_warnings.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {

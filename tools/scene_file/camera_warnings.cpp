@@ -1,5 +1,3 @@
-#include "tools/scene_file/camera_warnings.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numbers>
 
 #include "engine/scene/scene.h"
+#include "tools/scene_file/scene_file.h"
 
 namespace whorl {
 namespace {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/scene/plan.h"
 #include "engine/scene/read.h"
 #include "render/look/camera.h"
 #include "render/look/look_options.h"
@@ -39,6 +40,12 @@ std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file);
 std::size_t input_hash(const SceneFile& file);
 /// Text of scene.resolved.toml, with every value in use. Reading it gives the same scene.
 std::string resolved_toml(const SceneFile& file);
+
+/// Warns if the camera is at its target, looks along camera.up, does not see the domain, or is so far away that the domain covers less
+/// than 2 % of the image's height.
+std::vector<std::string> camera_warnings(const SceneFile& file);
+/// Plan of the scene, with the warnings about its camera.
+Plan make_plan(const SceneFile& file);
 
 /// Shipped scenes: name and path, sorted by name.
 std::vector<std::pair<std::string, std::filesystem::path>> shipped_scenes();
