@@ -7,9 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "engine/core/atomic_file.h"
 #include "engine/core/clock.h"
@@ -20,6 +18,7 @@
 #include "render/look/camera.h"
 #include "render/look/field_values.h"
 #include "render/surface/foam.h"
+#include "tools/process/json_text.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 
@@ -43,11 +42,6 @@ std::string key_of(SceneFile file) {
     std::error_code none;  // a rebuilt program does not use the runs of the old one
     return fmt::format("{} {:x} | {} | {} threads | {:x}", build_id(), fs::last_write_time(program_path(), none).time_since_epoch().count(),
                        processor_name(), threads(), input_hash(file));
-}
-
-Json read_cache() {
-    std::ifstream in(cost_file());
-    return in ? Json::parse(in, nullptr, false) : Json();
 }
 
 double bytes_in_use() {
@@ -336,7 +330,7 @@ double rough_film_seconds(const SceneFile& file, const Simulation& start) {
 }
 
 std::optional<CoarseRun> find_coarse_run(const SceneFile& file) try {
-    CoarseRun run = read_cache().at(key_of(file));
+    CoarseRun run = json_of(cost_file()).at(key_of(file));
     run.kept = true;
     return run;
 } catch (const Json::exception&) { return std::nullopt; }
@@ -351,7 +345,7 @@ CoarseRun coarse_run(const SceneFile& file, const Simulation& start, const Watch
 }
 
 void keep_coarse_run(const SceneFile& file, const CoarseRun& run) try {
-    const Json before = read_cache();
+    const Json before = json_of(cost_file());
     Json all = before.is_object() && before.size() <= 400 ? before : Json::object();
     all[key_of(file)] = run;
     if (all == before) return;

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <sstream>
@@ -173,9 +172,7 @@ void Run::resume() {
     simulation_.load(state);
     replay_.apply_until(simulation_.time(), [&](const Scene& s, const Plan& p, double time) { simulation_.changed_before(s, p, time); });
     first_ = from.frame + 1;
-    std::ifstream report(folder_.path() / "run.json");
-    if (const auto earlier = nlohmann::json::parse(report, nullptr, false); earlier.is_object() && earlier.contains("first_troubles"))
-        report_.incidents.add_earlier(earlier["first_troubles"]);
+    report_.incidents.add_earlier(report_of(folder_.path()).value("first_troubles", nlohmann::json::array()));
     times_.add_earlier(from);
 }
 

@@ -82,8 +82,7 @@ void make_folder(const fs::path& path) {
 }  // namespace
 
 nlohmann::json report_of(const fs::path& path) {
-    std::ifstream in(path / "run.json");
-    nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+    nlohmann::json run = json_of(path / "run.json");
     if (!run.is_object()) return nlohmann::json::object();
     for (const char* const text : {"scene", "status", "drawn_from", "run_began"})
         if (run.contains(text) && !run[text].is_string()) run.erase(text);

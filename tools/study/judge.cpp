@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "engine/io/csv.h"
 #include "render/image/image.h"
+#include "tools/process/json_text.h"
 #include "tools/study/point.h"
 
 namespace whorl {
@@ -127,8 +126,7 @@ double error_of(const AccuracyKeys& a, const fs::path& folder, const fs::path& r
 
 Verdict judge(const StabilityKeys& keys, const PointResult& result) {
     if (result.status == "timeout" || result.status == "refused") return {result.status, result.message, 0, 0};
-    std::ifstream in(result.folder / "run.json");
-    const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
+    const nlohmann::json run = json_of(result.folder / "run.json");
     if (result.status == "diverged" && run.is_object()) return first_trouble(run, "diverged", "diverged", result.message);
     if (!result.done() || !run.is_object()) return {"failed", result.message, 0, 0};
     const CsvTable table = read_csv(result.folder / "diagnostics.csv");

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine/core/atomic_file.h"
@@ -78,8 +77,6 @@ std::string text_of(const fs::path& file) {
     text << in.rdbuf();
     return text.str();
 }
-
-Json json_of(const fs::path& file) { return Json::parse(text_of(file), nullptr, false); }
 
 /// Hash of a run's input: the scene with its settings, and the files that it names. If the scene is invalid: of its file only.
 std::size_t hash_of(const Options& options) {
