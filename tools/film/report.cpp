@@ -14,11 +14,16 @@
 
 namespace whorl {
 
-nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& report) {
-    using Json = nlohmann::ordered_json;
-    Json models = Json::array();
-    for (const Choice& c : simulation.plan().choices)
-        models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
+using Json = nlohmann::ordered_json;
+
+Json choices_json(const Plan& plan) {
+    Json all = Json::array();
+    for (const Choice& c : plan.choices)
+        all.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
+    return all;
+}
+
+Json run_json(const Simulation& simulation, const RunReport& report) {
     Json stages = Json::object();
     for (const auto& [name, t] : report.stages) stages[name] = {{"wall_seconds", t.wall}, {"cpu_seconds", t.cpu}, {"calls", t.calls}};
     const RunTotals& totals = simulation.totals();
@@ -36,7 +41,7 @@ nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& r
               {"memory_bytes", total_memory()},
               {"gl", report.gl_device},
               {"encoder", report.encoder}}},
-            {"models", models},
+            {"models", choices_json(simulation.plan())},
             {"warnings", simulation.plan().warnings},
             {"frames", report.frames},
             {"frames_planned", report.frames_planned},
@@ -125,8 +130,8 @@ std::string RunProblems::add(const StepReport& report, const Scene& scene, doubl
     return news;
 }
 
-nlohmann::ordered_json RunProblems::json() const {
-    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json RunProblems::json() const {
+    Json all = Json::array();
     for (const Incident& t : first_) all.push_back({{"kind", t.kind}, {"time", t.time}, {"step", t.step}, {"what", t.what}});
     return all;
 }

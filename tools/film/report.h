@@ -50,6 +50,8 @@ struct RunReport {
     RunProblems incidents;
 };
 
+/// Choices of the plan: [{"key": .., "value": .., "automatic": .., "reason": ..}].
+nlohmann::ordered_json choices_json(const Plan& plan);
 nlohmann::ordered_json run_json(const Simulation& simulation, const RunReport& report);
 
 class RunTimes {

@@ -177,10 +177,6 @@ Json LiveServer::Http::state() const {
 
 Json LiveServer::Http::keys() const {
     const Plan plan = controls.plan();
-    Json models = Json::array(), scenes = Json::array();
-    for (const Choice& c : plan.choices)
-        models.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
-    for (const std::string& name : film_names()) scenes.push_back(name);
     std::vector<std::string> warnings = plan.warnings, panels;
     for (const PanelKeys& panel : controls.file().scene.panels) panels.push_back(panel.label);
     if (!panels.empty()) warnings.push_back(fmt::format("live runs the scene without its panels ({})", fmt::join(panels, ", ")));
@@ -188,9 +184,9 @@ Json LiveServer::Http::keys() const {
             {"quality", controls.options().quality},
             {"revision", controls.revision()},
             {"keys", described_keys(controls.file())},
-            {"models", models},
+            {"models", choices_json(plan)},
             {"warnings", warnings},
-            {"scenes", scenes}};
+            {"scenes", film_names()}};
 }
 
 /// Sends MJPEG. Each viewer gets the latest image after the previous one was sent; images in between are dropped. Browsers show an image

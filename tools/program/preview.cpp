@@ -8,6 +8,7 @@
 
 #include "engine/core/parallel.h"
 #include "tools/film/progress.h"
+#include "tools/film/report.h"
 #include "tools/process/json_text.h"
 
 namespace whorl {
@@ -135,9 +136,7 @@ void print_text(const Preview& p) {
 void print_json(const Preview& p) {
     const Scene& scene = p.file.scene;
     const World& world = p.simulation.world();
-    Json choices = Json::array(), fields = Json::array(), stages = Json::array(), limits = Json::array();
-    for (const Choice& c : p.plan.choices)
-        choices.push_back({{"key", c.key}, {"value", c.value}, {"automatic", c.automatic}, {"reason", c.reason}});
+    Json fields = Json::array(), stages = Json::array(), limits = Json::array();
     for (const ParticleStore::Entry* e : world.fluid.entries())
         fields.push_back({{"name", e->info->name},
                           {"bytes", e->info->bytes},
@@ -161,7 +160,7 @@ void print_json(const Preview& p) {
         {"scene", scene.name},
         {"end", scene.time.end},
         {"frame_interval", scene.time.frame_interval()},
-        {"models", choices},
+        {"models", choices_json(p.plan)},
         {"fields", fields},
         {"bytes_a_particle", bytes_a_particle(world.fluid)},
         {"stages", stages},
