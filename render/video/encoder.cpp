@@ -22,11 +22,6 @@ ChildProcess start(const std::vector<std::string>& arguments) {
     } catch (const std::system_error& error) { throw EnvironmentError("no video: cannot start ffmpeg", error.what(), install); }
 }
 
-std::string last_lines(std::string text) {
-    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-    return text.size() <= 600 ? text : "..." + text.substr(text.size() - 600);
-}
-
 /// Exit code or signal of ffmpeg, and the last lines of its output if any. @param code result of wait()
 std::string end_of(const ChildProcess& ffmpeg, int code) {
     const int signal = ffmpeg.ended_by();

@@ -99,4 +99,9 @@ std::string ChildProcess::output() const {
     return text;
 }
 
+std::string last_lines(std::string output, std::size_t most) {
+    output.resize(output.find_last_not_of("\r\n") + 1);
+    return output.size() <= most ? output : "..." + output.substr(output.size() - most);
+}
+
 }  // namespace whorl

@@ -33,4 +33,7 @@ private:
     int input_ = -1, output_ = -1, signal_ = 0;
 };
 
+/// The last `most` bytes of a program's output, without line ends at the end.
+std::string last_lines(std::string output, std::size_t most = 600);
+
 }  // namespace whorl

@@ -65,32 +65,24 @@ std::optional<int> code_of(const FarmFilm& film, const FarmStage& stage, std::si
     return in >> code ? std::optional(code) : std::nullopt;
 }
 
-struct Tasks {
-    std::size_t ended = 0, done = 0;  ///< tasks that have ended; tasks that succeeded
-};
-Tasks tasks_of(const FarmFilm& film, const FarmStage& stage) {
-    Tasks tasks;
+/// Number of tasks of the stage that have ended, or only of those that succeeded.
+std::size_t ended(const FarmFilm& film, const FarmStage& stage, bool succeeded = false) {
+    std::size_t count = 0;
     for (std::size_t k = 0; k < stage.tasks.size(); ++k)
-        if (const auto code = code_of(film, stage, k)) ++tasks.ended, tasks.done += *code == exit_done;
-    return tasks;
+        if (const auto code = code_of(film, stage, k)) count += !succeeded || *code == exit_done;
+    return count;
 }
 
 /// Whether the results of the previous stage allow the stage to begin.
 bool may_begin(const FarmFilm& film, std::size_t stage) {
     return stage == 0 || film.stages[stage].after_failures ||
-           tasks_of(film, film.stages[stage - 1]).done == film.stages[stage - 1].tasks.size();
+           ended(film, film.stages[stage - 1], true) == film.stages[stage - 1].tasks.size();
 }
 
 bool has_ended(const FarmFilm& film) {
     for (std::size_t s = 0; s < film.stages.size() && may_begin(film, s); ++s)
-        if (tasks_of(film, film.stages[s]).ended < film.stages[s].tasks.size()) return false;
+        if (ended(film, film.stages[s]) < film.stages[s].tasks.size()) return false;
     return true;
-}
-
-std::string last_lines(const fs::path& file) {
-    std::string all = read_whole(file);
-    while (!all.empty() && all.back() == '\n') all.pop_back();
-    return all.size() <= 500 ? all : "..." + all.substr(all.size() - 500);
 }
 
 FarmEnd end_of(const FarmFilm& film, bool interrupted) {
@@ -105,7 +97,8 @@ FarmEnd end_of(const FarmFilm& film, bool interrupted) {
                 return end;
             }
             const fs::path log = file_of(film, stage, k, "log");
-            const std::string how = code ? fmt::format("ended with {}: {}", *code, last_lines(log)) : "was killed (out of time or memory?)";
+            const std::string how =
+                code ? fmt::format("ended with {}: {}", *code, last_lines(read_whole(log))) : "was killed (out of time or memory?)";
             end.failures.push_back(fmt::format("{}, {}: {}; the full log: {}", stage.name, stage.tasks[k].name, how, log.string()));
         }
     return end;
@@ -121,7 +114,7 @@ public:
             for (const FarmStage& stage : film.stages) {
                 auto at = std::find_if(counts.begin(), counts.end(), [&](const auto& count) { return count.first == stage.name; });
                 if (at == counts.end()) at = counts.insert(at, {stage.name, {0, 0}});
-                at->second.first += tasks_of(film, stage).ended, at->second.second += stage.tasks.size();
+                at->second.first += ended(film, stage), at->second.second += stage.tasks.size();
             }
         std::string line;
         for (const auto& [name, count] : counts)
@@ -153,8 +146,7 @@ std::string said_by(const std::vector<std::string>& words) {
     try {
         ChildProcess child(words);
         const int code = child.wait();
-        std::string text = child.output();
-        while (!text.empty() && text.back() == '\n') text.pop_back();
+        const std::string text = last_lines(child.output());
         if (code != 0) throw EnvironmentError(words[0] + " failed: " + text, "", "check with sinfo that Slurm runs");
         return text;
     } catch (const std::system_error& error) {
