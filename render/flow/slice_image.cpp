@@ -4,9 +4,6 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
-#include "render/flow/plane_field.h"
-#include "render/flow/slice.h"
-#include "render/image/image.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "render/look/overlay.h"
@@ -57,6 +54,25 @@ Image plate(const Frame& frame, const LookOptions& look, const std::array<float,
     return image;
 }
 
+std::vector<float> values_of(const Frame& frame, const LookOptions& look) {
+    if (look.field != "ink") return field_values(frame, look);
+    std::vector<float> values(frame.position.size(), 0.0f);
+    if (const auto ink = frame.vector.find("ink"); ink != frame.vector.end())
+        for (std::size_t p = 0; p < values.size(); ++p) values[p] = ink->second[p][0];
+    return values;
+}
+
+/// Field of `other` minus field of `one`, with the smaller cover of both, in the pixels of a plane.
+PlaneField difference_field(const Frame& one, const Frame& other, const LookOptions& look, const PixelPlane& plane) {
+    const PlaneField first = plane_field(one, {values_of(one, look)}, plane);
+    PlaneField field = plane_field(other, {values_of(other, look)}, plane);
+    for (std::size_t k = 0; k < field.cover.size(); ++k) {
+        field.value[0][k] -= first.value[0][k];
+        field.cover[k] = std::min(field.cover[k], first.cover[k]);
+    }
+    return field;
+}
+
 }  // namespace
 
 Image draw_slice_image(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, int width, int height) {
@@ -70,52 +86,33 @@ Image draw_difference_plate(const Frame& one, const Frame& other, const LookOpti
     shown.colour_map = "coolwarm";
     if (shown.field == "ink") shown.legend = false;
     return plate(one, shown, range, width, height, [&](const PixelPlane& plane, const Vec3f&) {
-        return coloured(difference_field(one, other, look, plane), "coolwarm", range);
+        const PlaneField field = difference_field(one, other, look, plane);
+        const ColourTable colours(shown.colour_map);
+        FlowSlice slice{plane, std::vector<float>(4 * field.cover.size())};
+        for (std::size_t k = 0; k < field.cover.size(); ++k) {
+            const Vec3f colour = colours((field.value[0][k] - range[0]) / (range[1] - range[0]));
+            for (int c = 0; c < 3; ++c) slice.rgba[4 * k + c] = colour[c];
+            slice.rgba[4 * k + 3] = flow_cover(field.cover[k]);
+        }
+        return slice;
     });
 }
 
-float usual_difference(const Frame& one, const Frame& other, const LookOptions& look) {
-    const DifferenceField field = difference_field(one, other, look, slice_plane(one, look, 160));
-    std::vector<float> sizes;
-    for (std::size_t k = 0; k < field.value.size(); ++k)
-        if (field.cover[k] > 0.5f) sizes.push_back(std::abs(field.value[k]));
-    if (sizes.empty()) return 0;
-    const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 99 / 100);
-    std::nth_element(sizes.begin(), usual, sizes.end());
+float usual_size(std::vector<float> values) {
+    std::erase_if(values, [](float v) { return !std::isfinite(v); });
+    if (values.empty()) return 0;
+    for (float& v : values) v = std::abs(v);
+    const auto usual = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+    std::nth_element(values.begin(), usual, values.end());
     return *usual;
 }
 
-namespace {
-
-std::vector<float> values_of(const Frame& frame, const LookOptions& look) {
-    if (look.field != "ink") return field_values(frame, look);
-    std::vector<float> values(frame.position.size(), 0.0f);
-    if (const auto ink = frame.vector.find("ink"); ink != frame.vector.end())
-        for (std::size_t p = 0; p < values.size(); ++p) values[p] = ink->second[p][0];
-    return values;
-}
-
-}  // namespace
-
-DifferenceField difference_field(const Frame& one, const Frame& other, const LookOptions& look, const PixelPlane& plane) {
-    const PlaneField first = plane_field(one, {values_of(one, look)}, plane), second = plane_field(other, {values_of(other, look)}, plane);
-    DifferenceField field{plane, second.value[0], second.cover};
-    for (std::size_t k = 0; k < field.value.size(); ++k) {
-        field.value[k] -= first.value[0][k];
-        field.cover[k] = std::min(field.cover[k], first.cover[k]);
-    }
-    return field;
-}
-
-FlowSlice coloured(const DifferenceField& field, const std::string& colour_map, const std::array<float, 2>& range) {
-    const ColourTable colours(colour_map);
-    FlowSlice slice{field.plane, std::vector<float>(4 * field.value.size())};
-    for (std::size_t k = 0; k < field.value.size(); ++k) {
-        const Vec3f colour = colours((field.value[k] - range[0]) / (range[1] - range[0]));
-        for (int c = 0; c < 3; ++c) slice.rgba[4 * k + c] = colour[c];
-        slice.rgba[4 * k + 3] = flow_cover(field.cover[k]);
-    }
-    return slice;
+float usual_difference(const Frame& one, const Frame& other, const LookOptions& look) {
+    const PlaneField field = difference_field(one, other, look, slice_plane(one, look, 160));
+    std::vector<float> values;
+    for (std::size_t k = 0; k < field.cover.size(); ++k)
+        if (field.cover[k] > 0.5f) values.push_back(field.value[0][k]);
+    return usual_size(std::move(values));
 }
 
 }  // namespace whorl

@@ -13,18 +13,9 @@ Image draw_slice_image(const Frame& frame, const LookOptions& look, const std::a
 /// @param look of `one`, which selects the field; title and legend describe the difference @param range of the difference
 Image draw_difference_plate(const Frame& one, const Frame& other, const LookOptions& look, const std::array<float, 2>& range, int width,
                             int height);
-/// 99th percentile of |difference| over the fluid, on a plane of 160 pixels along its longer side; 0 without fluid.
+/// 99th percentile of the finite values' magnitudes; 0 without values.
+float usual_size(std::vector<float> values);
+/// usual_size() of the difference over the fluid, on a plane of 160 pixels along its longer side; 0 without fluid.
 float usual_difference(const Frame& one, const Frame& other, const LookOptions& look);
-
-struct DifferenceField {
-    PixelPlane plane;
-    std::vector<float> value;  ///< difference per pixel, in the field's unit
-    std::vector<float> cover;  ///< per pixel, smaller cover of both frames: 0 no fluid .. 1
-};
-
-/// Field of `other` minus field of `one`, in the pixels of a plane. @param look selects the field; of inks: the first
-DifferenceField difference_field(const Frame& one, const Frame& other, const LookOptions& look, const PixelPlane& plane);
-/// Colours of the difference, with the cover as alpha. @param range of the colour map
-FlowSlice coloured(const DifferenceField& field, const std::string& colour_map, const std::array<float, 2>& range);
 
 }  // namespace whorl

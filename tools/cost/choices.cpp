@@ -5,21 +5,12 @@
 
 #include "engine/io/snapshot.h"
 #include "render/flow/marks.h"
+#include "render/flow/slice_image.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 
 namespace whorl {
 namespace {
-
-/// 99th percentile of the values' magnitudes.
-float usual_size(std::vector<float> values) {
-    std::erase_if(values, [](float v) { return !std::isfinite(v); });
-    if (values.empty()) return 0;
-    for (float& v : values) v = std::abs(v);
-    const auto usual = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
-    std::nth_element(values.begin(), usual, values.end());
-    return *usual;
-}
 
 /// Colour range from 0 to `high` rounded up; from -high to high on a diverging map. @param high in the unit of the field
 std::array<float, 2> range_up_to(double high, const LookOptions& look) {
