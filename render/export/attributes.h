@@ -1,7 +1,6 @@
 #pragma once
 /// Named arrays with one row per particle or vertex, for files that other programs read.
 #include <deque>
-#include <map>
 #include <string>
 #include <vector>
 

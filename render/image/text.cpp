@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "render/image/font.h"
-#include "render/image/image.h"
 
 namespace whorl {
 namespace {

@@ -1,9 +1,7 @@
 #include "tools/film/film.h"
 
-#include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
-#include "render/image/exr.h"
 #include "render/surface/foam.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"

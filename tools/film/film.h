@@ -8,7 +8,6 @@
 /// rethrows it.
 #include <atomic>
 #include <exception>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>

@@ -9,7 +9,6 @@
 #include "engine/probes/comparison.h"
 #include "tools/cost/choices.h"
 #include "tools/film/exports.h"
-#include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

@@ -14,7 +14,6 @@
 #include "tools/film/progress.h"
 #include "tools/film/run.h"
 #include "tools/film/run_folder.h"
-#include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {

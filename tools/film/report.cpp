@@ -8,9 +8,6 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
-#include "engine/io/checkpoint.h"
-#include "engine/scene/scene.h"
-#include "tools/process/process.h"
 
 namespace whorl {
 

@@ -1,6 +1,5 @@
 #pragma once
 /// run.json: settings, resources and results of a run.
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>

@@ -4,7 +4,6 @@
 
 #include "engine/core/errors.h"
 #include "engine/scene/plan.h"
-#include "engine/scene/read.h"
 #include "engine/scene/scene.h"
 #include "engine/scene/scene_difference.h"
 #include "tools/film/contact_sheet.h"

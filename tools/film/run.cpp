@@ -22,7 +22,6 @@
 #include "tools/film/frame_loop.h"
 #include "tools/film/progress.h"
 #include "tools/film/report.h"
-#include "tools/film/run_folder.h"
 #include "tools/film/tables.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"

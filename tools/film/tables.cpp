@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "engine/core/atomic_file.h"
-#include "engine/io/csv.h"
 #include "engine/io/diagnostics.h"
 #include "tools/film/curves.h"
 

@@ -1,11 +1,9 @@
 #include "tools/live/live_renderer.h"
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 
 #include "engine/core/clock.h"
-#include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "render/gl/renderer.h"
 #include "render/look/camera.h"

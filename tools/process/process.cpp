@@ -11,9 +11,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <initializer_list>
 #include <new>
 #include <sstream>
 #include <system_error>

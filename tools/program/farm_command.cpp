@@ -6,7 +6,6 @@
 #include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
-#include "render/video/encoder.h"
 #include "tools/farm/stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"

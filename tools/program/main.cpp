@@ -10,7 +10,6 @@
 #include "engine/core/errors.h"
 #include "engine/core/parallel.h"
 #include "engine/core/version.h"
-#include "engine/io/checkpoint.h"
 #include "render/gl/renderer.h"
 #include "tools/program/command.h"
 

@@ -1,7 +1,4 @@
-
 #include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 
 #include "engine/core/version.h"
 #include "engine/scene/read.h"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include "engine/core/parallel.h"
 #include "engine/probes/comparison.h"

@@ -3,7 +3,6 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/scene.h"
 #include "tools/film/exports.h"
-#include "tools/film/progress.h"
 #include "tools/film/run.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"

@@ -15,7 +15,6 @@
 #include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
 #include "tools/process/json_text.h"
-#include "tools/process/process.h"
 
 namespace whorl {
 

@@ -8,7 +8,6 @@
 #include "engine/core/errors.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
-#include "tools/film/progress.h"
 #include "tools/film/run_folder.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/options.h"

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include "engine/scene/read.h"
-#include "engine/scene/scene_difference.h"
 #include "engine/scene/tree.h"
 #include "render/look/look_options.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 /// Keys of a scene that was read: lists them, changes them, and applies the changes during a run ([[change]]).
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 

@@ -11,10 +11,8 @@
 #include "engine/io/csv.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/model_traits.h"
-#include "engine/scene/read.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
-#include "render/look/look_options.h"
 #include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 /// Study files: scenes, the settings to sweep, and the definitions of accuracy, stability and cost.
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
