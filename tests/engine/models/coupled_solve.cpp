@@ -30,6 +30,40 @@ TEST_CASE("a viscous blob keeps its momentum to 1e-5 while it changes shape", "[
     CHECK((momentum() - before).norm() < 1e-5 * before.norm());
 }
 
+namespace {
+
+/// Displacements [d] by the shift alone, in a step of 0.1 s with the velocity gradient G.
+std::vector<Vec3d> shifts(const std::vector<Vec3>& x, const Mat3& G) {
+    CoupledWorld w(x, d, 1);
+    w.solve_only(Real(0.1));
+    for (Mat3& g : w.world.fluid.column<field::velocity_gradient>()) g = G;
+    w.stages[4].run(w.world);
+    std::vector<Vec3d> moves;
+    for (std::size_t i = 0; i < x.size(); ++i) moves.push_back((w.position()[i] - x[i]).cast<double>() / double(d));
+    return moves;
+}
+
+const Mat3 stretching = Vec3(-1, 2, -1).asDiagonal();
+
+}  // namespace
+
+TEST_CASE("the shift of a particle is at most a tenth of a spacing", "[models][coupled]") {
+    std::vector<Vec3> x = blue_noise_cylinder(3 * d, 8 * d, d);
+    const auto middle = std::min_element(
+        x.begin(), x.end(), [](const Vec3& a, const Vec3& b) { return (a - Vec3(0, 4 * d, 0)).norm() < (b - Vec3(0, 4 * d, 0)).norm(); });
+    x.push_back(*middle + Vec3(Real(0.1) * d, 0, 0));  // the pair alone asks for 0.15 (1.1 - 0.1) spacings
+    double farthest = 0;
+    for (const Vec3d& move : shifts(x, stretching)) farthest = std::max(farthest, move.norm());
+    CHECK(farthest == Approx(0.1).epsilon(1e-3));
+}
+
+TEST_CASE("the shift evens the gaps along a thread one particle thick, though no two particles are close", "[models][coupled]") {
+    std::vector<Vec3> x;
+    for (int k = 0; k < 20; ++k) x.emplace_back(0, d * (Real(1.4) * static_cast<Real>(k) + (k % 2 == 0 ? 0 : Real(-0.2))), 0);
+    const std::vector<Vec3d> moves = shifts(x, stretching);
+    for (std::size_t k = 4; k < 16; ++k) CHECK((moves[k] - moves[k - 1]).y() * (k % 2 == 0 ? -1 : 1) > 0.01);  // gaps 1.2 and 1.6
+}
+
 TEST_CASE("a rigid rotation keeps its angular momentum within 1 % over a second", "[models][coupled]") {
     std::vector<Vec3> x;
     for (const Vec3& p : blue_noise_cylinder(Real(2.5) * d, 8 * d, d)) x.push_back(p - Vec3(0, 4 * d, 0));
