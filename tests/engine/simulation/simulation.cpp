@@ -182,6 +182,21 @@ TEST_CASE("a contracting drop keeps its size and falls by g t within 1e-5, in ev
     }
 }
 
+// The step before the relaxation compresses the pair to 1.2 of its density; the relaxation ends at 0.9 of ten times the default tolerance.
+TEST_CASE("with a loose pressure tolerance no density of blocks that collide exceeds 1 %, either", "[sim][pressure]") {
+    Simulation simulation = simulation_of(text::time(1) + text::domain({-0.2, -0.1}, {0.2, 0.1}, "gravity = [0, 0]") + text::fluid(0.01) +
+                                          text::pressure_form("constraint") + "tolerance = 0.05\n" +
+                                          text::block({-0.08, -0.05}, {-0.01, 0.05}, "velocity = [3, 0]") +
+                                          text::block({0.01, -0.05}, {0.08, 0.05}, "velocity = [-3, 0]"));
+    Real densest = 0;
+    for (int k = 0; k < 12; ++k) {
+        simulation.step(1);
+        for (const Real rho : simulation.world().fluid.column<field::density>()) densest = std::max(densest, rho);
+    }
+    UNSCOPED_INFO(densest);
+    CHECK(densest < 1010);
+}
+
 TEST_CASE("a wall adds volume_factor rho_0/sum W of the published masses to the density, within 1 %", "[sim][boundary]") {
     const double d = 0.01;
     const auto lowest_density = [&](const std::string& factor) {
