@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
+#include <numbers>
 
 #include "engine/core/errors.h"
 #include "render/image/exr.h"
@@ -365,6 +366,47 @@ TEST_CASE("earlier images of a renderer do not change the next one, whatever it 
             // Bit-identical, so that a resumed run equals an uninterrupted one.
             for (Renderer* again : {&used, &fresh}) CHECK((drawn(*again, changed) == picture));
         }
+    }
+}
+
+TEST_CASE("a thin plate by its pose is drawn as by its corners", "[render]") {
+    Renderer renderer(160, 120);
+    FrameSolid posed = solid(test::box_mesh(Vec3f(0.01f, 0, 0), Vec3f(0.07f, 0.08f, 0.002f))), placed = posed;
+    posed.rotation = Eigen::AngleAxisf(std::numbers::pi_v<float> / 2, Vec3f::UnitY()).toRotationMatrix();
+    posed.translation = Vec3f(0.04f, 0, 0.08f);
+    auto mesh = std::make_shared<TriangleMesh>(*posed.mesh);
+    for (Vec3f& x : mesh->position) x = posed.rotation * x + posed.translation;
+    for (Vec3f& n : mesh->normal) n = posed.rotation * n;
+    placed.mesh = mesh;
+    Frame frame = empty_frame();
+    const View from_above{Vec3f(0.2f, 0.35f, 0.5f), Vec3f(0, 0.03f, 0), Vec3f(0, 1, 0), 22};
+    frame.solids = {solid(test::box_mesh(Vec3f(0.05f, 0, 0.01f), Vec3f(0.09f, 0.04f, 0.05f))), posed};
+    const Image by_pose = renderer.draw(frame, Surface{}, samples(1), from_above);
+    frame.solids[1] = placed;
+    const Image by_corners = renderer.draw(frame, Surface{}, samples(1), from_above);
+    CHECK(difference(by_pose, by_corners).max < 1);  // the fields differ by rounding
+}
+
+TEST_CASE("a particle is a whole disc from any side", "[render]") {
+    Renderer renderer(64, 64);
+    LookOptions look = in_style("particles");
+    look.ground = false;
+    const Vec3f middle(0, 0.1f, 0);
+    const auto drawn = [&](const View& view, bool any) {
+        Frame frame = empty_frame();
+        frame.spacing = 0.1f;
+        if (any) frame.position = {middle}, frame.velocity = {Vec3f(1, 0, 0)};
+        return renderer.draw(frame, Surface{}, look, view);
+    };
+    for (const Vec3f& way : {Vec3f(1, 0, 0), Vec3f(-1, 0, 0), Vec3f(0, 1, 0), Vec3f(0, -1, 0), Vec3f(0, 0, 1), Vec3f(0, 0, -1)}) {
+        const View view{middle + 0.6f * way, middle, way.y() == 0 ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1), 15};
+        const Image with = drawn(view, true), without = drawn(view, false);
+        int changed = 0;
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x)
+                changed += with.pixel(x, y)[0] != without.pixel(x, y)[0] || with.pixel(x, y)[2] != without.pixel(x, y)[2];
+        const double radius = 0.05 / 0.6 * 32 / std::tan(7.5 * std::numbers::pi / 180);  // px
+        CHECK(changed == Approx(std::numbers::pi * radius * radius).epsilon(0.1));
     }
 }
 
