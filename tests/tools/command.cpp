@@ -44,6 +44,12 @@ TEST_CASE("the program prints its version, and its help has examples", "[tools]"
     CHECK(lines > 40);
 }
 
+TEST_CASE("doctor says of a driver without OpenGL 4.3 that it does not support the version", "[tools]") {
+    const std::string why = "no OpenGL 4.3 core context: ", out = whorl_in(".", "doctor", "MESA_GL_VERSION_OVERRIDE=3.1 ").out;
+    for (std::size_t at = out.find(why); at != std::string::npos; at = out.find(why, at + 1))  // one per driver of Mesa
+        CHECK_THAT(out.substr(at + why.size()), Catch::StartsWith("EGL_BAD_MATCH (OpenGL version not supported)"));
+}
+
 TEST_CASE("output that cannot be written is an error", "[tools]") {
     for (const char* arguments : {"--version", "help plan", "schema", "manual --bash"}) {
         const Outcome full = whorl_in(".", std::string(arguments) + " 2>&1 >/dev/full)", "(");
