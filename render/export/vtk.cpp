@@ -149,7 +149,7 @@ void write_vti(const std::filesystem::path& file, const Frame& frame, const Attr
     const bool plane = frame.dimensions == 2;
     std::array<int, 3> n = grid.n;
     for (int a = 0; a < 3; ++a)
-        if (frame.periodic[a] && n[a] > 0 && !(plane && a == 2)) ++n[a];
+        if (grid.periodic[a] && !(plane && a == 2)) ++n[a];
     const Vec3f origin(grid.origin.x(), grid.origin.y(), plane ? 0 : grid.origin.z());
     const std::string extent = fmt::format("0 {} 0 {} 0 {}", n[0] - 1, n[1] - 1, n[2] - 1);
     Appended data;
