@@ -101,7 +101,6 @@ public:
 private:
     static Real factor_of_solids(const Scene& scene, const Plan& plan) {
         if (plan.boundary == BoundaryModel::none) return 1;
-        if (scene.models.printed()) return 1;
         if (scene.boundary.volume_factor) return static_cast<Real>(*scene.boundary.volume_factor);
         return continued_lattice_factor(plan.kernel, static_cast<Real>(plan.support), static_cast<Real>(plan.spacing));
     }
