@@ -24,12 +24,8 @@ private:
 /// Sets for each particle the number of its connected part; 0 for particles in nozzles. Parts are numbered from 1 in the order of their
 /// first particles. @return number of parts
 int find_parts(const World& world, Span<std::int32_t> part) {
-    const Domain& domain = world.step.domain;
-    Real reach = static_cast<Real>(link) * world.step.spacing;
-    for (int a = 0; a < 3; ++a)
-        if (domain.periodic[a]) reach = std::min(reach, domain.size()[a] / 2);
     Pairs pairs;
-    NeighbourSearch().find(world.fluid.column<field::position>(), reach, domain, pairs);
+    NeighbourSearch().find(world.fluid.column<field::position>(), static_cast<Real>(link) * world.step.spacing, world.step.domain, pairs);
     const auto role = roles(world);
     for (std::size_t k = 0; k < part.size(); ++k) part[k] = in_nozzle(role, k) ? 0 : 1;
     return split_unconnected([&](Index i, const auto& visit) { pairs.of(i, [&](Index j, const Vec3&, Real) { visit(j); }); }, part);
