@@ -169,7 +169,6 @@ struct VideoEncoder::Process {
 };
 
 VideoEncoder::VideoEncoder(std::filesystem::path file, int width, int height, VideoOptions options) {
-    WHORL_ASSERT(width >= 2 && height >= 2, +std::to_string(width) + "x" + std::to_string(height));
     options.alpha = options.alpha && video_has_alpha(file);
     ChildProcess ffmpeg = start(encode_arguments(file, width, height, options));
     process_ = std::make_unique<Process>(Process{std::move(file), width, height, options.alpha, std::move(ffmpeg)});
