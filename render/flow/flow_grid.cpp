@@ -160,8 +160,8 @@ FlowGrid::Corners FlowGrid::corners(const Vec3f& x) const {
             c[a] = upper ? high[a] : low[a];
             w *= upper ? share[a] : 1 - share[a];
         }
-        const bool exists = c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && w > 0;
-        corners.node[corner] = exists ? static_cast<std::int64_t>(index(c[0], c[1], c[2])) : -1;
+        if (c[0] < 0 || c[1] < 0 || c[2] < 0) continue;
+        corners.node[corner] = index(c[0], c[1], c[2]);
         corners.weight[corner] = w;
     }
     return corners;
@@ -173,8 +173,7 @@ FlowGrid::Sample FlowGrid::at(const Vec3f& x) const {
     const Corners near = corners(x);
     float weights = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const std::int64_t m = near.node[corner];
-        if (m < 0) continue;
+        const std::size_t m = near.node[corner];
         const float w = near.weight[corner];
         sample.cover += w * cover[m];
         if (cover[m] <= 0) continue;  // no fluid here

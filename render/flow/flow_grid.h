@@ -1,7 +1,7 @@
 #pragma once
 /// Fields of the flow on a grid, averaged from the particles of a frame, for drawing volumes, vortex lines and trails.
 #include <array>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include "engine/core/grid_index.h"
@@ -32,9 +32,10 @@ struct FlowGrid {
     /// Linear interpolation; `along` and `value` use only nodes with fluid. Outside the grid the cover is 0.
     Sample at(const Vec3f& x) const;
 
-    /// The eight nodes around a point and their weights in a linear interpolation. Node -1: outside the grid, or of weight 0.
+    /// The eight nodes around a point and their weights in a linear interpolation. A node outside the grid is replaced by node 0 with
+    /// weight 0.
     struct Corners {
-        std::array<std::int64_t, 8> node;
+        std::array<std::size_t, 8> node;
         std::array<float, 8> weight;
     };
     Corners corners(const Vec3f& x) const;

@@ -38,8 +38,7 @@ struct LineField {
     float light(const Vec3f& x) const {
         const FlowGrid::Corners near = grid.corners(x);
         float sum = 0;
-        for (int c = 0; c < 8; ++c)
-            if (near.node[c] >= 0) sum += near.weight[c] * depth[near.node[c]];
+        for (int c = 0; c < 8; ++c) sum += near.weight[c] * depth[near.node[c]];
         return std::exp(-sum);
     }
     /// Side of a ribbon after a step [m]. It follows the neighbouring line in the direction `side`, which winds about this one.
