@@ -43,8 +43,7 @@ PictureLayers AovPass::read_light(bool has_shadow) const {
 }
 
 void AovPass::draw_places(const SceneGeometry& scene, const LayerView& view) {
-    glBindFramebuffer(GL_FRAMEBUFFER, place_target_.id());
-    glViewport(0, 0, width_, height_);
+    gl::draw_into(place_target_, width_, height_);
     glClear(GL_DEPTH_BUFFER_BIT);
     const Eigen::Vector2f half_size = 0.5f * Eigen::Vector2f(static_cast<float>(width_), static_cast<float>(height_));
     behind_.use();

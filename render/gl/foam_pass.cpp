@@ -28,8 +28,7 @@ void FoamPass::fill(const Frame& frame, float amount) {
 void FoamPass::draw(GLuint picture, const FoamView& foam, const std::string& constants, const std::function<void(gl::Program&)>& prepare) {
     if (corners_.count() == 0) return;
     if (picture != picture_) target_ = gl::framebuffer({picture}, 0), picture_ = picture;
-    glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
-    glViewport(0, 0, width_, height_);
+    gl::draw_into(target_, width_, height_);
     gl::Program& program = program_.with(constants);
     prepare(program);
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, foam.normals);

@@ -13,11 +13,6 @@ namespace {
 constexpr float light_radius = 0.16f;  // radius of the soft box over its distance: sets how fast shadows soften
 constexpr float key_share = 0.55f;     // fraction of the light on open ground that is key light
 
-void cover(int size) {
-    glViewport(0, 0, size, size);
-    gl::draw_screen();
-}
-
 /// Creates the mip levels of a texture: averages over squares of 2, 4, 8, ... texels.
 void average(const gl::Texture& texture) {
     glBindTexture(GL_TEXTURE_2D, texture.id());
@@ -48,7 +43,7 @@ void GroundLight::draw(const SceneGeometry& scene, const Material& material, con
 
     const Vec3f absorption =
         material.refracts ? Vec3f(material.absorption + Vec3f::Constant(0.15f * material.haze)) : Vec3f::Constant(1e6f);
-    glBindFramebuffer(GL_FRAMEBUFFER, transmission_target_.id());
+    gl::draw_into(transmission_target_, light_size, light_size);
     transmission_program_.use();
     transmission_program_.texture("fluid_layers", 0, GL_TEXTURE_2D, fluid_layers_.id());
     transmission_program_.texture("solid_layers", 1, GL_TEXTURE_2D, solid_layers_.id());
@@ -56,7 +51,7 @@ void GroundLight::draw(const SceneGeometry& scene, const Material& material, con
     transmission_program_.set("haze", material.haze);
     transmission_program_.set("glow", material.refracts ? Vec3f(0.25f * material.scatter) : Vec3f::Zero().eval());
     transmission_program_.set("caustic", material.refracts ? 3.0f : 0.0f);
-    cover(light_size);
+    gl::draw_screen();
     average(open_);
     average(blockers_);
 
@@ -69,8 +64,7 @@ void GroundLight::draw(const SceneGeometry& scene, const Material& material, con
 }
 
 void GroundLight::draw_layers(const SceneGeometry& scene, float spacing) {
-    glBindFramebuffer(GL_FRAMEBUFFER, layers_target_.id());
-    glViewport(0, 0, light_size, light_size);
+    gl::draw_into(layers_target_, light_size, light_size);
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT);
     glEnable(GL_BLEND);
@@ -94,8 +88,7 @@ void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, flo
     from_above(0, 3) = -area_.x() / area_.z();
     from_above(1, 3) = -area_.y() / area_.z();
     from_above(3, 3) = 1;
-    glBindFramebuffer(GL_FRAMEBUFFER, lowest_target_.id());
-    glViewport(0, 0, ground_size, ground_size);
+    gl::draw_into(lowest_target_, ground_size, ground_size);
     glClearColor(1e3f, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT);
     glEnable(GL_BLEND);
@@ -109,15 +102,15 @@ void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, flo
     glDisable(GL_BLEND);
 
     const Eigen::Vector4f reach = 0.5f * area_.z() * Eigen::Vector4f(0.015f, 0.05f, 0.15f, 0.4f);  // m
-    glBindFramebuffer(GL_FRAMEBUFFER, nearness_target_.id());
+    gl::draw_into(nearness_target_, ground_size, ground_size);
     nearness_program_.use();
     nearness_program_.texture("lowest", 0, GL_TEXTURE_2D, lowest_.id());
     nearness_program_.set("ground_height", ground);
     nearness_program_.set("reach", reach);
-    cover(ground_size);
+    gl::draw_screen();
     average(nearness_);
 
-    glBindFramebuffer(GL_FRAMEBUFFER, map_target_.id());
+    gl::draw_into(map_target_, ground_size, ground_size);
     ground_program_.use();
     ground_program_.texture("nearness", 0, GL_TEXTURE_2D, nearness_.id());
     ground_program_.set("reach", Eigen::Vector4f(0.5f * reach / area_.z()));
@@ -127,7 +120,7 @@ void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, flo
     ground_program_.set("ground_height", ground);
     ground_program_.set("shadow_tint", tint);
     ground_program_.set("key_share", key_share);
-    cover(ground_size);
+    gl::draw_screen();
 }
 
 void GroundLight::bind_shadow(gl::Program& program, int unit) const {
@@ -163,8 +156,7 @@ SolidLight::SolidLight(int width, int height)
 
 void SolidLight::begin(const Eigen::Matrix4f& camera, const std::function<void(gl::Program&)>& faces) {
     camera_ = camera;
-    glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
-    glViewport(0, 0, width_, height_);
+    gl::draw_into(target_, width_, height_);
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);

@@ -21,8 +21,7 @@ void MotionBlur::blur(GLuint picture, GLuint motion) {
         program.set("side", side_);
         gl::draw_screen();
     }
-    glViewport(0, 0, width_, height_);
-    glBindFramebuffer(GL_FRAMEBUFFER, blurred_target_.id());
+    gl::draw_into(blurred_target_, width_, height_);
     blur_program_.use();
     blur_program_.texture("picture", 0, GL_TEXTURE_2D, picture);
     blur_program_.texture("motion", 1, GL_TEXTURE_2D, motion);

@@ -76,6 +76,11 @@ Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth) {
     return target;
 }
 
+void draw_into(const Framebuffer& target, int width, int height) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    glViewport(0, 0, width, height);
+}
+
 void draw_screen() {
     const VertexArray no_vertices(made(glGenVertexArrays));
     glBindVertexArray(no_vertices.id());

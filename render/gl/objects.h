@@ -54,6 +54,8 @@ Texture texture_2d(GLenum format, int width, int height, bool linear);
 void fill_3d(Texture& texture, int nx, int ny, int nz, const float* value, int channels = 1);
 /// A framebuffer with these colour textures and with this depth and stencil texture (0: none).
 Framebuffer framebuffer(std::initializer_list<GLuint> colours, GLuint depth);
+/// Directs the following draws to all pixels of a framebuffer.
+void draw_into(const Framebuffer& target, int width, int height);
 
 /// Draws the triangle of screen.vert, which covers the viewport, with the current program.
 void draw_screen();

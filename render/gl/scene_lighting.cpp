@@ -112,8 +112,7 @@ void Backdrop::draw(const Key& key, const std::string& constants, const std::fun
     gl::Program& program = program_.with(constants);
     prepare(program);
     program.set("to_ray", key.to_ray);
-    glBindFramebuffer(GL_FRAMEBUFFER, target_.id());
-    glViewport(0, 0, width_, height_);
+    gl::draw_into(target_, width_, height_);
     gl::draw_screen();
 }
 
