@@ -64,7 +64,7 @@ struct Shot {
 };
 
 /// Colour of the fluid drawn as an opaque body.
-Vec3f body_colour(const Material& material) { return material.refracts ? material.scatter.cwiseMin(1.0f).eval() : material.colour; }
+Vec3f body_colour(const Material& material) { return material.refracts ? material.scatter : material.colour; }
 
 /// Matrix from the whole image to a box of it, both in coordinates -1 .. 1. The backdrop continues around the box.
 Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
