@@ -12,6 +12,7 @@
 #include "engine/core/triangle.h"
 #include "engine/geometry/mesh_file.h"
 #include "engine/geometry/shape.h"
+#include "engine/geometry/vessel.h"
 
 namespace whorl {
 namespace {
@@ -394,6 +395,8 @@ std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& nam
         }
     return std::make_shared<Parts>(parts, std::move(remarks));
 }
+
+std::shared_ptr<const Shape> make_sheet(TriangleMesh surface) { return std::make_shared<Mesh>(std::move(surface)); }
 
 std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position) {
     return make_mesh(read_mesh(file, scale, position), file.string());

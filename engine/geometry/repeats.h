@@ -72,6 +72,7 @@ public:
     void bounds(Vec3& min, Vec3& max) const override { shape_.bounds(min, max); }
     bool bounded() const override { return shape_.bounded(); }
     bool prismatic(int axis) const override { return shape_.prismatic(axis); }
+    bool shell() const override { return shape_.shell(); }
     MassProperties bulk() const override { return shape_.bulk(); }
     TriangleMesh mesh(Real edge, Real extent) const override { return shape_.mesh(edge, extent); }
     std::vector<SurfaceSample> surface_samples(Real offset, const SamplingRegion& region) const override {

@@ -2,6 +2,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/plane.h"
+#include "engine/geometry/vessel.h"
 
 namespace whorl {
 
@@ -38,6 +39,7 @@ MassProperties bulk_of(const TriangleMesh& mesh) {
 }
 
 std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys) {
+    if (keys.is_open()) return make_vessel(keys);
     if (keys.cut && keys.kind != "plane") return make_section(keys);
     if (keys.kind == "box") return make_box(keys.min, keys.max);
     if (keys.kind == "sphere") return make_sphere(keys.centre, keys.radius);

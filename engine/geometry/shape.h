@@ -2,6 +2,7 @@
 /// Shapes for blocks of fluid and for solids, given by signed distances.
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/core/mesh.h"
@@ -21,6 +22,9 @@ struct ShapeKeys {
     Vec3d normal{0, 1, 0};
     std::filesystem::path file;
     double scale = 1;
+    std::string open = "none";        ///< side at which a container is open, one of openings(); then the shape is its wall (make_vessel)
+    std::optional<double> wall, rim;  ///< of an open container: thickness; height of the rim along the axis of the opening [m]
+    bool is_open() const { return open != "none"; }
     /// For 2D flow: use the section of the shape with the plane z = 0, continued for all z. A box or cylinder without depth in z counts as
     /// one that reaches through the plane.
     bool cut = false;
@@ -42,7 +46,8 @@ struct SurfaceSample {
     Vec3d position, outward;  ///< m; unit vector, away from the shape's inside
     double curvature = 0;     ///< sum of the principal curvatures [1/m], > 0 if convex; 0 on edges and on meshes
     Vec3d face =
-        Vec3d::Zero();  ///< outward normal of one of the faces, on an edge at which two or three faces meet at right angles; elsewhere 0
+        Vec3d::Zero();     ///< outward normal of one of the faces, on an edge at which two or three faces meet at right angles; elsewhere 0
+    bool concave = false;  ///< on such an edge: the faces face each other
 };
 
 /// Mass properties of a shape with density 1. In 2D they are per metre of depth.
@@ -69,6 +74,8 @@ public:
     virtual bool bounded() const { return true; }
     /// Whether all cross-sections perpendicular to the axis are equal, between two flat ends.
     virtual bool prismatic(int) const { return false; }
+    /// Whether it is a wall with fluid on both sides, so thick that neither side acts on the other.
+    virtual bool shell() const { return false; }
     /// Volume, centre and moments. The default integrates over mesh().
     virtual MassProperties bulk() const { return bulk_of(mesh(0, 0)); }
     /// A mesh for drawing. @param edge requested edge length [m] @param extent half-width of the drawn patch of a plane [m]

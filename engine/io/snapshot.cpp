@@ -69,7 +69,7 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
         FrameSolid drawn;
         drawn.mesh = std::make_shared<TriangleMesh>(drawn_mesh(solid, world.step.domain, spacing, extent));
         drawn.material = solid.material;
-        drawn.container = solid.inside;
+        drawn.container = solid.inside || (solid.shape->shell() && solid.material == "glass");
         drawn.ground = !solid.shape->bounded();
         solids_.push_back(std::move(drawn));
     }

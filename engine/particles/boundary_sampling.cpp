@@ -171,8 +171,8 @@ BoundaryParticles sample_solids(const Solids& solids, Real spacing, const Domain
             particles.solid.push_back(static_cast<Index>(k));
             particles.own_position.push_back(point.position.cast<Real>());
             particles.own_normal.push_back((solid.inside ? -point.outward : point.outward).cast<Real>());
-            const bool edge =
-                !solid.inside && !point.face.isZero() && !(still && covered(solids, k, particles.own_position.back(), spacing));
+            const bool edge = !solid.inside && !point.concave && !point.face.isZero() &&
+                              !(still && covered(solids, k, particles.own_position.back(), spacing));
             particles.behind.push_back(edge ? 0 : behind_surface((solid.inside ? -1 : 1) * point.curvature * static_cast<double>(spacing)));
             particles.own_face.push_back(edge ? Vec3(point.face.cast<Real>()) : Vec3::Zero());
             particles.flat.push_back(edge ? 0 : point.face.isZero() ? 1 : -1);
@@ -231,14 +231,16 @@ void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const S
 void set_solid_volumes(BoundaryParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support) {
     Pairs pairs;
     NeighbourSearch().find(particles.position, support, domain, pairs);
-    std::vector<char> moves, edges(solids.all.size());
-    for (const Solid& solid : solids.all) moves.push_back(solid.moves());
+    std::vector<char> moves, shells, edges(solids.all.size());
+    for (const Solid& solid : solids.all) moves.push_back(solid.moves()), shells.push_back(solid.shape->shell());
     for (Index s = 0; s < particles.size(); ++s) edges[particles.solid[s]] |= particles.behind[s] == 0;
     // Whether `other` is on the same face as s, or on a face that continues it. Lattice points on an edge belong to both faces at the edge.
+    // The other side of a vessel's wall acts on other fluid.
     const auto counts = [&](Index s, Index other) {
         const Index a = particles.solid[s], b = particles.solid[other];
         const bool edge = particles.behind[s] == 0 || particles.behind[other] == 0;
         const Real turn = particles.normal[s].dot(particles.normal[other]);
+        if (a == b && shells[a] && turn < Real(-0.5)) return false;
         if (a == b) return edge || !edges[a] || std::abs(turn) > Real(0.5);
         return !moves[a] && !moves[b] && (!edge || turn > Real(-0.5));
     };

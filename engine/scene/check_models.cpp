@@ -143,9 +143,9 @@ void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& repor
         }
         if (solid.shape.kind == "plane")
             report(name + ".density", name + " is a plane, which has no end: it cannot be a free body", "use a box");
-        if (solid.container)
-            report(name + ".density", name + " is a container of the fluid (inside): it cannot be a free body",
-                   "make a hollow body from a mesh");
+        if (solid.closed())
+            report(name + ".density", name + " is a closed container of the fluid: it cannot be a free body",
+                   "open it (open = \"top\"), or make a hollow body from a mesh");
         if (solid.slip == Slip::navier)
             report(name + ".slip", "along free bodies the fluid sticks or slides freely: a slip length does not push back on them",
                    "use \"no\" or \"free\"");
@@ -217,7 +217,7 @@ void check_velocity_source(const Scene& scene, const Plan& plan, const SceneShap
                         ", which lies in the fluid",
                     "use pressure.form = \"constraint\", or \"auto\", which does so");
     for (std::size_t k = 0; k < scene.solids.size(); ++k)
-        if (scene.domain.dimensions == 3 && !scene.solids[k].container && scene.solids[k].shape.kind != "plane")
+        if (scene.domain.dimensions == 3 && !scene.solids[k].closed() && scene.solids[k].shape.kind != "plane")
             problem("pressure.form",
                     "in 3D with a free surface, pressure.form = \"projection\" diverges next to a solid in the fluid, such as " +
                         entry_name("solid", k),

@@ -176,10 +176,12 @@ private:
         Real distance = 0;
         const int k = shapes_.solids.nearest(at.cast<Real>(), distance);
         if (k >= 0 && distance < 0)
-            report(name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point_text(at), -distance, k),
-                   scene_.solids[static_cast<std::size_t>(k)].container
-                       ? "a container (container = true) is closed on all sides: make it as high as the emitter, or move one of them"
-                       : "move one of them");
+            report(
+                name + ".position", fmt::format("{} at {} lies {:.3g} m inside solid[{}]", name, point_text(at), -distance, k),
+                scene_.solids[static_cast<std::size_t>(k)].closed()
+                    ? "a container (container = true) is closed on all sides: open it (open = \"top\"), make it as high as the emitter, or "
+                      "move one of them"
+                    : "move one of them");
         if (const double widest = widest_of(e, plan_.dimensions()); widest > longest_side(scene_.domain))
             report(name, fmt::format("the opening of {} is {:.4g} m across, wider than the whole domain ({:.4g} m)", name, widest,
                                      longest_side(scene_.domain)));
@@ -221,10 +223,25 @@ private:
             }
         if (s.shape.kind == "plane" && s.rotation.is_zero())
             across_a_period(name, shapes_.solids.all[i].turn * s.shape.normal.normalized());
-        if (s.container || s.position.depends_on_time() || !s.rotation.is_zero()) return;
+        if (s.shape.is_open()) vessel(name, i);
+        if (s.closed() || s.position.depends_on_time() || !s.rotation.is_zero()) return;
         const Extent& e = shapes_.solid_extent[i];
         const Vec3d at = s.position(0);
         if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
+    }
+
+    /// Refuses walls through which fluid acts on fluid, and vessels that a periodic axis would close.
+    void vessel(const std::string& name, std::size_t i) {
+        const double wall = shape_of(scene_, scene_.solids[i]).wall.value_or(0);
+        if (wall < plan_.support * (1 - 1e-9))
+            report(name + ".wall",
+                   fmt::format("{}.wall = {:g} m is thinner than the kernel's radius: fluid would act through it on fluid", name, wall),
+                   "make it thicker, or fluid.spacing smaller", fmt::format("allowed: at least {:.4g} m", plan_.support));
+        const Vec3d size = shapes_.solid_extent[i].max - shapes_.solid_extent[i].min;
+        for (int a = 0; a < plan_.dimensions(); ++a)
+            if (scene_.domain.periodic[a] && size[a] > high_[a] - low_[a] - plan_.support)
+                return report(name + ".open", fmt::format("{} and its image along the periodic axis {} touch or overlap", name, "xyz"[a]),
+                              "make the domain longer, or build the walls from boxes");
     }
 
     /// Refuses a plane that repeats with a period: a half-space in every period leaves no room.

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "engine/core/utf8.h"
-#include "engine/geometry/shape.h"
+#include "engine/geometry/vessel.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/scene/names.h"
 #include "engine/scene/reader.h"
@@ -48,7 +48,10 @@ public:
                 reader_.disagree({name + ".spin", "models.micropolar"}, name + ".spin needs a micropolar model", "set models.micropolar");
         }
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
-        for (std::size_t i = 0; i < scene_.solids.size(); ++i) shape(entry_name("solid", i), scene_.solids[i].shape);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
+            shape(entry_name("solid", i), scene_.solids[i].shape);
+            if (scene_.solids[i].shape.is_open()) vessel(entry_name("solid", i), scene_.solids[i]);
+        }
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);
         for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
             const std::string name = entry_name("stream", i);
@@ -105,6 +108,14 @@ private:
         if (s.kind == "plane") direction(name + ".normal", s.normal);
         if (s.kind != "mesh") return;
         find_file(name + ".file", s.file);
+    }
+    void vessel(const std::string& name, SolidKeys& solid) {
+        if (reader_.places.count(name + ".material") == 0) solid.material = "glass";
+        std::string key;
+        if (!solid.container)
+            reader_.disagree({name + ".open"}, name + ".open is for containers", "set container = true: the fluid is inside the shape");
+        else if (const std::string why = vessel_error(solid.shape, key); !why.empty())
+            reader_.disagree({name + "." + key, name + ".open"}, name + " " + why);
     }
     /// Checks that the file exists, and makes its path absolute.
     void find_file(const std::string& key, fs::path& file) {

@@ -158,6 +158,7 @@ struct SolidKeys {
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     std::optional<Vec3d> pivot;           ///< m, before `position` moves it; empty: turning_point()
     bool container = false;               ///< the fluid is inside the shape
+    bool closed() const { return container && !shape.is_open(); }
     Slip slip = Slip::no;
     double slip_length = 0;             ///< m, navier
     double wetting = 0.5;               ///< the solid's attraction of the fluid over the fluid's attraction of itself, with surface

@@ -1,3 +1,4 @@
+#include "engine/geometry/vessel.h"
 #include "engine/scene/expression_keys.h"
 #include "engine/scene/names.h"
 #include "engine/scene/read.h"
@@ -335,6 +336,25 @@ KeyTable solid_keys() {
     t.key("rotation", &SolidKeys::rotation, "rad/s", "angular velocity about the solid's own axes").of("t").in(InPlane::axis).live();
     t.key("pivot", &SolidKeys::pivot, "m", "point on the axis of rotation, before position displaces it; auto: the middle of the shape");
     t.key("container", &SolidKeys::container, "", "the fluid is inside the shape");
+    const auto shape = [](auto member) { return inside(&SolidKeys::shape, member); };
+    std::vector<std::string> sides = openings();
+    t.key("open", shape(&ShapeKeys::open), "",
+          "side at which a container is open, in its own axes; then it is a wall with an outside, and not closed all round (top is +y, "
+          "right "
+          "+x, front +z)")
+        .one_of([&] {
+            std::vector<std::string> all{"none"};
+            all.insert(all.end(), sides.begin(), sides.end());
+            return all;
+        }());
+    t.key("wall", shape(&ShapeKeys::wall), "m",
+          "thickness of an open container, outside of its shape; at least fluid.support spacings; auto: 3 spacings")
+        .above(0)
+        .only_with("open", sides);
+    t.key("rim", shape(&ShapeKeys::rim), "m",
+          "height of an open sphere's or mesh's rim along the axis of the opening, without `position`; boxes and cylinders end at their "
+          "face")
+        .only_with("open", sides);
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",
           "distance behind the surface at which the linearly continued velocity is the wall's: u - u_wall = slip_length du/dn")
@@ -365,7 +385,7 @@ KeyTable solid_keys() {
         .at_most(1)
         .live();
     // The names of render/look/material.cpp, which the engine cannot include; a test compares the two lists.
-    t.key("material", &SolidKeys::material, "", "appearance in images")
+    t.key("material", &SolidKeys::material, "", "appearance in images; of an open container, if not set: glass")
         .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
         .not_deciding()
         .live();

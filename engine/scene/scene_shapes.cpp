@@ -11,18 +11,18 @@ namespace {
 Extent extent_of(const ShapeKeys& keys, const Shape& shape) {
     constexpr double pi = std::numbers::pi, endless = std::numeric_limits<double>::infinity();
     if (!shape.bounded()) return {Vec3d::Constant(-endless), Vec3d::Constant(endless), 0};
-    if (keys.kind == "box" && !keys.cut) return {keys.min, keys.max, (keys.max - keys.min).prod()};
-    if (keys.kind == "box") {
+    if (keys.kind == "box" && !keys.cut && !keys.is_open()) return {keys.min, keys.max, (keys.max - keys.min).prod()};
+    if (keys.kind == "box" && !keys.is_open()) {
         const Vec3d low(keys.min.x(), keys.min.y(), 0), high(keys.max.x(), keys.max.y(), 0);
         return {low, high, (high - low).head<2>().prod()};
     }
     Vec3 min, max;
     shape.bounds(min, max);
     const double r = keys.radius;
-    const double volume = keys.cut                  ? shape.bulk().volume
-                          : keys.kind == "sphere"   ? 4 * pi / 3 * r * r * r
-                          : keys.kind == "cylinder" ? pi * r * r * (keys.to - keys.from).norm()
-                                                    : shape.bulk().volume;
+    const double volume = keys.cut || keys.is_open() ? shape.bulk().volume
+                          : keys.kind == "sphere"    ? 4 * pi / 3 * r * r * r
+                          : keys.kind == "cylinder"  ? pi * r * r * (keys.to - keys.from).norm()
+                                                     : shape.bulk().volume;
     return {min.cast<double>(), max.cast<double>(), volume};
 }
 
@@ -65,6 +65,12 @@ RigidBody body_of(const SolidKeys& keys, const Shape& shape) {
 
 }  // namespace
 
+ShapeKeys shape_of(const Scene& scene, const SolidKeys& keys) {
+    ShapeKeys shape = keys.shape;
+    if (shape.is_open() && !shape.wall) shape.wall = 3 * scene.fluid.spacing;
+    return shape;
+}
+
 double slip_length_of(const SolidKeys& keys) {
     switch (keys.slip) {
         case Slip::no: return 0;
@@ -80,7 +86,7 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
     solid.position = keys.position;
     solid.spin = keys.rotation;
     solid.own_pivot = keys.pivot;
-    solid.inside = keys.container;
+    solid.inside = keys.closed();
     solid.turn = turned_by(keys.tilt);
     solid.slip_length = slip_length_of(keys);
     solid.material = keys.material;
@@ -113,7 +119,7 @@ SceneShapes make_shapes(const Scene& scene, std::vector<Problem>& problems) {
     }
     for (std::size_t i = 0; i < scene.solids.size(); ++i) {
         const SolidKeys& keys = scene.solids[i];
-        Solid solid = solid_of(keys, made(scene, entry_name("solid", i), keys.shape, problems));
+        Solid solid = solid_of(keys, made(scene, entry_name("solid", i), shape_of(scene, keys), problems));
         shapes.solid_extent.push_back(solid.shape ? turned(extent_of(keys.shape, *solid.shape), solid) : Extent{});
         shapes.solids.all.push_back(std::move(solid));
     }

@@ -21,6 +21,8 @@ struct SceneShapes {
     Solids solids;
     std::vector<Extent> block_extent, solid_extent, drain_extent;
 };
+/// The shape of a solid, with the thickness of a vessel's wall (by default 3 spacings).
+ShapeKeys shape_of(const Scene& scene, const SolidKeys& keys);
 /// Slip length [m]: 0 if the fluid sticks, infinite if it slides freely.
 double slip_length_of(const SolidKeys& keys);
 /// The solid of this shape according to the scene. It has no pose before Solids::set_time(). The shape of a free body must be bounded.

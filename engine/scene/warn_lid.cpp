@@ -12,7 +12,7 @@ std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes&
     const std::vector<double> times = sample_times(0, scene.time.end);
     const auto is_bounded = [&](std::size_t k) { return shapes.solids.all[k].shape->bounded(); };
     for (std::size_t k = 0; k < scene.solids.size(); ++k) {
-        if (!scene.solids[k].container || !is_bounded(k)) continue;
+        if (!scene.solids[k].closed() || !is_bounded(k)) continue;
         for (std::size_t j = 0; j < scene.solids.size(); ++j) {
             const SolidKeys& solid = scene.solids[j];
             if (solid.container || !solid.position.depends_on_time() || !is_bounded(j)) continue;
@@ -31,7 +31,7 @@ std::vector<std::string> warnings_of_lids(const Scene& scene, const SceneShapes&
             if (through)
                 found.push_back(
                     fmt::format("solid[{}] moves through the wall or the lid of solid[{}] (container = true), which is closed on all "
-                                "sides; make the container larger than the solid's path",
+                                "sides; open it (open = \"top\"), or make it larger than the solid's path",
                                 j, k));
         }
     }

@@ -35,7 +35,7 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.solids.domain = world.step.domain;
     const bool gauged = scene.any_probe({ProbeKind::gauge}), probed = gauged || scene.any_probe({ProbeKind::solid});
     for (const SolidKeys& keys : scene.solids)
-        world.solids.all.push_back(solid_of(keys, make_shape(keys.shape))), world.solids.all.back().probed = probed;
+        world.solids.all.push_back(solid_of(keys, make_shape(shape_of(scene, keys)))), world.solids.all.back().probed = probed;
     world.solids.set_time(0, scene.time.look_ahead());
     if (plan.boundary == BoundaryModel::none) return;
     world.boundary_particles = sample_solids(
