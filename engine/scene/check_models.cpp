@@ -120,6 +120,19 @@ void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report)
     }
 }
 
+void check_flow_law(const Scene& scene, const Plan& plan, const KeyProblems& report) {
+    if (!scene.fluid.flow_law().acts()) return;
+    const std::string key = scene.fluid.yield_stress > 0 ? "fluid.yield_stress" : "fluid.flow_index";
+    if (!plan.traits.pressure.solves_viscosity && !plan.traits.viscosity.yields)
+        report(key,
+               fmt::format("{} makes the viscosity depend on the strain rate, which models.viscosity = {} does not support", key,
+                           described(plan.traits.viscosity)),
+               "use models.viscosity = " + described(viscosity_models(), &ViscosityTraits::yields) + ", or models.pressure = \"coupled\"");
+    if (plan.traits.micropolar.spins)
+        report(key, "micropolar fluids have one viscosity, and " + key + " makes it depend on the strain rate",
+               "use models.micropolar = \"none\"");
+}
+
 void check_streams(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (plan.traits.pressure.solves_viscosity && !scene.streams.empty())
         report(entry_name("stream", 0), "models.pressure = " + described(plan.traits.pressure) + " does not support streams",
@@ -249,6 +262,7 @@ void check_models(const Scene& scene, const Plan& plan, const SceneScales& numbe
     check_assembled(plan, numbers.viscous_number, report);
     check_viscous_solver(scene, plan, report);
     check_slip(scene, plan, report);
+    check_flow_law(scene, plan, report);
     check_micropolar(scene, plan, problems);
     check_bodies(scene, plan, report);
     check_streams(scene, plan, report);

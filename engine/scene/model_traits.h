@@ -47,6 +47,7 @@ struct ViscosityTraits {
     bool implicit = false;                ///< solves a linear system, so it does not limit the step
     bool needs_density = false;
     bool knows_slip_length = false;
+    bool yields = false;  ///< supports viscosities that depend on the strain rate (FlowLaw)
     bool moves_bodies = true;
 };
 

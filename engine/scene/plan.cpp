@@ -165,6 +165,7 @@ private:
         };
         if (plan_.traits.pressure.solves_viscosity) reason = "the coupled pressure solves for the viscosity";
         else if (n_.viscosity == 0) reason = "fluid.viscosity is 0";
+        else if (scene_.fluid.flow_law().acts()) wanted = ViscosityModel::full, reason = "the viscosity depends on the strain rate";
         else if (n_.explicit_step >= step_ && rotation_lost() > most_rotation_lost)
             wanted = ViscosityModel::full, reason = fmt::format("an explicit Laplacian removes {}", rotation_taken());
         else if (n_.explicit_step >= step_) wanted = ViscosityModel::explicit_laplacian, reason = explicit_step("longer");

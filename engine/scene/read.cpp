@@ -39,6 +39,7 @@ public:
     void check() {
         longest_step();
         frames();
+        flow_law();
         if (!file_name(scene_.name)) reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", allowed_names);
         ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max, scene_.domain.dimensions);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
@@ -76,6 +77,29 @@ private:
         const double as_it_plays = 1 / (600 * scene_.time.slow_motion * std::min(1.0, scene_.time.fps));
         if (reader_.places.count("time.max_step") == 0 && std::isfinite(as_it_plays))
             scene_.time.max_step = std::max(scene_.time.max_step, as_it_plays);
+    }
+    /// The consistency takes the place of the viscosity.
+    void flow_law() {
+        FluidKeys& fluid = scene_.fluid;
+        if (fluid.consistency) {
+            const Expression K(*fluid.consistency);
+            if (reader_.places.count("fluid.viscosity") > 0 && fluid.viscosity.text() != K.text() && fluid.viscosity.text() != "0")
+                reader_.disagree({"fluid.consistency", "fluid.viscosity"}, "fluid.consistency and fluid.viscosity both give K",
+                                 "remove fluid.viscosity");
+            for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+                if (scene_.emitters[i].viscosity)
+                    reader_.disagree({entry_name("emitter", i) + ".viscosity", "fluid.consistency"},
+                                     "fluid from all emitters has the fluid.consistency", "remove one of the two");
+            fluid.viscosity = K;
+        }
+        if (!fluid.consistency && fluid.flow_index != 1)
+            reader_.disagree({"fluid.flow_index"}, fmt::format("fluid.flow_index = {:g} needs a consistency", fluid.flow_index),
+                             "set fluid.consistency [Pa s^n], which then replaces fluid.viscosity");
+        const bool thick = fluid.viscosity.text() != "0" || std::any_of(scene_.emitters.begin(), scene_.emitters.end(),
+                                                                        [](const EmitterKeys& e) { return e.viscosity.has_value(); });
+        if (fluid.yield_stress > 0 && !thick)
+            reader_.disagree({"fluid.yield_stress"}, "fluid with a yield stress needs a viscosity for its flow",
+                             "set fluid.viscosity, the plastic viscosity of a Bingham fluid [Pa s], or fluid.consistency [Pa s^n]");
     }
     void frames() {
         constexpr double most = 1e6, longest = 1e30;  // s; images know times in single precision

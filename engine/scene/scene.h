@@ -13,6 +13,7 @@
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
 #include "engine/models/pressure/pressure_options.h"
+#include "engine/models/viscosity/flow_law.h"
 #include "engine/models/viscosity/viscosity_options.h"
 #include "engine/particles/sample.h"
 #include "engine/scene/expression_keys.h"
@@ -90,9 +91,13 @@ struct DomainKeys {
 };
 
 struct FluidKeys {
-    double spacing = 0;                ///< m
-    double density = 1000;             ///< kg/m^3
-    Expression viscosity{0.0};         ///< Pa s, a function of the initial x, y, z and of age
+    double spacing = 0;                 ///< m
+    double density = 1000;              ///< kg/m^3
+    Expression viscosity{0.0};          ///< Pa s, a function of the initial x, y, z and of age
+    double yield_stress = 0;            ///< Pa
+    std::optional<double> consistency;  ///< Pa s^n; if set, also the value of viscosity
+    double flow_index = 1;              ///< n
+    FlowLaw flow_law() const { return {yield_stress, flow_index}; }
     double surface_tension = 0;        ///< N/m
     double ink_diffusion = 0;          ///< m^2/s
     int ink_markers = 2;               ///< per spacing, along each axis

@@ -72,6 +72,19 @@ KeyTable fluid_keys() {
         .at_least(0)
         .of("xyza")
         .live();
+    t.key("yield_stress", &FluidKeys::yield_stress, "Pa",
+          "shear stress up to which the fluid does not flow, so that it stands and flows as a plug: cream, paste, mud; needs coupled "
+          "pressure or full viscosity")
+        .at_least(0)
+        .live();
+    t.key("consistency", &FluidKeys::consistency, "Pa s^n",
+          "K in the stress yield_stress + K (shear rate)^flow_index; auto: fluid.viscosity, for a flow_index of 1")
+        .above(0)
+        .live();
+    t.key("flow_index", &FluidKeys::flow_index, "", "n in that stress; below 1 the fluid is the thinner the faster it shears")
+        .at_least(0.2)
+        .at_most(1.5)
+        .live();
     t.key("surface_tension", &FluidKeys::surface_tension, "N/m",
           "surface tension: particles attract each other over three spacings, or with pressure.form = projection the surface's curvature "
           "gives a pressure; 0: none, at no cost")

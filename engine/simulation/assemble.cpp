@@ -135,6 +135,8 @@ private:
         options.limits = scene_.pressure.limits;
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
+        const FlowLaw law = scene_.fluid.flow_law();
+        options.softest_penalty = law.acts();
         auto system = std::make_shared<CoupledSystem>(options);
         if (scene_.fluid.ink_diffusion > 0 || scene_.foam) stages_.push_back(neighbours());
         ink_diffusion();
@@ -144,10 +146,13 @@ private:
         force();
         // Gravity, pressure and viscosity are one solve. Its work, the potential energy that the move releases, and the energy that the
         // contact removes therefore all count as work of viscosity.
-        stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
+        if (law.acts()) stage("coupled solve", "pressure", CoupledYieldingSolve{system, law}, &EnergyBudget::viscosity);
+        else stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
         stages_.push_back(move_solids());
-        if (plan_.shifting != ShiftingModel::none) stage("coupled shift", "shifting", CoupledShift{system}, &EnergyBudget::moves);
+        const bool shifts = plan_.shifting != ShiftingModel::none;
+        if (shifts && law.acts()) stage("coupled shift", "shifting", CoupledYieldingShift{system}, &EnergyBudget::moves);
+        else if (shifts) stage("coupled shift", "shifting", CoupledShift{system}, &EnergyBudget::moves);
         stage("coupled contact", "boundary", CoupledContact{system}, &EnergyBudget::viscosity);
     }
 
@@ -344,6 +349,8 @@ private:
     void implicit_viscosity() {
         if (plan_.viscosity == ViscosityModel::full_assembled)
             stage("assembled viscosity", "viscosity", AssembledViscosity(viscosity()), &EnergyBudget::viscosity);
+        else if (const FlowLaw law = scene_.fluid.flow_law(); law.acts())
+            stage("full viscosity", "viscosity", YieldingViscosity(viscosity(), law), &EnergyBudget::viscosity);
         else if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(viscosity()), &EnergyBudget::viscosity);
         else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(viscosity()), &EnergyBudget::viscosity);
     }

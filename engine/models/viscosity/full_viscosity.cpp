@@ -10,8 +10,25 @@ void FullViscosity::operator()(const InteractionContext& context, StepReport& re
     solve_implicit(operator_, options_.limits, {context, report, role, x, u, last});
 }
 
+void YieldingViscosity::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
+                                   Read<field::viscosity> K, Read<field::velocity_gradient> before, Update<field::velocity> u,
+                                   Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate,
+                                   Update<field::apparent_viscosity> mu) {
+    const ImplicitStep s{context, report, role, x, u, last};
+    law_.begin(K.values, before.values, context.step.dt, context.step.dimensions(), mu.values);
+    Column<Real> gamma(static_cast<std::size_t>(K.size()));
+    for (int solves = 1;; ++solves) {
+        operator_.set_up(options_, context, role, {mu.values}, {}, before.values);
+        set_up_coarse(context.pairs, context.step, role, x, aggregate.values, true);
+        const ImplicitSolution solution = find_solution(operator_, options_.limits, s);
+        operator_.shear_rates(solution.u, gamma);
+        if (law_.update(K.values, gamma, mu.values) > law_.tolerance && solves < law_.most_solves) continue;
+        return take_solution(operator_, s, solution);
+    }
+}
+
 void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
-                                  Span<std::int32_t> aggregate) {
+                                  Span<std::int32_t> aggregate, bool changed) {
     operator_.use_coarse(nullptr);
     const double d2 = static_cast<double>(step.spacing) * step.spacing;
     const bool automatic = options_.preconditioner == ViscousPreconditioner::automatic;
@@ -24,7 +41,7 @@ void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& st
     const int groups =
         fresh ? form_aggregates(pairs, x.values, role.values, step.domain, step.support, options_.aggregate, aggregate) : coarse_.groups();
     coarse_.place(x.values, role.values, aggregate, groups, step.domain, step.spacing);
-    if (fresh && groups > 0) coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
+    if ((fresh || changed) && groups > 0) coarse_.factor(operator_.coarse_matrix(coarse_.motions()));
     if (coarse_.groups() > 0) operator_.use_coarse(&coarse_);
 }
 

@@ -3,6 +3,7 @@
 ///
 /// Stages of a step, in order: VelocityGradient, Gravity, (forces), Kick, FullViscosity, (pressure), Move. The corrected form needs no
 /// density.
+#include "engine/models/viscosity/flow_law.h"
 #include "engine/models/viscosity/strain/curvature.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
@@ -24,12 +25,26 @@ public:
                     Read<field::viscosity> mu, Read<field::velocity_gradient> before, Update<field::velocity> u,
                     Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate);
 
-private:
+protected:
+    /// @param changed the viscosities differ from those of the last call: the coarse level is factored again
     void set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
-                       Span<std::int32_t> aggregate);
+                       Span<std::int32_t> aggregate, bool changed = false);
     ViscosityOptions options_;
     ViscousOperator operator_;
     CoarseLevel coarse_;
+};
+
+/// The same for a fluid whose viscosity depends on the strain rate. field::viscosity is K of the law.
+class YieldingViscosity : private FullViscosity {
+public:
+    YieldingViscosity(ViscosityOptions options, const FlowLaw& law) : FullViscosity(options), law_(law) { options_.softest_penalty = true; }
+    void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::viscosity> K, Read<field::velocity_gradient> before, Update<field::velocity> u,
+                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate,
+                    Update<field::apparent_viscosity> mu);
+
+private:
+    FlowLaw law_;
 };
 
 /// Stage of the uncorrected form, whose weights contain the density.

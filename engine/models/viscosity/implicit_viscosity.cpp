@@ -59,7 +59,7 @@ double share_of_tolerance(const ImplicitStep& s, Span<const Vec3> last_change) {
 
 }  // namespace
 
-void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s) {
+ImplicitSolution find_solution(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s) {
     const Index n = s.u.size();
     const double prescribed = parallel_sum(n, [&](Index i) { return s.role[i] != 0; });
     const bool alone = !A.touches_wall() && prescribed == 0;
@@ -103,15 +103,21 @@ void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const 
         parallel_for(static_cast<Index>(all), [&](Index i) { change[i] += z[i]; });
     }
     s.report.solves.push_back({SolveKind::viscosity, solved});
-    parallel_for(n, [&](Index i) {
-        s.last[i] = s.context.step.dt > 0 ? Vec3(change[i] / s.context.step.dt) : Vec3(Vec3::Zero());
-        s.u[i] += change[i];
-    });
+    parallel_for(n, [&](Index i) { s.last[i] = s.context.step.dt > 0 ? Vec3(change[i] / s.context.step.dt) : Vec3(Vec3::Zero()); });
+    parallel_for(static_cast<Index>(all), [&](Index i) { u[i] += change[i]; });
+    return {std::move(u), std::move(change)};
+}
+
+void take_solution(const ImplicitOperator& A, const ImplicitStep& s, const ImplicitSolution& solution) {
+    const Index n = s.u.size();
+    const auto& [u, change] = solution;
+    const ViscousBodies* bodies = A.bodies();
+    std::copy(u.begin(), u.begin() + n, s.u.values.begin());
     const Remainder rest(s.context.solids, Push::viscous);
     if (bodies) bodies->add_change(Span<const Vec3>(change).subspan(n), s.context.solids);
     if (!s.context.solids.any_probed()) return;
     // The solve minimised E. So (dE/du)/m, which contains the forces of solids and prescribed particles, differs from 0 by the residual.
-    for (std::size_t k = 0; k < all; ++k) u[k] += change[k];
+    Column<Vec3> z(u.size());
     A.force(u, z);
     A.write_ledgers(s, u);
     Wrench residual = momentum_of(s.role, s.x.values, [&](Index i) { return Vec3(z[i] - (u[i] - change[i])); });

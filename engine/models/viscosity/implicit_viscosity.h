@@ -55,13 +55,24 @@ struct ImplicitStep {
     Update<field::viscous_acceleration> last;
 };
 
+/// Velocities after the solve and their changes, free bodies included.
+struct ImplicitSolution {
+    Column<Vec3> u, change;
+};
+
 /// u = argmin E, by conjugate gradients from u* + dt (last step's viscous acceleration). If no solid and no prescribed particle acts,
 /// momentum is conserved to round-off for any tolerance, because the preconditioner works in the space without rigid motions. Angular
 /// momentum is then conserved, too, if rotations_are_free().
 /// @param limits tolerance for sqrt(r.z)/sqrt(b.B^-1 b), with r the residual and z = precondition(r). b: velocities before the solve
 /// relative to their mean, plus the loads of walls and prescribed particles. If viscosity changed these velocities by less than a hundredth
 /// in the last step, the tolerance is reduced in proportion, to 0.03 of its value at least.
-void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
+/// Sets s.last, the next guess, but neither velocities nor ledgers.
+ImplicitSolution find_solution(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
+/// Sets the velocities of particles and bodies, and writes the ledgers. @param A the operator that the solution belongs to
+void take_solution(const ImplicitOperator& A, const ImplicitStep& s, const ImplicitSolution& solution);
+inline void solve_implicit(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s) {
+    take_solution(A, s, find_solution(A, limits, s));
+}
 
 /// Inverse of the 3x3 diagonal blocks B: z = B^-1 r for the free particles, 0 for the others.
 class BlockDiagonal {

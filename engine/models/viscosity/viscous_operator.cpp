@@ -14,6 +14,7 @@ void ViscousOperator::set_up(const ViscosityOptions& options, const InteractionC
     const std::size_t n = static_cast<std::size_t>(mu.size());
     pairs_ = &context.pairs;
     options_ = options;
+    dimensions_ = context.step.dimensions();
     use_coarse(nullptr);
     pair_.resize(context.pairs.other.size());
     M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);
@@ -69,6 +70,11 @@ void ViscousOperator::set_up_moments(const ViscosityOptions& options, const Step
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
                 if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
+                if (options.softest_penalty) {
+                    Real softest = mu[i];
+                    for (std::size_t e = pairs_->first[i]; e < pairs_->first[i + 1]; ++e) softest = std::min(softest, mu[pairs_->other[e]]);
+                    c_[i] *= softest / mu[i];
+                }
             }
             if (!options.correction && (!options.stretches() || wall_.empty() || !(wall_[i].near.spring > 0))) {
                 whole_[i] = 2, P_[i] = M_[i];

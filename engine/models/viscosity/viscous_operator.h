@@ -45,6 +45,8 @@ public:
     bool rotations_are_free() const override { return options_.correction; }
     void write_ledgers(const ImplicitStep& s, Span<const Vec3> u) const override;
     Index size() const { return static_cast<Index>(K_.size()); }
+    /// gamma_i = sqrt(2 D:D) of the deviator of D_i - T_i [1/s]. @param u velocities [m/s], then those of the free bodies
+    void shear_rates(Span<const Vec3> u, Span<Real> gamma) const;
     /// Largest dt nu_i over the particles [m^2].
     double largest_spread() const;
 
@@ -83,6 +85,8 @@ private:
     void set_up_curvature(Span<const Mat3> before, Real dt);
     void set_up_blocks(const ViscosityOptions& options);
     void spread(Span<const Vec3> u, bool free_only) const;
+    template <class F>
+    void each_strain(Span<const Vec3> u, bool with_known, const F& f) const;
     void stress(Span<const Vec3> u, bool with_known) const;
     void divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const;
     void set_up_bodies(const ViscosityOptions& options, const InteractionContext& context);
@@ -94,6 +98,7 @@ private:
     void sum_bodies(Span<const Vec3> u, Span<Vec3> y) const;
 
     ViscosityOptions options_;
+    int dimensions_ = 3;
     const FluidPairs* pairs_ = nullptr;
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sums of w r_ij over fluid and solids

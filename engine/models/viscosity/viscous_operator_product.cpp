@@ -5,6 +5,7 @@
 #endif
 
 #include "engine/core/parallel.h"
+#include "engine/models/viscosity/flow_law.h"
 #include "engine/models/viscosity/viscous_operator.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"  // functions below that pass vectors by value are local to this file
@@ -91,15 +92,17 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
     });
 }
 
-/// A = sum_j w u_ij r_ij^T, G = A M^+, Q = 2 K P (D - T) M^+ - 2 c G. Symbols as in viscous_operator.h. T, the walls' own velocities and
-/// the load of their friction are included only if with_known. The fourth column of A is the force of the penalty's springs.
-void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
+/// A = sum_j w u_ij r_ij^T, G = A M^+, S = 2 P (D - T). Symbols as in viscous_operator.h. T, the walls' own velocities and the load of
+/// their friction are included only if with_known. The fourth column of A is the force of the penalty's springs.
+/// @param f called with (i, u_i in all columns, A, S) for each particle
+template <class F>
+void ViscousOperator::each_strain(Span<const Vec3> u, bool with_known, const F& f) const {
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
         const SixteenLanes own = in_register(u_[i]);
         SixteenLanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - in_register(u_[j]); });
-        const Vec3 ui(own[0], own[4], own[8]);
         if (!wall_.empty()) {
+            const Vec3 ui(own[0], own[4], own[8]);
             const Wall& wall = wall_[i];
             A += in_each_row(wall.near.wr.data()) * own;
             if (with_known) A -= in_register(wall.moving);
@@ -115,17 +118,33 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
                 A = in_register(sum);
             }
         }
-        const Real K = K_[i], c = 2 * c_[i];
-        const Real* M = M_[i].lane;
-        SixteenLanes G = times(A, M);
+        SixteenLanes G = times(A, M_[i].lane);
         if (!whole_[i]) G = project(in_register(P_[i]), G);
         G += transposed(G);
         if (!whole_[i]) G = project(in_register(P_[i]), G);
         if (with_known && !curvature_.empty()) G -= in_register(curvature_[i]);
-        const SixteenLanes Q = whole_[i] == 2 ? times(K * G, M) - times(c * A, P_[i].lane) : times(K * G - c * A, M);
+        f(i, own, A, G);
+    });
+}
+
+/// Q = K S M^+ - 2 c G
+void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
+    each_strain(u, with_known, [&](Index i, const SixteenLanes& own, const SixteenLanes& A, const SixteenLanes& S) {
+        const Real K = K_[i], c = 2 * c_[i];
+        const Real* M = M_[i].lane;
+        const SixteenLanes Q = whole_[i] == 2 ? times(K * S, M) - times(c * A, P_[i].lane) : times(K * S - c * A, M);
         reinterpret_cast<SixteenLanes&>(Q_[i]) = Q;
         reinterpret_cast<SixteenLanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
-        if (bodies()) set_body_forces(i, u, ui, Q_[i].matrix());
+        if (bodies()) set_body_forces(i, u, Vec3(own[0], own[4], own[8]), Q_[i].matrix());
+    });
+}
+
+void ViscousOperator::shear_rates(Span<const Vec3> u, Span<Real> gamma) const {
+    spread(u, false);
+    each_strain(u, true, [&](Index i, const SixteenLanes&, const SixteenLanes&, const SixteenLanes& S) {
+        Sixteen twice;
+        reinterpret_cast<SixteenLanes&>(twice) = S;
+        gamma[i] = shear_rate(twice.matrix() / 2, dimensions_);
     });
 }
 

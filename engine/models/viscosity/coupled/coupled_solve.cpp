@@ -164,13 +164,15 @@ struct CoupledStep {
         });
     }
 
-    void set_up_preconditioner() {
+    /// @param changed the viscosities differ from those of the last solve
+    void set_up_preconditioner(bool changed) {
         TwoLevel& M = system.preconditioner;
         const bool coarse = options.diagonal && free_particles >= options.fewest_for_coarse;
         if (!coarse) M.clear();
         else if (M.due(step.at_frame_time, options.refresh_every))
-            M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values);
+            M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values), changed = false;
         M.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+        if (changed) M.factor(form);
         if (!options.diagonal) M.be_identity();
     }
 
@@ -244,11 +246,11 @@ struct CoupledStep {
         return {share * options.limits.tolerance, options.limits.max_iterations};
     }
 
-    /// Solves by conjugate gradients, starting from the last velocity plus 0.9 times its last change.
-    SolveReport solve(double reference) {
+    /// Solves by conjugate gradients, starting from the last velocity plus 0.9 times its last change. @param again start from `solved`
+    SolveReport solve(double reference, bool again) {
         const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); };
         const TwoLevel& M = system.preconditioner;
-        parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
+        if (!again) parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
         if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned);
         multiply(solved, work);
         parallel_for(n, [&](Index i) { load[i] -= work[i]; });  // the residual
@@ -266,6 +268,42 @@ struct CoupledStep {
         multiply(rest, work);
         parallel_for(n, [&](Index i) { load[i] -= work[i]; });
         return report;
+    }
+
+    void find_velocity(StepReport& report, bool again = false) {
+        set_up_preconditioner(again);
+        set_pressure();
+        balance();
+        const double reference = set_load();
+        report.solves.push_back({SolveKind::coupled, solve(reference, again)});
+    }
+
+    /// Sets gamma of the solution. @param gamma sqrt(2 D:D) of the deviator of D - T [1/s]
+    void find_shear_rates(Span<Real> gamma) {
+        parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+        form.gradient(work, G.values);
+        parallel_for(n, [&](Index i) {
+            const Mat3 in = system.rows.neighbourhood[i].unresolved > 0 ? Mat3(system.rows.resolved(i) * G[i]) : G[i];
+            gamma[i] = shear_rate((in + in.transpose()) / 2 - curvature[i], system.rows.dimensions());
+        });
+    }
+
+    void prepare() {
+        set_up_form();
+        find_unknowns();
+        set_known_velocities();
+        set_curvature();
+        set_divergence();
+    }
+
+    void finish(StepReport& report) {
+        keep_momentum();
+        keep_volume(report.solves.back().report);
+        take_over();
+        find_held();
+        write_ledgers();
+        count_pushes(report);
+        release_slipping();
     }
 
     /// Replaces a bad initial guess (after a jolt or a landing): minimises the energy along the last step's change, and updates the
@@ -461,24 +499,31 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
                               const StepContext& step, StepReport& report) const {
     if (x.size() == 0) return;
     CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
-    now.set_up_form();
-    now.find_unknowns();
-    now.set_up_preconditioner();
-    now.set_known_velocities();
-    now.set_curvature();
-    now.set_divergence();
-    now.set_pressure();
-    now.balance();
-    const double reference = now.set_load();
+    now.prepare();
+    now.find_velocity(report);
     now.let_go();
-    report.solves.push_back({SolveKind::coupled, now.solve(reference)});
-    now.keep_momentum();
-    now.keep_volume(report.solves.back().report);
-    now.take_over();
-    now.find_held();
-    now.write_ledgers();
-    now.count_pushes(report);
-    now.release_slipping();
+    now.finish(report);
+}
+
+void CoupledYieldingSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> K,
+                                      Update<field::apparent_viscosity> mu, Update<field::velocity> u, Update<field::pressure> p,
+                                      Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                                      Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids,
+                                      const StepContext& step, StepReport& report) const {
+    if (x.size() == 0) return;
+    law.begin(K.values, G.values, step.dt, system->rows.dimensions(), mu.values);
+    CoupledStep now{*system, x, role, {mu.values}, u, p, change, G, aggregate, slip, solids, step};
+    Column<Real> gamma(K.values.size()), next(mu.values.begin(), mu.values.end());
+    now.prepare();
+    for (int solves = 1;; ++solves) {
+        now.find_velocity(report, solves > 1);
+        now.find_shear_rates(gamma);
+        if (law.update(K.values, gamma, next) <= law.tolerance || solves == law.most_solves) break;
+        std::copy(next.begin(), next.end(), mu.values.begin());
+        now.set_up_form();
+    }
+    now.finish(report);
+    std::copy(next.begin(), next.end(), mu.values.begin());
 }
 
 }  // namespace whorl

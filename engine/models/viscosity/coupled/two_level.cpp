@@ -52,6 +52,10 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
     });
 }
 
+void TwoLevel::factor(const StrainForm& form) {
+    if (coarse_.groups() > 0) coarse_.factor(coarse_matrix(form, coarse_.motions()));
+}
+
 double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
     coarse_.solve(r);
     return parallel_sum(static_cast<Index>(r.size()), [&](Index i) {

@@ -25,6 +25,8 @@ public:
              Real spacing, Span<const std::int32_t> aggregate);
     /// Sets z = r until the next set(), for comparison.
     void be_identity() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
+    /// Factors Ac again, for other viscosities and the aggregates of the last set().
+    void factor(const StrainForm& form);
     /// Frees the memory of the diagonal blocks until the next set().
     void release() { std::vector<Mat3>().swap(inverse_diagonal_); }
     /// @returns r.z
