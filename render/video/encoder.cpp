@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <sstream>
 #include <system_error>
 
 #include "engine/core/atomic_file.h"
@@ -30,75 +32,54 @@ std::string end_of(const ChildProcess& ffmpeg, int code) {
            (words.empty() ? "" : ": " + words);
 }
 
-const char* const even = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,";
-const char* const to_bt709 =
-    "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+full_chroma_inp,";
-
-std::vector<std::string> tagged_bt709() {
-    return {"-color_range", "tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"};
+/// Splits a command line at its spaces.
+std::vector<std::string> words_of(const std::string& line) {
+    std::istringstream in(line);
+    return {std::istream_iterator<std::string>(in), {}};
 }
+
+const char* const to_bt709 =
+    "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,"
+    "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd+full_chroma_int+full_chroma_inp,";
+const char* const tagged_bt709 = "-color_range tv -colorspace bt709 -color_primaries bt709 -color_trc bt709";
 
 // Each frame should soon be in the file, in case all processes are killed: hence a short look-ahead, one keyframe per second, and fragments
 // of a quarter of a second. One thread is enough, and the simulation needs the others: "veryfast" takes 10 ms for a frame of 1280x720
 // ("medium" takes 24 ms and gains 0.7 dB at the same file size).
-std::vector<std::string> mp4(const VideoOptions& options) {
-    const std::string keyframe = std::to_string(std::clamp(std::lround(options.fps), 1L, 250L));
-    std::vector<std::string> words{"-vf",          std::string(even) + to_bt709 + "format=yuv420p",
-                                   "-c:v",         "libx264",
-                                   "-preset",      "veryfast",
-                                   "-crf",         std::to_string(options.crf),
-                                   "-threads",     "1",
-                                   "-g",           keyframe,
-                                   "-x264-params", "rc-lookahead=8:sync-lookahead=0"};
-    for (const std::string& word : tagged_bt709()) words.push_back(word);
-    for (const char* word : {"-movflags", "+empty_moov+default_base_moof", "-frag_duration", "250000", "-flush_packets", "1", "-f", "mp4"})
-        words.emplace_back(word);
-    return words;
+std::string mp4(const VideoOptions& options) {
+    return fmt::format(
+        "-vf {}format=yuv420p -c:v libx264 -preset veryfast -crf {} -threads 1 -g {} -x264-params rc-lookahead=8:sync-lookahead=0 {} "
+        "-movflags +empty_moov+default_base_moof -frag_duration 250000 -flush_packets 1 -f mp4",
+        to_bt709, options.crf, std::clamp(std::lround(options.fps), 1L, 250L), tagged_bt709);
 }
 
 /// ProRes 422 HQ, or 4444 with alpha, for video editors.
-std::vector<std::string> mov(const VideoOptions& options) {
-    // setparams tags the images, whose tags the encoder writes. The tags of the stream (tagged_bt709()) reach only the container.
-    const std::string format = std::string("setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709,format=") +
-                               (options.alpha ? "yuva444p10le" : "yuv422p10le");
-    std::vector<std::string> words{
-        "-vf", std::string(even) + to_bt709 + format, "-c:v", "prores_ks", "-profile:v", options.alpha ? "4" : "3", "-threads", "1"};
-    if (options.alpha) words.insert(words.end(), {"-alpha_bits", "16"});
-    for (const std::string& word : tagged_bt709()) words.push_back(word);
-    words.insert(words.end(), {"-f", "mov"});
-    return words;
+std::string mov(const VideoOptions& options) {
+    // setparams tags the images, whose tags the encoder writes. The tags of the stream (tagged_bt709) reach only the container.
+    return fmt::format(
+        "-vf {}setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709,format={} -c:v prores_ks -profile:v {} -threads 1 "
+        "{} {} -f mov",
+        to_bt709, options.alpha ? "yuva444p10le" : "yuv422p10le", options.alpha ? 4 : 3, options.alpha ? "-alpha_bits 16" : "",
+        tagged_bt709);
 }
 
-/// VP9 needs a larger crf than H.264 for the same quality.
-std::vector<std::string> webm(const VideoOptions& options) {
-    std::vector<std::string> words{"-vf",       std::string(even) + to_bt709 + (options.alpha ? "format=yuva420p" : "format=yuv420p"),
-                                   "-c:v",      "libvpx-vp9",
-                                   "-b:v",      "0",
-                                   "-crf",      std::to_string(std::min(63, options.crf + 12)),
-                                   "-deadline", "good",
-                                   "-cpu-used", "5",
-                                   "-threads",  "1"};
-    for (const std::string& word : tagged_bt709()) words.push_back(word);
-    // libvpx supports alpha only without alternate reference frames.
-    if (options.alpha) words.insert(words.end(), {"-auto-alt-ref", "0"});
-    words.insert(words.end(), {"-f", "webm"});
-    return words;
+/// VP9 needs a larger crf than H.264 for the same quality. libvpx supports alpha only without alternate reference frames.
+std::string webm(const VideoOptions& options) {
+    return fmt::format("-vf {}format={} -c:v libvpx-vp9 -b:v 0 -crf {} -deadline good -cpu-used 5 -threads 1 {} {} -f webm", to_bt709,
+                       options.alpha ? "yuva420p" : "yuv420p", std::min(63, options.crf + 12), tagged_bt709,
+                       options.alpha ? "-auto-alt-ref 0" : "");
 }
 
 /// One palette for the whole video, chosen for its moving parts. At most 25 frames per second: programs show no more.
-std::vector<std::string> gif(const VideoOptions& options) {
-    return {"-vf",
-            "fps=" + std::to_string(std::min(25.0, options.fps)) +
-                ",split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=3",
-            "-loop",
-            "0",
-            "-f",
-            "gif"};
+std::string gif(const VideoOptions& options) {
+    return fmt::format(
+        "-vf fps={:f},split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=3 -loop 0 -f gif",
+        std::min(25.0, options.fps));
 }
 
 struct Format {
     const char* suffix;
-    std::vector<std::string> (*encode)(const VideoOptions&);
+    std::string (*encode)(const VideoOptions&);
     bool has_alpha;
     const char* container;  ///< format of the rewrite that makes playback start fast; null: no rewrite
 };
@@ -119,33 +100,20 @@ std::string rate(double fps) {
 
 /// @param file final name of the video
 std::vector<std::string> encode_arguments(const std::filesystem::path& file, int width, int height, const VideoOptions& options) {
-    std::vector<std::string> words{"ffmpeg",
-                                   "-nostdin",
-                                   "-hide_banner",
-                                   "-loglevel",
-                                   "error",
-                                   "-y",
-                                   "-f",
-                                   "rawvideo",
-                                   "-pixel_format",
-                                   options.alpha ? "rgba" : "rgb24",
-                                   "-video_size",
-                                   std::to_string(width) + "x" + std::to_string(height),
-                                   "-framerate",
-                                   rate(options.fps),
-                                   "-i",
-                                   "pipe:0",
-                                   "-filter_threads",
-                                   "1"};
-    for (const std::string& word : format_of(file).encode(options)) words.push_back(word);
+    std::vector<std::string> words = words_of(
+        fmt::format("ffmpeg -nostdin -hide_banner -loglevel error -y -f rawvideo -pixel_format {} -video_size {}x{} -framerate {} -i "
+                    "pipe:0 -filter_threads 1 {}",
+                    options.alpha ? "rgba" : "rgb24", width, height, rate(options.fps), format_of(file).encode(options)));
     words.push_back(std::filesystem::absolute(partial_video(file)).string());  // absolute: 12:00.mp4 would have the protocol "12"
     return words;
 }
 
 std::vector<std::string> rewrite_arguments(const std::filesystem::path& from, const char* container, const std::filesystem::path& to) {
-    const std::string source = std::filesystem::absolute(from).string(), target = std::filesystem::absolute(to).string();
-    return {"ffmpeg", "-nostdin", "-hide_banner", "-loglevel",  "error", "-y",      "-i",  source,
-            "-c",     "copy",     "-movflags",    "+faststart", "-f",    container, target};
+    std::vector<std::string> words = words_of("ffmpeg -nostdin -hide_banner -loglevel error -y -i");
+    words.push_back(std::filesystem::absolute(from).string());
+    for (const std::string& word : words_of(fmt::format("-c copy -movflags +faststart -f {}", container))) words.push_back(word);
+    words.push_back(std::filesystem::absolute(to).string());
+    return words;
 }
 
 }  // namespace
