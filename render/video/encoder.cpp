@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <sstream>
 #include <system_error>
 
 #include "engine/core/atomic_file.h"
@@ -30,12 +28,6 @@ std::string end_of(const ChildProcess& ffmpeg, int code) {
     const std::string words = last_lines(ffmpeg.output());
     return (signal > 0 ? "ffmpeg was killed by signal " + std::to_string(signal) : "ffmpeg ended with code " + std::to_string(code)) +
            (words.empty() ? "" : ": " + words);
-}
-
-/// Splits a command line at its spaces.
-std::vector<std::string> words_of(const std::string& line) {
-    std::istringstream in(line);
-    return {std::istream_iterator<std::string>(in), {}};
 }
 
 const char* const to_bt709 =

@@ -9,6 +9,8 @@
 
 #include <cerrno>
 #include <csignal>
+#include <iterator>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -97,6 +99,11 @@ std::string ChildProcess::output() const {
         at += got;
     }
     return text;
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+    std::istringstream in(line);
+    return {std::istream_iterator<std::string>(in), {}};
 }
 
 std::string last_lines(std::string output, std::size_t most) {

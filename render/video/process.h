@@ -33,6 +33,8 @@ private:
     int input_ = -1, output_ = -1, signal_ = 0;
 };
 
+/// Splits a command line at its spaces.
+std::vector<std::string> words_of(const std::string& line);
 /// The last `most` bytes of a program's output, without line ends at the end.
 std::string last_lines(std::string output, std::size_t most = 600);
 

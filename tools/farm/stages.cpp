@@ -159,17 +159,12 @@ std::string said_by(const std::vector<std::string>& words) {
 std::string submit(const FarmFilm& film, const FarmOptions& options) {
     std::string jobs, before;
     for (const FarmStage& stage : film.stages) {
-        std::vector<std::string> words{"sbatch",
-                                       "--parsable",
-                                       "--requeue",
-                                       "--job-name=whorl-" + stage.name,
-                                       fmt::format("--array=0-{}", stage.tasks.size() - 1),
-                                       fmt::format("--cpus-per-task={}", options.threads),
-                                       "--open-mode=append",
-                                       "--output=" + (film.folder / "farm" / (stage.name + ".%a.slurm")).string(),
-                                       fmt::format("--time={:.0f}", std::ceil(stage.seconds / 60)),
-                                       fmt::format("--mem={:.0f}M", std::ceil(stage.bytes / 1048576))};
-        if (options.jobs > 0) words[4] += fmt::format("%{}", options.jobs);
+        std::vector<std::string> words =
+            words_of(fmt::format("sbatch --parsable --requeue --job-name=whorl-{} --array=0-{}{} --cpus-per-task={} --open-mode=append "
+                                 "--time={:.0f} --mem={:.0f}M",
+                                 stage.name, stage.tasks.size() - 1, options.jobs > 0 ? fmt::format("%{}", options.jobs) : "",
+                                 options.threads, std::ceil(stage.seconds / 60), std::ceil(stage.bytes / 1048576)));
+        words.push_back("--output=" + (film.folder / "farm" / (stage.name + ".%a.slurm")).string());
         if (!before.empty()) {
             words.push_back((stage.after_failures ? "--dependency=afterany:" : "--dependency=afterok:") + before);
             words.emplace_back("--kill-on-invalid-dep=yes");
