@@ -112,14 +112,9 @@ private:
     }
 
     RunRequest request_of(std::size_t k) const {
-        return {.file = scenes_[k],
-                .folder = panel(k),
-                .frames = request_.frames,
-                .no_draw = request_.no_draw,
-                .quiet = request_.quiet,
-                .json = request_.json,
-                .force = request_.force,
-                .overwrite = true};
+        RunRequest panel = request_;
+        panel.file = scenes_[k], panel.folder = this->panel(k), panel.overwrite = true;
+        return panel;
     }
 
     /// @return as run_scene()

@@ -27,16 +27,11 @@ int dry_run(const RunRequest& request) {
 
 int render(const Options& options) {
     set_threads(options.threads);
-    RunRequest request;
-    request.file = read_scene_file(options);
-    request.folder = options.out.empty() ? std::filesystem::path("out") / request.file.scene.name : options.out;
-    request.frames = options.frames;
+    RunRequest request{read_scene_file(options), options.out, options.frames, options.no_draw, options.quiet, options.json};
+    if (options.out.empty()) request.folder = std::filesystem::path("out") / request.file.scene.name;
     if (request.frames) request.frames = std::min(*request.frames, frame_count(request.file.scene));
     request.overwrite = options.overwrite;
-    request.no_draw = options.no_draw;
     if (request.no_draw) export_raw(request.file.scene);
-    request.quiet = options.quiet;
-    request.json = options.json;
     if (options.dry_run) return dry_run(request);
     return request.file.scene.panels.empty() ? run_scene(request) : run_panels(request, false);
 }

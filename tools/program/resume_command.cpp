@@ -22,17 +22,15 @@ std::optional<double> wanted_end(const Options& options, const Scene& scene) {
 int resume(const Options& options) {
     set_threads(options.threads);
     RunFolder::existing(options.folder);  // throws if there is no run, or another process works in it
-    RunRequest request;
-    request.file = read_scene_file(options.folder / "scene.resolved.toml");
+    Options resolved;
+    resolved.scene = (options.folder / "scene.resolved.toml").string();
+    RunRequest request{read_scene_file(resolved), options.folder};
     if (const auto until = wanted_end(options, request.file.scene)) {
-        Options with_end;
-        with_end.scene = (options.folder / "scene.resolved.toml").string();
-        with_end.until = until;
-        request.file = read_scene_file(with_end);
+        resolved.until = until;
+        request.file = read_scene_file(resolved);
         request.frames = frame_count(request.file.scene);
     }
     if (options.no_video) request.file.scene.output.video = false;
-    request.folder = options.folder;
     request.no_draw = options.no_draw, request.force = options.force, request.quiet = options.quiet, request.json = options.json;
     if (request.no_draw) export_raw(request.file.scene);
     if (!request.file.scene.panels.empty()) return run_panels(request, true);
