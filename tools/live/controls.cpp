@@ -1,8 +1,10 @@
 #include "tools/live/controls.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "engine/io/csv.h"
 #include "engine/probes/comparison.h"
 #include "tools/cost/choices.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 namespace {
@@ -22,22 +25,6 @@ constexpr std::size_t kept_undos = 200;
 SceneFile without_later_changes(SceneFile file) {
     file.scene.changes.clear();
     return file;
-}
-
-/// Difference between two readings of a scene file.
-struct Edit {
-    std::vector<KeyValue> live;        ///< changes that are possible during the run
-    std::vector<std::string> restart;  ///< keys whose changes need a restart
-};
-Edit edit_between(const SceneFile& before, const SceneFile& now) {
-    Edit edit;
-    for (const KeyDifference& d : differences(before, now)) {
-        const bool of_list = d.path.find('[') != std::string::npos;
-        if (!d.now && !of_list) continue;
-        if (d.now && d.key->may_change && (d.before || !of_list)) edit.live.push_back({d.path, placed(*d.now, now.scene.place(d.path))});
-        else edit.restart.push_back(d.path);
-    }
-    return edit;
 }
 
 }  // namespace
@@ -165,17 +152,19 @@ void Controls::file_edited() {
     try {
         SceneFile now = without_later_changes(read_scene_file(options_));
         file_problem_.clear();
-        const Edit edit = edit_between(from_file_, now);
-        if (edit.live.empty() && edit.restart.empty()) {
-            from_file_ = std::move(now);
-            return tell_locked(false, "the scene file was saved; no value changed");
+        std::vector<KeyValue> live;        // changes that are possible during the run
+        std::vector<std::string> restart;  // keys whose changes need a restart
+        for (const KeyDifference& d : differences(from_file_, now)) {
+            const bool of_list = d.path.find('[') != std::string::npos;
+            if (!d.now && !of_list) continue;
+            if (d.now && d.key->may_change && (d.before || !of_list)) live.push_back({d.path, placed(*d.now, now.scene.place(d.path))});
+            else restart.push_back(d.path);
         }
-        set_locked(edit.live, true);
+        set_locked(live, true);
         from_file_ = std::move(now);
-        std::string text = "the scene file was saved";
-        for (std::size_t i = 0; i < edit.live.size(); ++i)
-            text += (i == 0 ? ": " : ", ") + edit.live[i].path + " = " + edit.live[i].value.toml();
-        for (std::size_t i = 0; i < edit.restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + edit.restart[i];
+        std::string text = live.empty() && restart.empty() ? "the scene file was saved; no value changed" : "the scene file was saved";
+        for (std::size_t i = 0; i < live.size(); ++i) text += (i == 0 ? ": " : ", ") + live[i].path + " = " + live[i].value.toml();
+        for (std::size_t i = 0; i < restart.size(); ++i) text += (i == 0 ? "; restart to use the new " : ", ") + restart[i];
         tell_locked(false, text);
     } catch (const std::exception& error) { tell_locked(true, file_problem_ = error.what()); }
 }
@@ -282,5 +271,35 @@ std::string ChangeRecording::text(double time) const {
 }
 
 void ChangeRecording::write(double time) const { write_text(file(), text(time)); }
+
+namespace {
+
+/// Inode, size and time of the last change of a file, which differ after every save; zeros if the file does not exist (an editor may be
+/// replacing it).
+std::array<long, 4> stamp(const std::filesystem::path& file) {
+    struct stat s {};
+    if (stat(file.c_str(), &s) != 0) return {};
+    return {static_cast<long>(s.st_ino), static_cast<long>(s.st_size), s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
+}
+
+}  // namespace
+
+std::jthread watch_file(std::function<std::filesystem::path()> file, std::function<void()> saved) {
+    return std::jthread([file = std::move(file), saved = std::move(saved)](const std::stop_token& ending) {
+        name_thread("watch");
+        std::filesystem::path watched = file();
+        auto known = stamp(watched), last = known;
+        while (!ending.stop_requested()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(125));
+            if (const auto now = file(); now != watched) watched = now, known = last = stamp(now);
+            const auto seen = stamp(watched);
+            const bool settled = seen == last && seen != decltype(seen){};
+            last = seen;
+            if (!settled || seen == known) continue;
+            known = seen;
+            saved();
+        }
+    });
+}
 
 }  // namespace whorl
