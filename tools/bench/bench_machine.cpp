@@ -56,3 +56,10 @@ void multiply_add(benchmark::State& state) {
 // Arguments of read_memory: megabytes, threads; of multiply_add: threads.
 BENCHMARK(read_memory)->ArgsProduct({{1, 256}, {1, 2}})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(multiply_add)->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+int main(int argc, char** argv) {
+    whorl::wait_passively(argv);
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+    benchmark::RunSpecifiedBenchmarks();
+}
