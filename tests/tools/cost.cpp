@@ -9,7 +9,7 @@
 
 #include "engine/core/clock.h"
 #include "tests/support/scratch.h"
-#include "tools/cost/estimate.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/film/progress.h"
 #include "tools/process/process.h"
 

@@ -1,5 +1,3 @@
-#include "tools/cost/estimate.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/scene_scales.h"
 #include "render/look/look_options.h"
+#include "tools/cost/coarse_run.h"
 
 namespace whorl {
 namespace {

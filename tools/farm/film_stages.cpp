@@ -5,7 +5,6 @@
 
 #include "engine/scene/scene.h"
 #include "tools/cost/coarse_run.h"
-#include "tools/cost/estimate.h"
 #include "tools/farm/stages.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/process/process.h"

@@ -16,7 +16,7 @@
 #include "engine/scene/scene.h"
 #include "render/look/field_values.h"
 #include "render/video/encoder.h"
-#include "tools/cost/estimate.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/film/contact_sheet.h"
 #include "tools/film/film.h"
 #include "tools/film/frame_loop.h"

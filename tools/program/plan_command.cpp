@@ -3,7 +3,7 @@
 #include "engine/probes/comparison.h"
 #include "engine/scene/available_memory.h"
 #include "engine/simulation/simulation.h"
-#include "tools/cost/estimate.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/film/panel_scenes.h"
 #include "tools/film/progress.h"
 #include "tools/program/command.h"

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "engine/simulation/simulation.h"
-#include "tools/cost/estimate.h"
+#include "tools/cost/coarse_run.h"
 #include "tools/scene_file/scene_file.h"
 
 namespace whorl {
