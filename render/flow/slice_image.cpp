@@ -1,9 +1,8 @@
-#include "render/flow/slice_image.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "render/flow/slice.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 #include "render/look/overlay.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "render/flow/slice_image.h"
+#include "render/flow/slice.h"
 #include "render/gl/aov_pass.h"
 #include "render/gl/context.h"
 #include "render/gl/field_texture.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "engine/core/random.h"
-#include "render/flow/slice_image.h"
+#include "render/flow/slice.h"
 #include "tests/golden/stored.h"
 #include "tests/support/shapes.h"
 

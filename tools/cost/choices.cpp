@@ -5,7 +5,7 @@
 
 #include "engine/io/snapshot.h"
 #include "render/flow/marks.h"
-#include "render/flow/slice_image.h"
+#include "render/flow/slice.h"
 #include "render/look/colour_map.h"
 #include "render/look/field_values.h"
 

@@ -9,7 +9,7 @@
 #include "engine/io/csv.h"
 #include "engine/io/frame.h"
 #include "engine/scene/scene.h"
-#include "render/flow/slice_image.h"
+#include "render/flow/slice.h"
 #include "render/image/image.h"
 #include "render/video/encoder.h"
 #include "tools/cost/coarse_run.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "render/flow/marks.h"
-#include "render/flow/slice_image.h"
 #include "render/image/image.h"
 #include "tests/support/flow_frames.h"
 #include "tests/support/on_threads.h"
