@@ -1,6 +1,8 @@
 #pragma once
-/// Named arrays with one row per particle or vertex, for files that other programs read.
+/// Named arrays with one row per particle or vertex, for files that other programs read; PLY and OBJ files.
+#include <array>
 #include <deque>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -53,5 +55,15 @@ Attributes vertex_attributes(const TriangleMesh& mesh, const VertexFields& field
 /// Names of the columns that a run must store in its frames for files of particles, or of the surface.
 std::vector<std::string> fields_of_particles();
 std::vector<std::string> fields_of_surface();
+
+/// Atomically writes a binary little-endian PLY file, one vertex per row. Every property is a 4-byte float or int, named by
+/// component_names(). Comments in the file give the frame and the units. @throws EnvironmentError
+/// @param triangles null: points, no faces
+void write_ply(const std::filesystem::path& file, const Frame& frame, const Attributes& vertices,
+               const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr);
+
+/// Atomically writes the positions and triangles of a mesh, and its normals if it has any. OBJ has no other fields. @throws
+/// EnvironmentError
+void write_obj_mesh(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace whorl

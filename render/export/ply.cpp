@@ -1,5 +1,3 @@
-#include "render/export/ply.h"
-
 #include <fmt/format.h>
 
 #include <cstring>
@@ -8,6 +6,7 @@
 
 #include "engine/core/atomic_file.h"
 #include "engine/core/parallel.h"
+#include "render/export/attributes.h"
 
 namespace whorl {
 namespace {

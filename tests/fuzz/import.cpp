@@ -1,6 +1,6 @@
 // Input of `whorl import`: JSON of another program. The scene reader must accept the result or reject it with a message.
 #include "engine/scene/plan.h"
-#include "render/export/ply.h"
+#include "render/export/attributes.h"
 #include "tests/fuzz/target.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/scene_file/scene_file.h"

@@ -8,7 +8,7 @@
 #include "engine/io/columns.h"
 #include "engine/io/frame.h"
 #include "engine/scene/model_traits.h"
-#include "render/export/ply.h"
+#include "render/export/attributes.h"
 #include "render/flow/cloud.h"
 #include "render/look/field_values.h"
 #include "render/surface/vdb.h"

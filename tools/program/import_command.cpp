@@ -2,7 +2,7 @@
 
 #include "engine/core/atomic_file.h"
 #include "engine/scene/read.h"
-#include "render/export/ply.h"
+#include "render/export/attributes.h"
 #include "tools/convert/splishsplash.h"
 #include "tools/program/command.h"
 #include "tools/scene_file/scene_file.h"

@@ -2,7 +2,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "render/export/ply.h"
+#include "render/export/attributes.h"
 #include "tests/support/exported.h"
 #include "tests/support/scratch.h"
 

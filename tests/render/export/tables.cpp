@@ -3,8 +3,8 @@
 
 #include "engine/core/errors.h"
 #include "engine/io/csv.h"
+#include "render/export/attributes.h"
 #include "render/export/gltf.h"
-#include "render/export/ply.h"
 #include "tests/support/exported.h"
 #include "tests/support/scratch.h"
 
