@@ -96,12 +96,12 @@ private:
     }
     Near near(const Vec3& x) const {
         const Real h = height(x);
-        const bool outside = cavity_->distance(x) > 0;
         if (h > 0) {
             const Vec3 foot = x - h * n_;
-            if (cavity_->distance(foot) <= 0) return from_walls(x, outside);
+            if (cavity_->distance(foot - known_ * n_) <= 0) return from_walls(x, false);
             return std::abs(sheet_->distance(foot)) <= wall_ ? Near{h, n_} : from_point(x, on_outside(foot, true), n_);
         }
+        const bool outside = cavity_->distance(x) > 0;
         const Near from = from_walls(x, outside);
         if (!outside) return from;
         if (from.distance <= wall_) {
