@@ -30,8 +30,10 @@ void main() {
     float sharp = pixels * form.z / far;
     float blur = lens.y > 0.0 ? pixels * lens.x * abs(1.0 / far - 1.0 / lens.y) : 0.0;
     float radius = max(max(sharp, blur), 0.6);
-    // A moving point covers a pixel only for a part of the time. Its highlights are much brighter than white, so the streak fades less.
-    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * inversesqrt(1.0 + 0.5 * travel / radius);
+    // A moving point covers a pixel only for a part of the time. Highlights of drops are much brighter than white, so their streaks fade
+    // less. Bubbles in the fluid have no highlights.
+    float fading = form.w < 0.0 ? -0.5 : spray > 0.5 ? -0.65 : -1.0;
+    float opacity = form.w * min(1.0, sharp * sharp / (radius * radius)) * pow(1.0 + 0.5 * travel / radius, fading);
     float margin = radius + 1.0;
     place = form.xy * vec2(0.5 * travel + margin, margin);
     flies = spray;

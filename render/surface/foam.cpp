@@ -16,8 +16,8 @@ constexpr float parting = 0.12f;      // largest velocity of a point of spray re
 constexpr float spray_after = 0.02f;  // `airborne` above which a particle is drawn as spray [s]
 constexpr float faint = 0.06f;        // smaller values of foam are not drawn
 constexpr float mist_radius = 1.0f;   // spacings
-constexpr float mist_opacity = 0.24f, mist_of_spray = 0.05f;
-constexpr float bubble_opacity = 0.6f;  // of a point in the fluid
+constexpr float mist_opacity = 0.24f, mist_of_spray = 0.12f;
+constexpr float bubble_opacity = 0.45f;  // of a point in the fluid
 
 /// Random numbers of a point, uniform from 0 to 1 (PCG, Jarzynski and Olano 2020).
 class PointNumbers {

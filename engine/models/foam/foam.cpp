@@ -67,7 +67,7 @@ void Foam::operator()(const InteractionContext& context, Read<field::velocity> u
         const Real trapped = ramp(near.approach, Real(0.15), Real(0.55)) * ramp(amount, Real(0.95), Real(0.8));
         const Real crest = ramp(outwards, Real(0.5), Real(0.8)) * ramp(amount, Real(0.6), Real(0.4));
         const Real energy = ramp(speed * speed / 2, Real(0.05), Real(0.5));
-        const bool spray = amount < alone && speed > spray_speed;
+        const bool spray = amount - light * near.foam < alone && speed > spray_speed;
         const Real gain = energy * (trapped + crest) / grow + (spray ? 1 / burst : 0), exchange = near.fluid > alone ? 1 / mixing : 0;
         // Exact solution for constant rates, so stable for any step.
         const Real rate = gain + 1 / decay + exchange, end = (gain + exchange * near.foam / std::max(near.fluid, alone)) / rate;

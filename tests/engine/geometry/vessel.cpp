@@ -109,8 +109,9 @@ TEST_CASE("the signed distance of an open vessel is exact within 1e-6 m, also ab
     const auto cylinder = distance_from_curve(
         {line({0, -H}, {r, -H}), line({r, -H}, {r, 0}), line({r, 0}, {R, 0}), line({R, 0}, {R, -H - t}), line({R, -H - t}, {0, -H - t})},
         [&](const Point2& x) { return x.y() <= 0 && x.y() >= -H - t && x.x() <= R && (x.x() >= r || x.y() <= -H); });
-    CHECK(worst_distance(*make_shape(vessel_keys("cylinder")),
-                         [&](const Vec3d& x) { return cylinder({std::hypot(x.x() - 0.01, x.z()), x.y() - 0.1}); }) < 1e-6);
+    CHECK(worst_distance(*make_shape(vessel_keys("cylinder")), [&](const Vec3d& x) {
+              return cylinder({std::hypot(x.x() - 0.01, x.z()), x.y() - 0.1});
+          }) < 1e-6);
 
     for (const double rim : {0.03, -0.02}) {
         ShapeKeys keys = vessel_keys("sphere");
@@ -124,7 +125,12 @@ TEST_CASE("the signed distance of an open vessel is exact within 1e-6 m, also ab
                                 [=](const Point2& x) { return x.norm() >= r && x.norm() <= R && x.y() <= rim; });
         CHECK(worst_distance(*make_shape(keys), [&](const Vec3d& x) { return sphere({std::hypot(x.x(), x.z()), x.y()}); }) < 1e-6);
         keys.cut = true;
-        CHECK(worst_distance(*make_shape(keys), [&](const Vec3d& x) { return sphere({std::abs(x.x()), x.y()}); }, true) < 1e-6);
+        CHECK(worst_distance(
+                  *make_shape(keys),
+                  [&](const Vec3d& x) {
+                      return sphere({std::abs(x.x()), x.y()});
+                  },
+                  true) < 1e-6);
     }
     // A mesh has the same cavity whether its lid is at the rim or above it.
     const std::shared_ptr<const Shape> cavity = make_mesh(make_box(vessel_keys("box").min, vessel_keys("box").max)->mesh(0, 0), "box");
@@ -175,7 +181,9 @@ TEST_CASE("a vessel's normal is the gradient of its distance, its mesh encloses 
         const auto samples = vessel->surface_samples(-d / 2, region);
         double area = 0;
         for (const auto& t : mesh.triangle)
-            area += static_cast<double>((mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]).norm()) / 2;
+            area +=
+                static_cast<double>((mesh.position[t[1]] - mesh.position[t[0]]).cross(mesh.position[t[2]] - mesh.position[t[0]]).norm()) /
+                2;
         CHECK(static_cast<double>(samples.size()) == Approx(area / (0.005 * 0.005)).epsilon(0.15));
         for (const SurfaceSample& s : samples) {
             const Vec3 x = s.position.cast<Real>();

@@ -38,10 +38,10 @@ std::string message_of(const std::string& more, const std::string& shape = text:
     return "no error";
 }
 
-TEST_CASE("a box that is overfilled keeps its capacity within a layer of particles, and the rest falls off its rim", "[simulation][vessel]") {
-    Simulation simulation =
-        simulation_of(text::time(2) + text::domain({-0.1, -0.15}, {0.3, 0.3}) + text::fluid(d, 0.3) + text::models("ppe") +
-                      text::block({0, 0}, {0.2, 0.13}) + text::tank({0, 0}, {0.2, 0.1}, open));
+TEST_CASE("a box that is overfilled keeps its capacity within a layer of particles, and the rest falls off its rim",
+          "[simulation][vessel]") {
+    Simulation simulation = simulation_of(text::time(2) + text::domain({-0.1, -0.15}, {0.3, 0.3}) + text::fluid(d, 0.3) +
+                                          text::models("ppe") + text::block({0, 0}, {0.2, 0.13}) + text::tank({0, 0}, {0.2, 0.1}, open));
     CHECK(simulation.world().fluid.size() == 20 * 13);
     run_until(simulation, 2);
     const Index kept = count_in(simulation, {0, 0, -1}, {0.2, 0.2, 1});
@@ -74,9 +74,9 @@ TEST_CASE("water in an open cylinder stays out of its wall for 2 s, and the wall
 TEST_CASE("a beaker that turns by 135 degrees pours out its honey over the rim", "[simulation][vessel]") {
     for (const auto& [pressure, viscosity] : {std::pair{"ppe", 1}, std::pair{"coupled", 10}}) {
         INFO(pressure);
-        Simulation simulation = simulation_of(
-            text::time(1.5) + text::domain({-0.3, -0.3}, {0.4, 0.3}) + text::fluid(d, viscosity) + text::models(pressure) +
-            text::block({0, 0}, {0.1, 0.08}) + text::tank({0, 0}, {0.1, 0.1}, open + "rotation = [0, 0, \"t < 0.5 ? -1.5*pi : 0\"]"));
+        Simulation simulation = simulation_of(text::time(1.5) + text::domain({-0.3, -0.3}, {0.4, 0.3}) + text::fluid(d, viscosity) +
+                                              text::models(pressure) + text::block({0, 0}, {0.1, 0.08}) +
+                                              text::tank({0, 0}, {0.1, 0.1}, open + "rotation = [0, 0, \"t < 0.5 ? -1.5*pi : 0\"]"));
         double least = 1;
         run_until(simulation, 1.5, [&] { least = std::min(least, nearest(simulation)); });
         CHECK(least > -0.05 * d);
@@ -91,10 +91,10 @@ TEST_CASE("a beaker that turns by 135 degrees pours out its honey over the rim",
 }
 
 TEST_CASE("an open bowl with a density floats, and water does not enter it", "[simulation][vessel]") {
-    Simulation simulation = simulation_of(
-        text::time(1) + text::domain({-0.01, -0.01}, {0.41, 0.4}) + text::fluid(d, 0.01) + text::models("ppe") +
-        text::block({0, 0}, {0.4, 0.11}) + text::tank({0.12, 0.135}, {0.28, 0.235}, open + "wall = 0.02\ndensity = 700\n") +
-        text::tank({0, 0}, {0.4, 0.4}));
+    Simulation simulation =
+        simulation_of(text::time(1) + text::domain({-0.01, -0.01}, {0.41, 0.4}) + text::fluid(d, 0.01) + text::models("ppe") +
+                      text::block({0, 0}, {0.4, 0.11}) + text::tank({0.12, 0.135}, {0.28, 0.235}, open + "wall = 0.02\ndensity = 700\n") +
+                      text::tank({0, 0}, {0.4, 0.4}));
     run_until(simulation, 1);
     const RigidBody& bowl = *simulation.world().solids.all[0].body;
     CHECK(bowl.turn.angularDistance(Eigen::Quaterniond::Identity()) < 0.1);
@@ -110,7 +110,8 @@ TEST_CASE("an open container that cannot be right is refused by its key with the
         CHECK(found.find(part) != std::string::npos);
     };
     CHECK(message_of(open) == "no error");
-    has(message_of(open + "wall = 0.015"), "solid[0].wall = 0.015 m is thinner than the kernel's radius: fluid would act through it on fluid");
+    has(message_of(open + "wall = 0.015"),
+        "solid[0].wall = 0.015 m is thinner than the kernel's radius: fluid would act through it on fluid");
     has(message_of(open + "wall = 0.015"), "allowed: at least 0.02 m");
     has(message_of("wall = 0.03"), "open");
     has(message_of(open + "rim = 0.1"), "solid[0] ends at its top face: rim is for spheres and meshes; move the face instead");
