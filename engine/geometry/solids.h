@@ -33,7 +33,6 @@ struct Solid {
     std::optional<Vec3d> own_pivot;  ///< the point about which the solid turns, at the shape's initial position [m]; empty: turning_point()
     bool inside = false;             ///< the fluid is inside the shape
     double slip_length = 0;          ///< m, in u - u_wall = slip_length du/dn on the surface; 0: no slip, infinite: free slip
-    std::string material;
     Contact contact;                 ///< contact with other solids
     std::optional<RigidBody> body;   ///< set for a free body, which forces move; position and spin then only give its initial pose
     Vec3d shift = Vec3d::Zero();     ///< added to `position` [m]; the result of earlier motions (go_on_as)

@@ -6,23 +6,24 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/colour.h"
 #include "engine/core/mesh.h"
 
 namespace whorl {
 
 /// A solid at the time of the frame.
 struct FrameSolid {
-    std::shared_ptr<const TriangleMesh> mesh;  ///< mesh in the solid's own coordinates
+    std::shared_ptr<const TriangleMesh> mesh;  ///< mesh in the solid's own coordinates; empty: not drawn
     Mat3f rotation = Mat3f::Identity();        ///< x_world = rotation x + translation
     Vec3f translation = Vec3f::Zero();         ///< m
     Vec3f velocity = Vec3f::Zero();            ///< velocity of the origin of the solid's own coordinates [m/s]
     Vec3f spin = Vec3f::Zero();                ///< angular velocity in the world's axes [rad/s]
-    std::string material;                      ///< name of a material of the look; "": the look's default for solids
-    bool container = false;                    ///< contains the fluid; drawn as glass or left out, so that the fluid stays visible
-    bool ground = false;                       ///< an unbounded plane
+    Appearance appearance;
+    bool container = false;  ///< contains the fluid; drawn as glass or left out, so that the fluid stays visible
+    bool ground = false;     ///< an unbounded plane
 };
 
-/// An opening through which fluid enters. It does not move.
+/// An opening through which fluid enters.
 struct FrameEmitter {
     Vec3f position = Vec3f::Zero();     ///< centre [m]
     Vec3f direction = -Vec3f::UnitY();  ///< direction of the flow, unit vector

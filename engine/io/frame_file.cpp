@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::string_view kind = "WHORLFR3";
+constexpr std::string_view kind = "WHORLFR4";
 
 template <class Archive, class V>
 void each_number(Archive& a, V& values) {
@@ -24,7 +24,8 @@ void mesh_members(Archive& a, M& mesh) {
 template <class Archive, class S>
 void solid_members(Archive& a, S& solid) {
     each_number(a, solid.rotation), each_number(a, solid.translation), each_number(a, solid.velocity), each_number(a, solid.spin);
-    a(solid.material), a(solid.container), a(solid.ground);
+    a(solid.appearance.material), each_number(a, solid.appearance.colour), a(solid.appearance.roughness), a(solid.appearance.metallic);
+    a(solid.container), a(solid.ground);
 }
 
 template <class Archive, class E>

@@ -68,8 +68,6 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     for (const Solid& solid : world.solids.all) {
         FrameSolid drawn;
         drawn.mesh = std::make_shared<TriangleMesh>(drawn_mesh(solid, world.step.domain, spacing, extent));
-        drawn.material = solid.material;
-        drawn.container = solid.inside || (solid.shape->shell() && solid.material == "glass");
         drawn.ground = !solid.shape->bounded();
         solids_.push_back(std::move(drawn));
     }
@@ -79,7 +77,6 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
         const EmitterShape& opening = emitter.shape();
         const Real bore = opening.slot ? opening.thickness : 2 * opening.radius;
         nozzle.mesh = std::make_shared<TriangleMesh>(nozzle_mesh(opening, spacing, std::max(4 * spacing, 4 * bore)));
-        nozzle.material = "metal";
         solids_.push_back(std::move(nozzle));
     }
 }
@@ -99,6 +96,18 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
         frame.solids[k].spin = world.solids.all[k].pose.angular_velocity.cast<float>();
     }
     std::size_t k = world.solids.all.size();
+    const auto look_like = [](FrameSolid& drawn, const Appearance& appearance) {
+        drawn.appearance = appearance;
+        if (!appearance.show) drawn.mesh.reset();
+    };
+    for (std::size_t s = 0; s < k; ++s) {
+        const Appearance& appearance = simulation.scene().solids[s].appearance;
+        const Solid& solid = world.solids.all[s];
+        look_like(frame.solids[s], appearance);
+        frame.solids[s].container = solid.inside || (solid.shape->shell() && appearance.material == "glass");
+    }
+    for (std::size_t e = 0; e < simulation.emitters().size(); ++e)
+        look_like(frame.solids[k + e], simulation.scene().emitters[e].appearance);
     for (const Emitter& emitter : simulation.emitters()) {
         frame.emitters.push_back(drawn_opening(emitter));
         const Pose& pose = emitter.pose();

@@ -134,7 +134,7 @@ private:
         find_file(name + ".file", s.file);
     }
     void vessel(const std::string& name, SolidKeys& solid) {
-        if (reader_.places.count(name + ".material") == 0) solid.material = "glass";
+        if (reader_.places.count(name + ".material") == 0) solid.appearance.material = "glass";
         std::string key;
         if (!solid.container)
             reader_.disagree({name + ".open"}, name + ".open is for containers", "set container = true: the fluid is inside the shape");

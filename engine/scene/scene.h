@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/colour.h"
 #include "engine/core/keys.h"
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
@@ -155,6 +156,7 @@ struct EmitterKeys {
     Profile profile = Profile::plug;
     std::optional<Expression> viscosity;  ///< Pa s, a function of the initial x, y, z and of age; empty: fluid.viscosity
     Inks ink;                             ///< of t, x, y, z where fluid enters the nozzle
+    Appearance appearance{.material = "metal"};
     bool moves() const { return position.depends_on_time() || direction.depends_on_time(); }
 };
 
@@ -165,10 +167,10 @@ struct SolidKeys {
     bool container = false;               ///< the fluid is inside the shape
     bool closed() const { return container && !shape.is_open(); }
     Slip slip = Slip::no;
-    double slip_length = 0;             ///< m, navier
-    double wetting = 0.5;               ///< the solid's attraction of the fluid over the fluid's attraction of itself, with surface
-                                        ///< tension
-    std::string material = "ceramic";   ///< of the look
+    double slip_length = 0;  ///< m, navier
+    double wetting = 0.5;    ///< the solid's attraction of the fluid over the fluid's attraction of itself, with surface
+                             ///< tension
+    Appearance appearance;
     double density = 0;                 ///< kg/m^3; if > 0, the solid is a free body
     Vec3d velocity = Vec3d::Zero();     ///< m/s, initial velocity of a free body
     Vec3d tilt = Vec3d::Zero();         ///< degrees, initial rotation vector

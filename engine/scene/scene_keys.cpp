@@ -315,6 +315,24 @@ KeyTable block_keys() {
     return t;
 }
 
+/// Keys of the appearance in images. @param S a struct with an Appearance
+template <class S>
+void add_appearance_keys(KeyTableOf<S>& t, const char* material) {
+    const auto add = [&](const char* name, auto member, const char* what) -> Key& {
+        return t.key(name, inside(&S::appearance, member), "", what).not_deciding();
+    };
+    // The names of render/look/material.cpp, which the engine cannot include; a test compares the two lists.
+    add("material", &Appearance::material, material)
+        .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
+        .live();
+    add("colour", &Appearance::colour, "linear red, green, blue, or \"#rrggbb\" (sRGB); negative: the material's").at_most(1).live();
+    add("roughness", &Appearance::roughness, "0 mirror, 1 matt; negative: the material's").at_most(1).live();
+    add("metallic", &Appearance::metallic, "1: reflects as a metal, tinted by its colour; 0: does not; negative: the material's")
+        .at_most(1)
+        .live();
+    add("show", &Appearance::show, "whether it is drawn").live();
+}
+
 KeyTable emitter_keys() {
     KeyTableOf<EmitterKeys> t("an opening through which fluid enters");
     t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
@@ -337,6 +355,7 @@ KeyTable emitter_keys() {
         .at_least(0)
         .at_most(1)
         .of("txyz");
+    add_appearance_keys(t, "appearance of the nozzle in images, which the keys below override");
     return t;
 }
 
@@ -397,11 +416,7 @@ KeyTable solid_keys() {
         .at_least(0)
         .at_most(1)
         .live();
-    // The names of render/look/material.cpp, which the engine cannot include; a test compares the two lists.
-    t.key("material", &SolidKeys::material, "", "appearance in images; of an open container, if not set: glass")
-        .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
-        .not_deciding()
-        .live();
+    add_appearance_keys(t, "appearance in images, which the keys below override; of an open container, if not set: glass");
     return t;
 }
 

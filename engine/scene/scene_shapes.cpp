@@ -89,7 +89,6 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
     solid.inside = keys.closed();
     solid.turn = turned_by(keys.tilt);
     solid.slip_length = slip_length_of(keys);
-    solid.material = keys.material;
     solid.contact = {keys.friction, keys.bounce};
     if (keys.density > 0 && solid.shape && solid.shape->bounded()) solid.body = body_of(keys, *solid.shape);
     return solid;

@@ -175,7 +175,6 @@ struct Simulation::State {
                        text_of(scene.solids[k].rotation) != text_of(now.solids[k].rotation))
                 solid.go_on_as(now.solids[k].position, now.solids[k].rotation, when);
             solid.slip_length = slip_length_of(now.solids[k]);
-            solid.material = now.solids[k].material;
         }
         for (std::size_t k = 0; k < now.emitters.size(); ++k)
             emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);

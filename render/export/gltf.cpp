@@ -152,13 +152,20 @@ struct SceneExport::Document {
         channel("rotation", accessor(offset + keys * sizeof(Vec3f), keys, sizeof(Eigen::Quaternionf), type_float, "VEC4", 0));
     }
 
-    static std::string material_name(const FrameSolid& solid) { return solid.container ? "glass of a container" : solid.material; }
+    static std::string material_name(const FrameSolid& solid) {
+        if (solid.container) return "glass of a container";
+        const Appearance& a = solid.appearance;
+        if (a.colour.minCoeff() < 0 && a.roughness < 0 && a.metallic < 0) return a.material;
+        const SolidMaterial m = solid_material(a);
+        return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}; {:g}; {:g})", a.material, m.colour.x(), m.colour.y(), m.colour.z(), m.roughness,
+                           m.metal);
+    }
 
     int material(const FrameSolid& solid) {
         const std::string name = material_name(solid);
         const auto [known, fresh] = materials.try_emplace(name, static_cast<int>(root["materials"].size()));
         if (!fresh) return known->second;
-        const SolidMaterial look = solid_material(solid.container ? "glass" : solid.material);
+        const SolidMaterial look = solid.container ? solid_material("glass") : solid_material(solid.appearance);
         Json description{{"name", name},
                          {"pbrMetallicRoughness",
                           {{"baseColorFactor", {look.colour.x(), look.colour.y(), look.colour.z(), solid.container ? 0.1f : 1.0f}},

@@ -283,7 +283,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               {},
               {},
               lighting.constants(look) + gl::constant("draws_behind", seen.blurs()) + gl::constant("transparent", is_transparent(look))};
-    for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.material).pattern);
+    for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.appearance).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
     ground_light.draw(scene, shot.material, lighting.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
@@ -429,12 +429,12 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
         program.set("view_projection", matrix);
         begin_geometry(program, solid_seen, lowest);
         const auto prepare = [&](const FrameSolid& s) {
-            const SolidMaterial material = solid_material(s.material);
+            const SolidMaterial material = solid_material(s.appearance);
             program.set("solid_colour", material.colour);
             program.set("metal", material.metal);
             program.set("roughness", material.roughness);
         };
-        scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.material).pattern == pattern; });
+        scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.appearance).pattern == pattern; });
     }
     end_geometry();
     glDepthFunc(GL_LESS);

@@ -126,7 +126,6 @@ Image read_png(const std::filesystem::path& file) {
     return image;
 }
 
-float linear_of(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
 float srgb_of(float light) { return light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f; }
 
 float linear_light(std::uint8_t srgb) {

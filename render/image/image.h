@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "engine/core/colour.h"
 #include "engine/core/grid_index.h"
 
 namespace whorl {
@@ -31,8 +32,7 @@ std::vector<std::uint8_t> encode_png(const Image& image);
 /// JPEG has no alpha: a transparent image is laid over grey.
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);
 
-/// Linear light of an sRGB value (IEC 61966-2-1), and the inverse function; both 0 to 1.
-float linear_of(float srgb);
+/// sRGB value of linear light (IEC 61966-2-1), both 0 to 1. The inverse function is linear_of().
 float srgb_of(float light);
 /// Linear light of an sRGB byte, 0 to 1.
 float linear_light(std::uint8_t srgb);

@@ -72,10 +72,6 @@ Vec3f coolwarm(float t) {
 
 }  // namespace
 
-Vec3f linear_of(const Vec3f& colour) {
-    return colour.unaryExpr([](float c) { return linear_of(c); });
-}
-
 Vec3f lab_of(const Vec3f& colour) {
     static const Mat3f to_xyz = (Mat3f() << 0.4124f, 0.3576f, 0.1805f, 0.2126f, 0.7152f, 0.0722f, 0.0193f, 0.1192f, 0.9505f).finished();
     const Vec3f xyz = to_xyz * linear_of(colour);

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/types.h"
+#include "engine/core/colour.h"
 
 namespace whorl {
 
@@ -24,8 +24,6 @@ private:
     std::vector<Vec3f> colours_;
 };
 
-/// sRGB, 0 .. 1 -> linear RGB.
-Vec3f linear_of(const Vec3f& colour);
 /// sRGB, 0 .. 1 -> CIE L*a*b* (D65).
 Vec3f lab_of(const Vec3f& colour);
 

@@ -5,27 +5,7 @@
 #include "render/look/material.h"
 
 namespace whorl {
-namespace {
 
-/// sRGB, 0 .. 1. @throws KeyFault if the text is not a colour
-Vec3f colour_of(const Value& text) {
-    Vec3f colour;
-    if (!read_colour(*text.as<std::string>(), colour))
-        throw KeyFault(text.place, text.toml() + " is not a colour; write red, green and blue as in \"#1e50a0\"");
-    return colour;
-}
-
-}  // namespace
-
-template <>
-struct KeyCodec<Colour> : ListCodec<Colour, float, 3> {
-    static Value from_text(const Value& text) {
-        const Vec3f linear = linear_of(colour_of(text));
-        Value list = write({linear.x(), linear.y(), linear.z()});
-        list.place = text.place;
-        return list;
-    }
-};
 template <>
 struct KeyCodec<InkColours> {
     static void describe(Key& k) { KeyCodec<std::vector<std::string>>::describe(k); }

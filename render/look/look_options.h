@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/keys.h"
-#include "engine/core/types.h"
+#include "engine/core/colour.h"
 #include "render/look/camera.h"
 
 namespace whorl {
@@ -15,11 +14,6 @@ namespace whorl {
 /// Colours "#rrggbb" (sRGB) of opaque layers of the first, second and third ink.
 struct InkColours {
     std::vector<std::string> of{"#c8281e", "#1e50a0", "#e6b400"};
-};
-
-/// Linear red, green, blue. A scene file may also write it as "#rrggbb" (sRGB).
-struct Colour : Vec3f {
-    using Vec3f::Vec3f;
 };
 
 struct LookOptions {

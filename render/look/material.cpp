@@ -113,6 +113,13 @@ Vec3f glow_of(const Vec3f& emission, float heat) {
 float heat_of_crust(float age) { return std::max(std::exp(-1.2f * age), 0.35f * std::exp(-0.15f * age)); }
 
 SolidMaterial solid_material(const std::string& name) { return named(solid_presets(), name); }
+SolidMaterial solid_material(const Appearance& appearance) {
+    SolidMaterial material = solid_material(appearance.material);
+    if (appearance.colour.minCoeff() >= 0) material.colour = appearance.colour;
+    if (appearance.roughness >= 0) material.roughness = appearance.roughness;
+    if (appearance.metallic >= 0) material.metal = appearance.metallic;
+    return material;
+}
 SolidMaterial table_material(const std::string& name) { return named(table_presets(), name); }
 
 std::vector<std::string> material_names() { return names_of(fluid_presets()); }
@@ -125,13 +132,6 @@ namespace {
 constexpr float hiding = 8;
 
 }  // namespace
-
-bool read_colour(const std::string& text, Vec3f& colour) {
-    if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos) return false;
-    for (int c = 0; c < 3; ++c)
-        colour[c] = static_cast<float>(std::stoi(text.substr(1 + 2 * static_cast<std::size_t>(c), 2), nullptr, 16)) / 255;
-    return true;
-}
 
 std::array<Vec3f, 3> absorption_ratios(const std::vector<std::string>& colours) {
     std::array<Vec3f, 3> ratio;

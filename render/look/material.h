@@ -31,9 +31,6 @@ private:
 /// K/S of up to three inks whose opaque layers have these colours ("#rrggbb", sRGB).
 std::array<Vec3f, 3> absorption_ratios(const std::vector<std::string>& colours);
 
-/// "#rrggbb" -> sRGB, 0 .. 1. @return false if the text is not a colour
-bool read_colour(const std::string& text, Vec3f& colour);
-
 /// Material of the fluid. Colours are linear RGB.
 struct Material {
     bool refracts = true;                  ///< true: light passes through; false: opaque
@@ -76,6 +73,8 @@ struct SolidMaterial {
 };
 /// ceramic | white | metal | wood | clay | dark | rock | glass | cloth; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);
+/// The material of that name with the values that the appearance overrides.
+SolidMaterial solid_material(const Appearance& appearance);
 std::vector<std::string> solid_material_names();
 /// Material of the ground: none (paper) | plain | wood | stone | cloth; any other name: none.
 SolidMaterial table_material(const std::string& name);

@@ -202,7 +202,7 @@ std::vector<Vec3f> lattice(int nx, int ny, int nz, float d) {
 FrameSolid solid_of(TriangleMesh mesh, const std::string& material, bool container) {
     FrameSolid solid;
     solid.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
-    solid.material = material, solid.container = container;
+    solid.appearance.material = material, solid.container = container;
     return solid;
 }
 

@@ -104,13 +104,14 @@ std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differe
 }
 
 bool decides(const SceneFile& before, const SceneFile& now) {
-    const auto material = [](const Scene& scene) {
-        std::string all;
-        for (const SolidKeys& s : scene.solids) all += s.material + "\n";
+    const auto looks = [](const Scene& scene) {
+        std::vector<Appearance> all;
+        for (const SolidKeys& s : scene.solids) all.push_back(s.appearance);
+        for (const EmitterKeys& e : scene.emitters) all.push_back(e.appearance);
         return all;
     };
     return !differences(before.scene, now.scene).empty() || before.scene.time.end != now.scene.time.end ||
-           material(before.scene) != material(now.scene);
+           looks(before.scene) != looks(now.scene);
 }
 
 SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyValue>& beat) {

@@ -30,7 +30,7 @@ TEST_CASE("a frame reads back bit-identically, and a damaged file is named", "[i
     solid.rotation << 0, 1, 0, -1, 0, 0, 0, 0, 1;
     solid.translation = {0.1f, 0.2f, 0.3f};
     solid.velocity = {1, 2, 3}, solid.spin = {0, 0, -4};
-    solid.material = "wood", solid.container = true;
+    solid.appearance.material = "wood", solid.appearance.colour = {0.1f, 0.2f, 0.3f}, solid.container = true;
     frame.solids = {solid, FrameSolid{}};
     frame.emitters = {{Vec3f(0, 1, 0), Vec3f(1, 0, 0), Vec3f(0, 0, 1), 0.02f, 0.01f, true}};
 
@@ -54,7 +54,7 @@ TEST_CASE("a frame reads back bit-identically, and a damaged file is named", "[i
     CHECK(back.solids[0].translation == solid.translation);
     CHECK(back.solids[0].velocity == solid.velocity);
     CHECK(back.solids[0].spin == solid.spin);
-    CHECK(back.solids[0].material == "wood");
+    CHECK(back.solids[0].appearance == frame.solids[0].appearance);
     CHECK(back.solids[0].container);
     CHECK(back.solids[0].mesh->position == mesh.position);
     CHECK(back.solids[0].mesh->triangle == mesh.triangle);

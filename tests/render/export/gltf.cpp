@@ -34,7 +34,7 @@ Frame frame_at(int number) {
     const auto k = static_cast<float>(number - 1);
     FrameSolid plate, block, nozzle;
     plate.mesh = block.mesh = nozzle.mesh = mesh;
-    plate.material = "wood", block.container = true, nozzle.material = "metal";
+    plate.appearance.material = "wood", block.container = true, nozzle.appearance.material = "metal";
     plate.rotation = Eigen::AngleAxisf(0.7f * k, Vec3f::UnitY()).toRotationMatrix();
     plate.translation = Vec3f(0, -0.1f * k, 0);
     frame.solids = {plate, block, nozzle};

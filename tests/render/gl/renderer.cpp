@@ -347,7 +347,12 @@ TEST_CASE("earlier images of a renderer do not change the next one, whatever it 
              for (FrameSolid& one : s.frame.solids)
                  one.rotation = turn * one.rotation, one.translation = turn * one.translation + Vec3f(0, 0.01f, 0);
          }},
-        {"a solid is of another material", [](Scene& s) { s.frame.solids[0].material = "wood"; }},
+        {"a solid is of another material", [](Scene& s) { s.frame.solids[0].appearance.material = "wood"; }},
+        {"a solid is of another colour",
+         [](Scene& s) {
+             s.frame.solids[0].appearance.colour = {0.6f, 0.1f, 0.1f};
+         }},
+        {"a solid is rougher", [](Scene& s) { s.frame.solids[0].appearance.roughness = 0.9f; }},
         {"a solid less", [](Scene& s) { s.frame.solids.pop_back(); }},
         {"words in the picture", [](Scene& s) {
              s.look.style = "particles", s.look.legend = true, s.frame.position = {Vec3f(0, 0.1f, 0)}, s.frame.velocity = {Vec3f::UnitX()};
