@@ -104,7 +104,7 @@ std::string section_error(const ShapeKeys& keys) {
     if (keys.kind == "box") return apart(keys.min.z(), keys.max.z()) ? no_cut : "";
     if (keys.kind == "sphere") return std::abs(keys.centre.z()) < keys.radius ? "" : no_cut;
     if (keys.kind == "plane") return keys.normal.z() == 0 ? "" : "leans: its normal must lie in the plane z = 0";
-    if (keys.kind != "cylinder") return "is a mesh: sections of meshes with the plane z = 0 are not supported";
+    if (keys.kind != "cylinder") return "is a " + keys.kind + ": its section with the plane z = 0 is not supported";
     if (keys.from.head<2>() != keys.to.head<2>()) return "is not perpendicular to the plane z = 0: its ends must have the same x and y";
     return apart(std::min(keys.from.z(), keys.to.z()), std::max(keys.from.z(), keys.to.z())) ? no_cut : "";
 }

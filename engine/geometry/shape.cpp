@@ -2,6 +2,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/plane.h"
+#include "engine/geometry/revolved.h"
 #include "engine/geometry/vessel.h"
 
 namespace whorl {
@@ -44,9 +45,12 @@ std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys) {
     if (keys.kind == "box") return make_box(keys.min, keys.max);
     if (keys.kind == "sphere") return make_sphere(keys.centre, keys.radius);
     if (keys.kind == "cylinder") return make_cylinder(keys.from, keys.to, keys.radius);
+    if (keys.kind == "capsule") return make_capsule(keys.from, keys.to, keys.radius);
+    if (keys.kind == "cone") return make_cone(keys.from, keys.to, keys.radius, keys.end_radius);
+    if (keys.kind == "torus") return make_torus(keys.centre, keys.axis, keys.radius, keys.tube);
     if (keys.kind == "plane") return make_plane(keys.centre, keys.normal);
     if (keys.kind == "mesh") return make_mesh(keys.file, keys.scale, keys.centre);
-    throw InputError({}, "shape \"" + keys.kind + "\" is not known", "", "box, sphere, cylinder, plane, mesh");
+    throw InputError({}, "shape \"" + keys.kind + "\" is not known", "", "box, sphere, cylinder, capsule, cone, torus, plane, mesh");
 }
 
 }  // namespace whorl

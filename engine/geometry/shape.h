@@ -10,8 +10,9 @@
 
 namespace whorl {
 
-/// A shape as a scene file describes it. kind: box (min, max) | sphere (position, radius) | cylinder (from, to, radius) | plane (position,
-/// normal) | mesh (file, scale, position).
+/// A shape as a scene file describes it. kind: box (min, max) | sphere (position, radius) | cylinder (from, to, radius) | capsule (from,
+/// to, radius) | cone (from, to, radius, end_radius) | torus (position, axis, radius, tube) | plane (position, normal) | mesh (file, scale,
+/// position).
 struct ShapeKeys {
     std::string kind = "box";
     Vec3d min = Vec3d::Zero(), max = Vec3d::Ones();
@@ -19,6 +20,9 @@ struct ShapeKeys {
                                    ///< moves it
     double radius = 0;
     Vec3d from = Vec3d::Zero(), to{0, 1, 0};
+    double end_radius = 0;  ///< cone: radius at `to` [m]
+    Vec3d axis{0, 1, 0};    ///< torus
+    double tube = 0;        ///< torus: radius of the tube [m]
     Vec3d normal{0, 1, 0};
     std::filesystem::path file;
     double scale = 1;

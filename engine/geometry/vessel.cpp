@@ -278,6 +278,8 @@ std::string vessel_error(const ShapeKeys& keys, std::string& key) {
     const Vec3d n = opening_direction(keys.open);
     key = "open";
     if (keys.kind == "plane") return "is a plane, which has no cavity: use a box";
+    if (keys.kind == "capsule" || keys.kind == "cone" || keys.kind == "torus")
+        return "is a " + keys.kind + ", which cannot be open: use a box, a cylinder, a sphere or a mesh";
     if (keys.cut && n.z() != 0) return "is open at the " + keys.open + ", out of the plane of the 2D flow";
     const Vec3d axis = (keys.to - keys.from).normalized();
     if (keys.kind == "cylinder" && (keys.cut || std::abs(axis.dot(n)) < 0.7))

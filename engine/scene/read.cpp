@@ -127,9 +127,13 @@ private:
         if (const std::string why = s.cut ? section_error(s) : ""; !why.empty())
             reader_.disagree({name + ".shape"}, name + " " + why, "domain.dimensions = 2 makes the flow that of this plane",
                              "allowed: boxes, spheres, cylinders along z and planes along z");
-        if (s.kind == "cylinder" && s.from == s.to && !s.cut)
+        if ((s.kind == "cylinder" || s.kind == "capsule" || s.kind == "cone") && s.from == s.to && !s.cut)
             reader_.disagree({name + ".to", name + ".from"}, name + ".from and " + name + ".to are the same point");
         if (s.kind == "plane") direction(name + ".normal", s.normal);
+        if (s.kind == "torus") direction(name + ".axis", s.axis);
+        if (s.kind == "torus" && !(s.tube < s.radius))
+            reader_.disagree({name + ".tube", name + ".radius"}, name + " has no hole: its tube is as thick as its ring",
+                             "use a smaller tube");
         if (s.kind != "mesh") return;
         find_file(name + ".file", s.file);
     }

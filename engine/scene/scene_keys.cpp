@@ -15,15 +15,19 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
     t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     if (with_position)
-        t.key("position", shape(&Keys::centre), "m", "centre of a sphere; origin of a mesh")
-            .only_with("shape", {"sphere", "mesh"})
+        t.key("position", shape(&Keys::centre), "m", "centre of a sphere or torus; origin of a mesh")
+            .only_with("shape", {"sphere", "torus", "mesh"})
             .in(InPlane::cut);
-    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
-    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", {"cylinder"}).in(InPlane::cut);
-    t.key("radius", shape(&Keys::radius), "m", "radius of the sphere or cylinder")
+    const std::vector<std::string> with_ends{"cylinder", "capsule", "cone"};
+    t.key("from", shape(&Keys::from), "m", "middle of one end").required().only_with("shape", with_ends).in(InPlane::cut);
+    t.key("to", shape(&Keys::to), "m", "middle of the other end").required().only_with("shape", with_ends).in(InPlane::cut);
+    t.key("radius", shape(&Keys::radius), "m", "radius of the sphere, cylinder or capsule, of the cone at `from`, or of the torus' ring")
         .required()
         .above(0)
-        .only_with("shape", {"sphere", "cylinder"});
+        .only_with("shape", {"sphere", "cylinder", "capsule", "cone", "torus"});
+    t.key("end_radius", shape(&Keys::end_radius), "m", "radius of the cone at `to`; 0: a tip").at_least(0).only_with("shape", {"cone"});
+    t.key("axis", shape(&Keys::axis), "", "axis of the torus, of any length").only_with("shape", {"torus"});
+    t.key("tube", shape(&Keys::tube), "m", "radius of the tube of the torus").required().above(0).only_with("shape", {"torus"});
     if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
         t.key("normal", shape(&Keys::normal), "", "normal, from the solid into the fluid").only_with("shape", {"plane"});
     t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF file, relative to the scene file's folder")
@@ -307,7 +311,7 @@ KeyTable boundary_keys() {
 
 KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
-    add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
+    add_shape_keys(t, {"box", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"}, true);
     t.key("velocity", &BlockKeys::velocity, "m/s", "initial velocity").of("xyz");
     t.key("spin", &BlockKeys::spin, "1/s", "initial spin; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
@@ -361,7 +365,7 @@ KeyTable emitter_keys() {
 
 KeyTable solid_keys() {
     KeyTableOf<SolidKeys> t("a solid: a wall, a vessel, an obstacle or a free body");
-    add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "mesh"}, false);
+    add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"}, false);
     t.key("position", &SolidKeys::position, "m", "displacement of the shape from the position that the keys of the shape define")
         .of("t")
         .live();
@@ -422,7 +426,7 @@ KeyTable solid_keys() {
 
 KeyTable drain_keys() {
     KeyTableOf<DrainKeys> t("a region in which fluid is removed");
-    add_shape_keys(t, {"box", "sphere", "cylinder", "mesh"}, true);
+    add_shape_keys(t, {"box", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"}, true);
     t.key("delay", &DrainKeys::delay, "s", "time after which fluid inside the drain is removed").at_least(0);
     return t;
 }

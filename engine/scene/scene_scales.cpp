@@ -136,7 +136,8 @@ double layer_points(const Scene& scene, const SceneShapes& shapes, std::size_t s
         return plane_inside(made.turn * keys.normal.normalized(), scene.domain.max - scene.domain.min + 2 * margin,
                             scene.domain.dimensions) /
                std::pow(d, scene.domain.dimensions - 1);
-    if (keys.kind == "mesh" || keys.is_open()) return area_of(made.shape->mesh(0, 0)) / (d * d);
+    const bool simple = keys.kind == "box" || keys.kind == "sphere" || keys.kind == "cylinder";
+    if (!simple || keys.is_open()) return area_of(made.shape->mesh(0, 0)) / (d * d);
     if (keys.kind == "sphere") return keys.cut ? round / d : 2 * round * r / (d * d);
     if (keys.kind == "cylinder") return keys.cut ? round / d : round * ((keys.to - keys.from).norm() + r) / (d * d);
     Vec3d low = keys.min, high = keys.max;

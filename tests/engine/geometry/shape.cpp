@@ -15,6 +15,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/geometry/plane.h"
+#include "engine/geometry/revolved.h"
 
 using namespace whorl;
 
@@ -77,9 +78,15 @@ double volume_of(const TriangleMesh& mesh, bool& closed) {
 TEST_CASE("every shape's distance grows at rate 1 along its normal and is 0 at the foot point", "[geometry]") {
     std::mt19937 random(1);
     const auto obj = temporary("cube.obj", cube_obj);
-    const std::shared_ptr<const Shape> shapes[] = {make_box({-0.5, -0.2, 0}, {0.5, 0.9, 0.3}), make_sphere({0.1, 0, 0}, 0.6),
-                                                   make_cylinder({0, -0.4, 0.1}, {0.3, 0.5, 0}, 0.3), make_plane({0, 0.1, 0}, {1, 2, -1}),
-                                                   make_mesh(obj, 0.8, {-0.3, -0.4, -0.2})};
+    const std::shared_ptr<const Shape> shapes[] = {make_box({-0.5, -0.2, 0}, {0.5, 0.9, 0.3}),
+                                                   make_sphere({0.1, 0, 0}, 0.6),
+                                                   make_cylinder({0, -0.4, 0.1}, {0.3, 0.5, 0}, 0.3),
+                                                   make_plane({0, 0.1, 0}, {1, 2, -1}),
+                                                   make_mesh(obj, 0.8, {-0.3, -0.4, -0.2}),
+                                                   make_capsule({-0.3, 0, 0.1}, {0.3, 0.2, 0}, 0.25),
+                                                   make_cone({0, -0.4, 0}, {0.1, 0.5, 0.2}, 0.4, 0.15),
+                                                   make_cone({0, 0.5, 0}, {0, -0.5, 0}, 0.5, 0),
+                                                   make_torus({0.1, 0, 0}, {1, 3, 0}, 0.5, 0.2)};
     for (const auto& shape : shapes)
         for (int k = 0; k < 400; ++k) {
             const Vec3 x = random_point(random, 1);
@@ -90,6 +97,34 @@ TEST_CASE("every shape's distance grows at rate 1 along its normal and is 0 at t
             REQUIRE(std::abs(shape->distance(x - distance * n)) < 1e-5);
             REQUIRE(shape->distance(x + Real(0.1) * n) == Approx(distance + Real(0.1)).epsilon(1e-4));
         }
+}
+
+// Exact volumes and moments; the meshes that are drawn are closed and have these volumes within the square of half an edge's angle.
+TEST_CASE("capsules, cones and tori have their volumes, inertias and closed meshes", "[geometry]") {
+    const double pi = std::numbers::pi, R = 0.5, a = 0.2, h = 0.8;
+    struct Case {
+        std::shared_ptr<const Shape> shape;
+        double volume, along;  // inertia about the axis over the volume
+    };
+    const double capsule = pi * a * a * h + 4 * pi / 3 * a * a * a;
+    const double frustum = pi * h / 3 * (R * R + R * a + a * a);
+    const Case cases[] = {
+        {make_capsule({0.1, 0, 0}, {0.1, h, 0}, a), capsule,
+         (pi * a * a * h * a * a / 2 + 4 * pi / 3 * a * a * a * 2 * a * a / 5) / capsule},
+        {make_cone({0, 0, 0}, {0, 0, h}, R, a), frustum, 0.3 * (std::pow(R, 5) - std::pow(a, 5)) / (std::pow(R, 3) - std::pow(a, 3))},
+        {make_torus({0, 0.3, 0}, {1, 1, 0}, R, a), 2 * pi * pi * R * a * a, R * R + 0.75 * a * a}};
+    const Vec3d axes[] = {Vec3d::UnitY(), Vec3d::UnitZ(), Vec3d(1, 1, 0).normalized()};
+    for (std::size_t k = 0; k < 3; ++k) {
+        INFO(k);
+        const MassProperties bulk = cases[k].shape->bulk();
+        CHECK(bulk.volume == Approx(cases[k].volume).epsilon(1e-6));
+        CHECK(axes[k].dot(bulk.inertia() * axes[k]) == Approx(cases[k].along * bulk.volume).epsilon(1e-5));
+        bool closed = false;
+        CHECK(volume_of(cases[k].shape->mesh(Real(0.02), 1), closed) == Approx(bulk.volume).epsilon(4e-3));
+        CHECK(closed);
+    }
+    const double apex = make_cone({0, 0, 0}, {0, 0, h}, R, 0)->bulk().centre.z();
+    CHECK(apex == Approx(h / 4).epsilon(1e-5));
 }
 
 TEST_CASE("a mesh of a shape measures the shape's own distance, inside, outside, at edges and corners", "[geometry]") {
