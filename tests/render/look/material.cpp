@@ -16,7 +16,7 @@ TEST_CASE("a scene file accepts exactly the solid materials that can be drawn", 
 }
 
 TEST_CASE("colour, roughness and metallic of a solid override its material, and what is not shown has no mesh", "[look]") {
-    const Simulation run = simulation_of(R"(
+    const Simulation run = test::simulation_of(R"(
 time.end = 0.1
 fluid.spacing = 0.01
 [[emitter]]
