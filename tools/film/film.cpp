@@ -5,7 +5,6 @@
 #include "render/surface/foam.h"
 #include "render/video/encoder.h"
 #include "tools/film/contact_sheet.h"
-#include "tools/process/process.h"
 
 namespace whorl {
 Film::Film(FilmOptions options) : options_(std::move(options)), exports_(options_) {
@@ -130,11 +129,7 @@ void Film::write() {
         const std::lock_guard lock(mutex_);
         newest_state_ = (*shot)->state;
     }
-    bool complete = false;
-    {
-        const std::lock_guard lock(mutex_);
-        complete = complete_ && !error_;
-    }
+    const bool complete = locked(mutex_, complete_) && !locked(mutex_, error_);
     const double cpu = children_cpu_seconds(), wall = wall_seconds();
     if (encoder && complete) encoder->finish();
     encoder.reset();
@@ -169,21 +164,6 @@ void Film::finish(bool complete) {
 void Film::join() {
     for (std::thread& thread : threads_)
         if (thread.joinable()) thread.join();
-}
-
-std::shared_ptr<const Checkpoint> Film::newest_state() const {
-    const std::lock_guard lock(mutex_);
-    return newest_state_;
-}
-
-StageTimes Film::times() const {
-    const std::lock_guard lock(mutex_);
-    return times_;
-}
-
-std::string Film::device() const {
-    const std::lock_guard lock(mutex_);
-    return device_;
 }
 
 }  // namespace whorl

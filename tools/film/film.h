@@ -19,6 +19,7 @@
 #include "render/image/exr.h"
 #include "tools/film/bounded_queue.h"
 #include "tools/film/exports.h"
+#include "tools/process/process.h"
 
 namespace whorl {
 
@@ -38,13 +39,13 @@ public:
     void finish(bool complete);
 
     /// State of the run at the last frame whose files are all written; null before the first.
-    std::shared_ptr<const Checkpoint> newest_state() const;
+    std::shared_ptr<const Checkpoint> newest_state() const { return locked(mutex_, newest_state_); }
     int frames_written() const { return written_; }
     /// Wall and CPU time [s] of the stages surface, draw, export and write, with the threads that they start, and of encode (the encoder
     /// process, after it has ended).
-    StageTimes times() const;
+    StageTimes times() const { return locked(mutex_, times_); }
     /// Renderer and version of OpenGL; "" before the first image or without images.
-    std::string device() const;
+    std::string device() const { return locked(mutex_, device_); }
 
 private:
     struct Shot {

@@ -15,6 +15,7 @@
 
 #include "engine/simulation/simulation.h"
 #include "tools/film/film.h"
+#include "tools/process/process.h"
 #include "tools/scene_file/scene_changes.h"
 
 namespace whorl {
@@ -72,12 +73,6 @@ struct Orders {
 };
 
 class Controls {
-    /// Copy of a member.
-    template <class T>
-    T locked(const T& member) const {
-        const std::lock_guard lock(mutex_);
-        return member;
-    }
     template <class F>
     auto with_lock(F&& value) const {
         const std::lock_guard lock(mutex_);
@@ -124,9 +119,9 @@ public:
     void report(bool error, std::string text) {
         with_lock([&] { tell_locked(error, std::move(text)); });
     }
-    std::optional<Notice> newest_notice() const { return locked(notice_); }
+    std::optional<Notice> newest_notice() const { return locked(mutex_, notice_); }
     /// Error of the scene file as last saved; empty if it is valid.
-    std::string file_problem() const { return locked(file_problem_); }
+    std::string file_problem() const { return locked(mutex_, file_problem_); }
 
     /// Called by the loop: waits for orders, at most `seconds`, and takes them.
     Orders take(double seconds);
@@ -140,8 +135,8 @@ public:
     }
 
     // Current settings.
-    SceneFile file() const { return locked(wanted_); }
-    Plan plan() const { return locked(plan_); }
+    SceneFile file() const { return locked(mutex_, wanted_); }
+    Plan plan() const { return locked(mutex_, plan_); }
     struct WantedPicture {
         PictureOptions how;
         std::uint64_t revision;
@@ -149,7 +144,7 @@ public:
     WantedPicture picture() const {
         return with_lock([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, revision_}; });
     }
-    Options options() const { return locked(options_); }
+    Options options() const { return locked(mutex_, options_); }
     /// Whether the run plays. False while it waits at its first frame for a viewer, play() or step().
     bool playing() const {
         return with_lock([&] { return orders_.playing && !waiting_; });
@@ -158,8 +153,8 @@ public:
         return with_lock([&] { return !undo_.empty(); });
     }
     /// Number that increases with every change of the scene.
-    std::uint64_t revision() const { return locked(revision_); }
-    std::filesystem::path scene_path() const { return locked(path_); }
+    std::uint64_t revision() const { return locked(mutex_, revision_); }
+    std::filesystem::path scene_path() const { return locked(mutex_, path_); }
 
 private:
     void remember(const std::vector<KeyDifference>& back);

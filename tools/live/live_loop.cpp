@@ -35,14 +35,6 @@ void Status::set(Json json) {
     history_.push_back(std::move(row));
     if (history_.size() > kept_frames) history_.pop_front();
 }
-Json Status::get() const {
-    const std::lock_guard lock(mutex_);
-    return json_;
-}
-Json Status::history() const {
-    const std::lock_guard lock(mutex_);
-    return Json(history_);
-}
 
 LiveLoop::LiveLoop(Controls& controls, LiveRenderer& live_renderer, ChangeRecording& recording, Status& status, bool real_time,
                    std::function<void(const std::string&)> say)

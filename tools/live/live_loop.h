@@ -21,9 +21,9 @@ namespace whorl {
 class Status {
 public:
     void set(nlohmann::ordered_json json);
-    nlohmann::ordered_json get() const;
+    nlohmann::ordered_json get() const { return locked(mutex_, json_); }
     /// Data for a page's plots: the last frames of this run, oldest first.
-    nlohmann::ordered_json history() const;
+    nlohmann::ordered_json history() const { return nlohmann::ordered_json(locked(mutex_, history_)); }
 
 private:
     mutable std::mutex mutex_;

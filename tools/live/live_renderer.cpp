@@ -8,7 +8,6 @@
 #include "render/gl/renderer.h"
 #include "render/look/camera.h"
 #include "render/surface/foam.h"
-#include "tools/process/process.h"
 
 namespace whorl {
 namespace {
@@ -71,11 +70,6 @@ void LiveRenderer::look(PictureOptions how, std::uint64_t revision) {
     changed_.notify_all();
 }
 
-std::shared_ptr<const Picture> LiveRenderer::newest() const {
-    const std::lock_guard lock(mutex_);
-    return newest_;
-}
-
 std::shared_ptr<const Picture> LiveRenderer::after(std::uint64_t number, double seconds) const {
     std::unique_lock lock(mutex_);
     const auto newer = [&] { return newest_ && newest_->number > number; };
@@ -112,11 +106,7 @@ std::shared_ptr<const LiveRenderer::State> LiveRenderer::next(bool& is_new) {
 }
 
 void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State> state, bool is_new) {
-    const auto newest_look = [&] {
-        const std::lock_guard lock(mutex_);
-        return look_;
-    };
-    auto look = newest_look();
+    auto look = locked(mutex_, look_);
     const Frame& frame = state->frame;
     const double began = wall_seconds();
     const SurfaceOptions surface = look->how.surface;
@@ -126,7 +116,7 @@ void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const
     surface_of_ = surface;
     const double surfaced = wall_seconds();
     // Use a look that was set meanwhile, if it needs no other surface.
-    if (const auto now = newest_look(); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
+    if (const auto now = locked(mutex_, look_); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
     View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
     view.open = 0;  // no motion blur: the interval between images varies
     Image image = renderer->draw(frame, surface_, look->how.look, view);
@@ -147,11 +137,6 @@ StageTimes LiveRenderer::times() const {
     StageTimes all = times_;
     if (newest_ && newest_->encode_seconds() > 0) all["encode"] = {newest_->encode_seconds(), 0, 1};
     return all;
-}
-
-std::string LiveRenderer::device() const {
-    const std::lock_guard lock(mutex_);
-    return device_;
 }
 
 void LiveRenderer::check() const {

@@ -61,7 +61,7 @@ public:
     void look(PictureOptions how, std::uint64_t revision);
 
     /// Latest image; null before the first.
-    std::shared_ptr<const Picture> newest() const;
+    std::shared_ptr<const Picture> newest() const { return locked(mutex_, newest_); }
     /// Waits for an image with a number above `number`. @return null if there is none within `seconds`, or after close()
     std::shared_ptr<const Picture> after(std::uint64_t number, double seconds) const;
     /// Ends the drawing thread and every waiting call of after().
@@ -70,7 +70,7 @@ public:
     /// Wall times of the last image by stage: surface, draw, and encode if a JPEG was requested.
     StageTimes times() const;
     /// Name of the GL device; empty until it is opened.
-    std::string device() const;
+    std::string device() const { return locked(mutex_, device_); }
     /// Rethrows the exception that ended the drawing thread, if any.
     void check() const;
 

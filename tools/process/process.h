@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,13 @@ std::string slurm_job(const std::string& output);
 
 /// Whether one of the jobs ("7,8") is waiting or running. False without Slurm, or if Slurm no longer lists them.
 bool slurm_jobs_live(const std::string& jobs);
+
+/// Copy of a value that the mutex protects.
+template <class T>
+T locked(std::mutex& mutex, const T& value) {
+    const std::lock_guard lock(mutex);
+    return value;
+}
 
 /// Names the calling thread. Threads that it starts afterwards (OpenMP's, TBB's) inherit the name, so their CPU time is counted under it.
 void name_thread(const char* name);
