@@ -92,7 +92,8 @@ struct Cone {
     double inner(double) const { return 0; }
     std::vector<OutlinePoint> outline(int) const {
         const Vec2d n = side_normal();
-        return {{{half, 0}, {1, 0}}, {{half, last}, {1, 0}}, {{half, last}, n}, {{-half, first}, n}, {{-half, first}, {-1, 0}}, {{-half, 0}, {-1, 0}}};
+        return {{{half, 0}, {1, 0}}, {{half, last}, {1, 0}},    {{half, last}, n},
+                {{-half, first}, n}, {{-half, first}, {-1, 0}}, {{-half, 0}, {-1, 0}}};
     }
 };
 
@@ -120,8 +121,8 @@ public:
         Vec3d reach = Vec3d::Zero();
         for (const OutlinePoint& point : section_.outline(parts))
             for (int k = 0; k < 3; ++k)
-                reach[k] = std::max(reach[k], std::abs(point.at.x() * axis_[k]) +
-                                                  point.at.y() * std::sqrt(std::max(0.0, 1 - axis_[k] * axis_[k])));
+                reach[k] = std::max(reach[k],
+                                    std::abs(point.at.x() * axis_[k]) + point.at.y() * std::sqrt(std::max(0.0, 1 - axis_[k] * axis_[k])));
         min = (middle_ - reach).cast<Real>(), max = (middle_ + reach).cast<Real>();
     }
     /// Integrals over rings: with s = reach sin(a) the midpoint rule in a is accurate although round ends are steep.

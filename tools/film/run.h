@@ -14,8 +14,8 @@ namespace whorl {
 struct RunRequest {
     SceneFile file;
     std::filesystem::path folder;
-    std::optional<int> frames;  ///< number of the last frame, instead of time.end
-    bool no_draw = false;       ///< exports raw frames instead of images; whorl draw draws them later
+    std::optional<int> frames = {};  ///< number of the last frame, instead of time.end
+    bool no_draw = false;            ///< exports raw frames instead of images; whorl draw draws them later
     bool quiet = false, json = false;
     bool force = false;                   ///< resumes even if a file that the scene names was edited
     bool overwrite = false;               ///< replaces an existing run in the folder

@@ -143,21 +143,22 @@ TEST_CASE("several mistakes are reported together, by location, with the command
                        parse_change("block[0].max.x=1"),
                        parse_change("block[1].radius=1")};
     const std::string text = "[time]\nend = \"x\"\n[fluid]\nspacing = 0\n[[block]]\nshape = 3\nmax = [1, 1, 1]\n";
-    CHECK(messages_of(text, request) ==
-          "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
-          "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09\n"
-          "bad.toml:6:9: block[0].shape must be a text, not the number 3; allowed: box, sphere, cylinder, capsule, cone, torus or mesh\n"
-          "--set block[7].min=[0,0,0]: missing entry block[7]; block has the entries 0 to 0\n"
-          "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
-          "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
-          "--set block[0].max.x=1: block[0].max is a list, which has no x; name an entry, as in block[0].max[0]; block[0].max has the "
-          "entries 0 to 2\n"
-          "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
-          "fixed_step\n"
-          "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
-          "--set quality.draft.seed=1: unknown key \"quality\"; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
-          "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget\n"
-          "--set block[1].radius=1: block[1].shape is missing; kind of shape; allowed: box, sphere, cylinder, capsule, cone, torus or mesh");
+    CHECK(
+        messages_of(text, request) ==
+        "bad.toml:2:7: time.end must be a number [s], not the text \"x\"\n"
+        "bad.toml:4:11: fluid.spacing = 0 is out of range; allowed: at least 1e-09\n"
+        "bad.toml:6:9: block[0].shape must be a text, not the number 3; allowed: box, sphere, cylinder, capsule, cone, torus or mesh\n"
+        "--set block[7].min=[0,0,0]: missing entry block[7]; block has the entries 0 to 0\n"
+        "--set a b=1: \"a b\" is not a key; allowed: names with dots between them, as in emitter[0].speed\n"
+        "--set block.min=1: block is a list, which has no min; name an entry, as in block[0].min; block has the entries 0 to 0\n"
+        "--set block[0].max.x=1: block[0].max is a list, which has no x; name an entry, as in block[0].max[0]; block[0].max has the "
+        "entries 0 to 2\n"
+        "--set time.edn=3: unknown key \"edn\" in [time]; did you mean \"end\"?; allowed: end, fps, slow_motion, max_step, cfl, "
+        "fixed_step\n"
+        "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
+        "--set quality.draft.seed=1: unknown key \"quality\"; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
+        "micropolar, boundary, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget\n"
+        "--set block[1].radius=1: block[1].shape is missing; kind of shape; allowed: box, sphere, cylinder, capsule, cone, torus or mesh");
 }
 
 TEST_CASE("an option without a value, or with a value that is not TOML, is refused with its text", "[scene]") {
