@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/core/random.h"
-#include "engine/math/conjugate_gradients.h"
+#include "tests/support/preconditioned.h"
 
 using namespace whorl;
 
@@ -58,12 +58,7 @@ Column<Real> noise(Index n, std::uint64_t seed) {
 int iterations(const Cube& cube, const MultigridOptions& options) {
     Multigrid M;
     M.set_up(cube.A, cube.cells, options);
-    const Column<Real> b = noise(cube.A.size(), 3);
-    Column<Real> x(b.size(), 0);
-    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { cube.A.multiply(in, out); }, M,
-                                                         Span<const Real>(b), Span<Real>(x), {1e-4, 200});
-    CHECK(report.converged);
-    return report.iterations;
+    return test::iterations(cube.A, M, noise(cube.A.size(), 3), 1e-4);
 }
 
 }  // namespace
@@ -85,15 +80,8 @@ TEST_CASE("a V-cycle is symmetric and positive definite, also if the matrix is s
         Multigrid M;
         M.set_up(cube.A, cube.cells, {.coarsest = 40});
         REQUIRE(M.levels() >= 3);
-        for (std::uint64_t seed = 1; seed < 5; ++seed) {
-            const Column<Real> r = noise(cube.A.size(), seed), s = noise(cube.A.size(), seed + 100);
-            Column<Real> Mr(r.size()), Ms(r.size());
-            M(r, Mr);
-            M(s, Ms);
-            const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
-            CHECK(rMr > 0);
-            CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < 1e-5 * std::sqrt(rMr * sMs));  // round-off of coarse matrices in float
-        }
+        for (std::uint64_t seed = 1; seed < 5; ++seed)  // round-off of coarse matrices in float
+            test::check_symmetric_and_positive(M, noise(cube.A.size(), seed), noise(cube.A.size(), seed + 100), 1e-5);
     }
 }
 

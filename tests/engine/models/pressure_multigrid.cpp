@@ -6,9 +6,9 @@
 
 #include "engine/core/random.h"
 #include "engine/geometry/plane.h"
-#include "engine/math/conjugate_gradients.h"
 #include "engine/models/motion/motion.h"
 #include "engine/sph/density.h"
+#include "tests/support/preconditioned.h"
 #include "tests/support/threads.h"
 #include "tests/support/world.h"
 
@@ -132,26 +132,12 @@ void check_symmetric_and_positive(System& system, double tolerance) {
         // Small coarsest matrices, so that there are several levels.
         const PressurePreconditioner M = system.multigrid(additive, 3, {.coarsest = 8});
         for (std::uint64_t seed = 1; seed < 4; ++seed) {
-            const Column<Real> r = noise(system.unknown(), seed), s = noise(system.unknown(), seed + 50);
-            Column<Real> Mr(r.size()), Ms(r.size());
-            M(r, Mr);
-            M(s, Ms);
-            const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
-            CHECK(rMr > 0);
-            CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < tolerance * std::sqrt(rMr * sMs));
-            for (std::size_t i = 0; i < r.size(); ++i)
+            const Column<Real> Mr =
+                test::check_symmetric_and_positive(M, noise(system.unknown(), seed), noise(system.unknown(), seed + 50), tolerance);
+            for (std::size_t i = 0; i < Mr.size(); ++i)
                 if (!system.unknown()[i]) REQUIRE(Mr[i] == 0);
         }
     }
-}
-
-template <class System>
-int iterations(System& system, const PressurePreconditioner& M, const Column<Real>& b, double tolerance) {
-    Column<Real> x(b.size(), 0);
-    const SolveReport report = conjugate_gradients<Real>([&](Span<const Real> in, Span<Real> out) { system.A.multiply(in, out); }, M,
-                                                         Span<const Real>(b), Span<Real>(x), {tolerance, 500});
-    CHECK(report.converged);
-    return report.iterations;
 }
 
 }  // namespace
@@ -179,12 +165,7 @@ TEST_CASE("the pressure's multigrid stays symmetric and positive when the active
     for (std::size_t i = 0; i < system.unknown().size(); i += 5) system.unknown()[i] = 0;
     const PressurePreconditioner M = system.multigrid(true, 3, {.coarsest = 8});
     for (std::size_t i = 0; i < system.unknown().size(); i += 3) system.unknown()[i] = system.D.diagonal[i] > 0;
-    const Column<Real> r = noise(system.unknown(), 1), s = noise(system.unknown(), 2);
-    Column<Real> Mr(r.size()), Ms(r.size());
-    M(r, Mr), M(s, Ms);
-    const double rMr = dot<Real>(r, Mr), sMs = dot<Real>(s, Ms);
-    CHECK(rMr > 0);
-    CHECK(std::abs(dot<Real>(r, Ms) - dot<Real>(s, Mr)) < 1e-4 * std::sqrt(rMr * sMs));
+    test::check_symmetric_and_positive(M, noise(system.unknown(), 1), noise(system.unknown(), 2), 1e-4);
 }
 
 TEST_CASE("the pressure's multigrid is bit-identical for any number of threads", "[pressure][multigrid]") {
@@ -208,15 +189,15 @@ TEST_CASE("multigrid halves iterations for published rows in 40 layers, and save
     Fluid fluid(column);
     Poisson poisson(fluid);
     const Column<Real> any = noise(poisson.unknown(), 7);
-    const int few = iterations(poisson, poisson.multigrid(true, 2, {}), any, 1e-3),
-              many = iterations(poisson, poisson.diagonal(), any, 1e-3);
+    const int few = test::iterations(poisson.A, poisson.multigrid(true, 2, {}), any, 1e-3),
+              many = test::iterations(poisson.A, poisson.diagonal(), any, 1e-3);
     INFO("poisson: " << few << " and " << many);
     CHECK(2 * few <= many);
     Constraint constraint(fluid);
     for (std::size_t i = 0; i < constraint.falling.size(); ++i)
         if (!constraint.unknown()[i]) constraint.falling[i] = 0;
-    const int less = iterations(constraint, constraint.multigrid(true, 5, {}), constraint.falling, 0.02);
-    const int more = iterations(constraint, constraint.diagonal(), constraint.falling, 0.02);
+    const int less = test::iterations(constraint.A, constraint.multigrid(true, 5, {}), constraint.falling, 0.02);
+    const int more = test::iterations(constraint.A, constraint.diagonal(), constraint.falling, 0.02);
     INFO("constraint: " << less << " and " << more);
     CHECK(less < more);
 }
