@@ -48,6 +48,12 @@ void TestWorld::place(const Vec3& min, const Vec3& max, double mu, const std::fu
             }
 }
 
+void TestWorld::put(const std::vector<Vec3>& x) {
+    world.fluid.resize(0);
+    world.fluid.resize(static_cast<Index>(x.size()));
+    std::copy(x.begin(), x.end(), column<field::position>().begin());
+}
+
 void TestWorld::add_wall(int axis, int side, double at, double slip_length) {
     Solid solid;
     solid.slip_length = slip_length;

@@ -20,6 +20,8 @@ struct TestWorld {
     void use(std::vector<Stage> all);
     /// Lattice of fluid whose cells fill the box, with the velocity u(x) and viscosity mu [Pa s].
     void place(const Vec3& min, const Vec3& max, double mu = 0, const std::function<Vec3(const Vec3&)>& u = {});
+    /// Fluid of these particles at rest, in place of what there is.
+    void put(const std::vector<Vec3>& x);
     /// A flat wall that covers the domain: the solid lies on the side that the normal points away from; one layer half a spacing inside.
     /// axis: 0, 1, 2; side: +1 where the normal is +axis.
     void add_wall(int axis, int side, double at, double slip_length = 0);

@@ -104,8 +104,7 @@ TEST_CASE("a twisted rope dissipates 2 mu I within 5 % with 8 particles across, 
         const Domain domain{Vec3::Constant(-2), Vec3::Constant(2), {}};
         const std::vector<Vec3> at = sample_shape(*make_shape(keys), Sampling::blue_noise, Real(d), domain, 1);
         TestWorld w(d, 2, domain);
-        w.world.fluid.resize(static_cast<Index>(at.size()));
-        std::copy(at.begin(), at.end(), w.column<field::position>().begin());
+        w.put(at);
         for (Real& mu : w.column<field::viscosity>()) mu = static_cast<Real>(1000 * nu);
         const Real dt = Real(0.01);
         const ViscousOperator A = make_operator(w, dt);

@@ -20,9 +20,7 @@ constexpr double sigma = 0.07;
 TestWorld body_of(const ShapeKeys& keys, double d, double tension, Sampling sampling = Sampling::blue_noise, bool spread = true) {
     TestWorld w(d, 2, Domain{Vec3::Constant(Real(-20 * d)), Vec3::Constant(Real(20 * d)), {}});
     w.use({make_stage("surface tension", "surface tension", SurfaceTension{{tension, {}, nullptr, spread}})});
-    const std::vector<Vec3> x = sample_shape(*make_shape(keys), sampling, Real(d), w.world.step.domain, 1);
-    w.world.fluid.resize(static_cast<Index>(x.size()));
-    std::copy(x.begin(), x.end(), w.column<field::position>().begin());
+    w.put(sample_shape(*make_shape(keys), sampling, Real(d), w.world.step.domain, 1));
     w.world.step.gravity.setZero();
     return w;
 }

@@ -41,8 +41,7 @@ struct Drop : TestWorld {
         ball.kind = "sphere";
         ball.radius = across * d;
         const std::vector<Vec3> x = sample_shape(*make_shape(ball), sampling, Real(d), world.step.domain, seed);
-        world.fluid.resize(static_cast<Index>(x.size()));
-        std::copy(x.begin(), x.end(), column<field::position>().begin());
+        put(x);
         radius = d * std::cbrt(3 * static_cast<double>(x.size()) / (4 * std::numbers::pi));
         world.step.gravity.setZero();
     }

@@ -70,8 +70,7 @@ TEST_CASE("a drop on a plate that it slides along nears the angle with cos = 2 w
         for (const Vec3& one : sample_shape(*make_shape(ball), Sampling::blue_noise, Real(d),
                                             Domain{Vec3::Constant(Real(-10 * d)), Vec3::Constant(Real(10 * d)), {}}, 1))
             if (one.y() > 0) x.push_back(one);
-        w.world.fluid.resize(static_cast<Index>(x.size()));
-        std::copy(x.begin(), x.end(), w.column<field::position>().begin());
+        w.put(x);
         w.world.step.gravity.setZero();
         for (int k = 0; k < 700; ++k) {
             w.step(0.15 * unit);
