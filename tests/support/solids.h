@@ -15,4 +15,12 @@ inline Solid solid_of(std::shared_ptr<const Shape> shape, double density = 0) {
     return solid;
 }
 
+/// One solid of this shape, at time 0.
+inline Solids solids_of(std::shared_ptr<const Shape> shape) {
+    Solids solids;
+    solids.all.push_back(solid_of(std::move(shape)));
+    solids.set_time(0, 1e-3);
+    return solids;
+}
+
 }  // namespace whorl::test

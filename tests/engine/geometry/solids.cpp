@@ -13,6 +13,7 @@
 
 using namespace whorl;
 using test::solid_of;
+using test::solids_of;
 
 namespace {
 
@@ -41,8 +42,7 @@ std::pair<double, double> gaps(const BoundaryParticles& particles, Real spacing,
 }  // namespace
 
 TEST_CASE("a solid turns about its centre at a constant rate exactly", "[geometry]") {
-    Solids solids;
-    solids.all.push_back(solid_of(make_box({0, 0, 0}, {2, 4, 2})));
+    Solids solids = solids_of(make_box({0, 0, 0}, {2, 4, 2}));
     solids.all[0].spin = expressions("0", "0", "3");
     solids.all[0].position = expressions("0.5*t", "0", "0");
     solids.set_time(std::numbers::pi / 6, 1e-3);  // a quarter turn
@@ -76,8 +76,7 @@ TEST_CASE("a solid with a pivot swings about it like a pendulum, to 1e-6", "[geo
 }
 
 TEST_CASE("velocities reach the pose at the end of the step", "[geometry]") {
-    Solids solids;
-    solids.all.push_back(solid_of(make_sphere({0.3, 0, 0}, 1)));
+    Solids solids = solids_of(make_sphere({0.3, 0, 0}, 1));
     solids.all[0].position = expressions("sin(3*t)", "t^2", "0");
     solids.all[0].spin = expressions("cos(5*t)", "2*t", "1");
     const double t = 0.7, dt = 1e-3;
@@ -94,8 +93,7 @@ TEST_CASE("velocities reach the pose at the end of the step", "[geometry]") {
 
 TEST_CASE("a rotation by a time-dependent spin is bit-identical for any steps", "[geometry]") {
     const auto made = [] {
-        Solids solids;
-        solids.all.push_back(solid_of(make_sphere({0, 0, 0}, 1)));
+        Solids solids = solids_of(make_sphere({0, 0, 0}, 1));
         solids.all[0].spin = expressions("2*sin(3*t)", "t", "1-t");
         return solids;
     };
@@ -147,8 +145,7 @@ TEST_CASE("every solid gets one layer half a spacing deep, without crowding or h
                             Case{"mesh of a sphere", sphere_mesh, 4 * pi * 0.36, 0.79}, Case{"mesh of a box", box_mesh, 3.76, 0.79}})
         for (const bool inside : {false, true}) {
             INFO(one.name << (inside ? " as a container" : ""));
-            Solids solids;
-            solids.all.push_back(solid_of(one.shape));
+            Solids solids = solids_of(one.shape);
             solids.all[0].inside = inside;
             solids.set_time(0, 1e-3);
             const BoundaryParticles particles = sample_solids(solids, d, cube(2));
@@ -180,9 +177,7 @@ TEST_CASE("every solid gets one layer half a spacing deep, without crowding or h
 
 TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic axes have no seam", "[geometry]") {
     const Real d = Real(0.1);
-    Solids solids;
-    solids.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
-    solids.set_time(0, 1e-3);
+    Solids solids = solids_of(make_plane({0, 0, 0}, {0, 1, 0}));
     // 2.06 is no whole number of spacings: the lattice is fitted to the period.
     Domain domain{Vec3(Real(-1.03), -1, -1), Vec3(Real(1.03), 1, 1), {true, false, true}};
     const BoundaryParticles particles = sample_solids(solids, d, domain);
@@ -214,8 +209,7 @@ TEST_CASE("a box through a periodic domain has no ends and no seam there", "[geo
     const Real d = Real(0.1);
     const Domain domain = cube(1, {true, false, false});
     for (const bool inside : {false, true}) {
-        Solids solids;
-        solids.all.push_back(solid_of(make_box({-1, -0.5, -0.5}, {1, 0.5, 0.5})));
+        Solids solids = solids_of(make_box({-1, -0.5, -0.5}, {1, 0.5, 0.5}));
         solids.all[0].inside = inside;
         solids.set_time(0, 1e-3);
         const BoundaryParticles particles = sample_solids(solids, d, domain);
@@ -281,8 +275,7 @@ TEST_CASE("a moving plane has boundary particles wherever it meets the domain, i
         Motion{{1, 1, 0}, expressions("0", "sin(3*t)-1", "0"), expressions("0", "0", "2*t"), {false, false, true}},
         Motion{{0, 1, 0}, expressions("0", "-0.5", "0"), expressions("1", "2", "0"), {}});
     const Domain domain = cube(1, periodic);
-    Solids solids;
-    solids.all.push_back(solid_of(make_plane({0, 0, 0}, normal)));
+    Solids solids = solids_of(make_plane({0, 0, 0}, normal));
     Solid& solid = solids.all[0];
     solid.position = position, solid.spin = spin;
     solids.set_time(0, 1e-3);
@@ -314,9 +307,7 @@ TEST_CASE("a moving plane has boundary particles wherever it meets the domain, i
 TEST_CASE("the layer of a rocking plane scales with the domain's section, not its length", "[geometry]") {
     const Real d = Real(0.05);
     const Domain domain{Vec3(0, 0, 0), Vec3(10, 1, Real(0.5)), {}};
-    Solids solids;
-    solids.all.push_back(solid_of(make_plane({0, 0, 0}, {1, 0, 0})));
-    solids.set_time(0, 1e-3);
+    Solids solids = solids_of(make_plane({0, 0, 0}, {1, 0, 0}));
     const Index still = sample_solids(solids, d, domain).size();
     solids.all[0].spin = expressions("0", "0", "0.3*cos(5*t)");
     solids.set_time(0, 1e-3);
@@ -327,9 +318,7 @@ TEST_CASE("the layer of a rocking plane scales with the domain's section, not it
 }
 
 TEST_CASE("a layer of more than 50 million particles is refused with the solid's location", "[geometry]") {
-    Solids solids;
-    solids.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
-    solids.set_time(0, 1e-3);
+    Solids solids = solids_of(make_plane({0, 0, 0}, {0, 1, 0}));
     const auto place_of = [](std::size_t) { return FileLocation{"scene.toml", 3, 9}; };
     CHECK_THROWS_WITH(sample_solids(solids, Real(1e-5), cube(10), {}, 0, place_of),
                       Catch::Matchers::StartsWith("scene.toml:3:9: solid[0]: the surface of the plane needs") &&
@@ -346,8 +335,7 @@ TEST_CASE("the boundary particles of a wide box scale with its surface, not its 
 }
 
 TEST_CASE("particles follow their solid and carry its velocity", "[geometry]") {
-    Solids solids;
-    solids.all.push_back(solid_of(make_sphere({1, 0, 0}, 0.5)));
+    Solids solids = solids_of(make_sphere({1, 0, 0}, 0.5));
     solids.all[0].spin = expressions("0", "0", "2");
     solids.set_time(0, 1e-4);
     BoundaryParticles particles = sample_solids(solids, Real(0.1), cube(3));
@@ -384,8 +372,7 @@ TEST_CASE("in 2D distances and normals lie in the plane, and boundary particles 
     const Real d = Real(0.02);
     const Domain domain{Vec3(-3, -3, 0), Vec3(3, 3, 0), {}};
     for (const auto& [shape, length] : {std::pair{rectangle, 2 * (0.38 + 0.18)}, {disc, 2 * std::numbers::pi * 0.39}}) {
-        Solids solids;
-        solids.all.push_back(solid_of(shape));
+        Solids solids = solids_of(shape);
         const BoundaryParticles boundary = sample_solids(solids, d, domain, {KernelKind::cubic, 2}, 2 * d);
         CHECK(boundary.size() == std::lround(length / static_cast<double>(d)));
         const auto [least, most] = gaps(boundary, d, domain);
@@ -398,8 +385,7 @@ TEST_CASE("in 2D distances and normals lie in the plane, and boundary particles 
         }
     }
     // A plane along z is a line.
-    Solids ground;
-    ground.all.push_back(solid_of(make_plane({0, 0, 0}, {0, 1, 0})));
+    Solids ground = solids_of(make_plane({0, 0, 0}, {0, 1, 0}));
     const BoundaryParticles line = sample_solids(ground, d, domain, {KernelKind::cubic, 2}, 2 * d);
     CHECK(line.size() == Approx((6 + 6 * 0.02) / 0.02).margin(1));
     for (const Vec3& x : line.position) REQUIRE((x.z() == 0 && x.y() == Approx(-0.01)));
@@ -418,9 +404,7 @@ TEST_CASE("fluid on a lattice has its density within 0.2 % at faces, edges and c
         const KernelForm form{KernelKind::cubic, dimensions};
         const WallImage wall(form, 2 * d, d);
         const CubicKernel W(2 * d, dimensions);
-        Solids solids;
-        solids.all.push_back(solid_of(box(dimensions, 0.3, 0.3, 0.7, 0.7)));
-        solids.set_time(0, 1e-3);
+        Solids solids = solids_of(box(dimensions, 0.3, 0.3, 0.7, 0.7));
         const BoundaryParticles boundary = sample_solids(solids, d, Domain{Vec3(-3, -3, -3), Vec3(3, 3, 3), {}}, form, 2 * d);
         const auto in_solid = [&](const Vec3& x) {
             return std::any_of(solids.all.begin(), solids.all.end(), [&](const Solid& solid) { return solid.distance(x) < 0; });
@@ -449,8 +433,7 @@ TEST_CASE("a mesh of any thickness has its layer on both sides, without holes", 
     const double d = 0.05;
     for (const double thickness : {0.6, 0.3, 0.2, 0.1, 0.02}) {
         INFO(thickness);
-        Solids solids;
-        solids.all.push_back(solid_of(make_mesh(make_box({0, 0, 0}, {1, thickness * d, 1})->mesh(0, 0), "plate")));
+        Solids solids = solids_of(make_mesh(make_box({0, 0, 0}, {1, thickness * d, 1})->mesh(0, 0), "plate"));
         const BoundaryParticles boundary = sample_solids(solids, static_cast<Real>(d), cube(2));
         for (const Real side : {Real(-1), Real(1)})
             for (double x = 0.05; x < 1; x += 0.09)
