@@ -26,13 +26,8 @@ struct Momenta {
 };
 
 Momenta momenta(const World& world) {
-    Momenta m;
-    const auto x = world.fluid.column<field::position>();
-    const auto u = world.fluid.column<field::velocity>();
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec3d p = static_cast<double>(world.step.mass) * u[i].cast<double>();
-        m.linear += p, m.angular += x[i].cast<double>().cross(p);
-    }
+    const Measures fluid = measure(world, Vec3d::Zero(), 1);
+    Momenta m{fluid.momentum, fluid.angular_momentum};
     for (const Solid& solid : world.solids.all) {
         if (!solid.body) continue;
         const Vec3d p = solid.body->mass * solid.body->velocity;
