@@ -88,34 +88,33 @@ TEST_CASE("foam of a dam break starts at the wall, stays between 0 and 1, and mo
     plain.foam = false;
     Simulation without(plain, make_plan(plain));
     const auto foam = [&] { return with.world().fluid.column<field::foam>(); };
+    for (const double end : {0.15, 0.2}) run_until(without, end);
     run_until(with, 0.15);
     CHECK(share_above(foam(), 0.2f) < 0.02);
-    for (double end = 0.2; end < 0.95; end += 0.1) {
+    for (double end = 0.2; end < 0.75; end += 0.1) {
         run_until(with, end);
+        if (end == 0.2) {
+            const auto x = positions(with), y = positions(without);
+            REQUIRE(x.size() == y.size());
+            CHECK(std::equal(x.begin(), x.end(), y.begin()));
+        }
         for (const Real f : foam()) REQUIRE(std::clamp(f, Real(0), Real(1)) == f);
     }
     CHECK(share_above(foam(), 0.5f) > 0.05);
-    run_until(without, 0.2);
-    Simulation again = dam_break();
-    run_until(again, 0.2);
-    const auto x = std::as_const(again.world().fluid).column<field::position>(),
-               y = std::as_const(without.world().fluid).column<field::position>();
-    REQUIRE(x.size() == y.size());
-    CHECK(std::equal(x.begin(), x.end(), y.begin()));
 }
 
 TEST_CASE("foam has the same bits on 1 and 4 threads and after a resume", "[foam]") {
     const int before = threads();
     set_threads(1);
     Simulation whole = dam_break();
-    run_until(whole, 0.25);
+    run_until(whole, 0.2);
     const std::string half_way = state_of(whole);
-    run_until(whole, 0.5);
+    run_until(whole, 0.4);
     set_threads(4);
     Simulation resumed = dam_break();
     std::istringstream saved(half_way);
     resumed.load(saved);
-    run_until(resumed, 0.5);
+    run_until(resumed, 0.4);
     set_threads(before);
     CHECK(state_of(resumed) == state_of(whole));
 }

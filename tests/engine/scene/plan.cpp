@@ -124,8 +124,8 @@ TEST_CASE("water gets the pressure equation and explicit viscosity, an inviscid 
 }
 
 TEST_CASE("thick fluid without a free surface, or with another pressure, gets the full implicit viscosity", "[plan]") {
-    const Plan closed =
-        plan_with({"domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]", "solid[0].shape=sphere", "solid[0].radius=0.01"});
+    const Plan closed = plan_with({"fluid.spacing=4e-3", "domain.periodic=[true,true,true]", "domain.gravity=[0,0,0]",
+                                   "solid[0].shape=sphere", "solid[0].radius=0.01"});
     CHECK(closed.pressure == PressureModel::ppe);
     CHECK(closed.viscosity == ViscosityModel::full);
     CHECK(plan_with({"models.pressure=ppe"}).viscosity == ViscosityModel::full);
