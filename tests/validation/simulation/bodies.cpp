@@ -217,8 +217,8 @@ TEST_CASE("a heavy plate squeezes honey of 100 Pa s out at the rate of lubricati
     sinks_as_lubrication_says(100);
 }
 
-TEST_CASE("a loaded raft, a sluice's plate and a wedged body are at rest after three seconds", "[validation][bodies]") {
-    for (const Bed& bed : {raft, sluice, wedge}) lies_still(bed, 0.01, 3, 3.5);
+TEST_CASE("a loaded raft, a sluice's plate and a wedged body are at rest after two seconds", "[validation][bodies]") {
+    for (const Bed& bed : {raft, sluice, wedge}) lies_still(bed, 0.01, 2, 2.5);
 }
 
 TEST_CASE("for 20 s stones rest under water, a brick floats on a raft, and a sluice's plate holds", "[validation][bodies][long]") {

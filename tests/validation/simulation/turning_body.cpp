@@ -26,14 +26,14 @@ Simulation cylinder(const std::string& models, double spacing, double viscosity,
 const std::string coupled = text::models("coupled"), full = text::models("ppe", "full"),
                   projection = full + "[pressure]\nform = \"projection\"\n";
 
-/// 700 Pa s at 4 mm for half a second.
-void keeps_its_energy(const std::string& models, double exact, double step) {
+/// 700 Pa s at 4 mm. @param loss of the energy in half a second, relative
+void keeps_its_energy(const std::string& models, double loss, double step, double end = 0.5) {
     INFO(models << "steps of " << step << " s");
     Simulation simulation = cylinder(models, 4e-3, 700, "max_step = " + std::to_string(step) + "\n");
     const auto angular = [&] { return mean_of(simulation, [](const Vec3d& x, const Vec3d& u) { return x.cross(u).z(); }); };
     const double energy = mean_square_speed(simulation), before = angular();
-    run_until(simulation, 0.5);
-    CHECK(mean_square_speed(simulation) / energy == Approx(exact).margin(0.004));
+    run_until(simulation, end);
+    CHECK(mean_square_speed(simulation) / energy == Approx(1 - loss * end / 0.5).margin(0.004));
     CHECK(angular() == Approx(before).epsilon(1e-4));
 }
 
@@ -60,21 +60,21 @@ double off_its_circle(double step) {
 
 }  // namespace
 
-TEST_CASE("a turning cylinder of 700 Pa s keeps 0.995 of its energy with coupled and the projection, 0.985 with ppe",
+TEST_CASE("a turning cylinder of 700 Pa s loses 1 % of its energy per second, 3 % with ppe",
           "[validation][coupled][pressure][viscosity][projection]") {
     // The centrifugal force strains the body by 0.0043/s: 0.9957 are left of a long cylinder, 0.9946 of a disc. ppe cannot pull, so its
     // fluid is not incompressible under tension: 0.9849. With steps of first order coupled has 0.934 and ppe 0.835.
-    keeps_its_energy(coupled, 0.995, 5e-3);
-    keeps_its_energy(full, 0.985, 5e-3);
-    keeps_its_energy(projection, 0.995, 5e-3);
+    keeps_its_energy(coupled, 0.005, 5e-3, 0.25);
+    keeps_its_energy(full, 0.015, 5e-3, 0.25);
+    keeps_its_energy(projection, 0.005, 5e-3, 0.25);
 }
 
 TEST_CASE("a turning free cylinder of 700 Pa s keeps its energy with half and a quarter of the step",
           "[validation][coupled][pressure][viscosity][long]") {
     for (const double step : {2.5e-3, 1.25e-3}) {
-        keeps_its_energy(coupled, 0.995, step);
-        keeps_its_energy(full, 0.985, step);
-        keeps_its_energy(projection, 0.995, step);
+        keeps_its_energy(coupled, 0.005, step);
+        keeps_its_energy(full, 0.015, step);
+        keeps_its_energy(projection, 0.005, step);
     }
 }
 
