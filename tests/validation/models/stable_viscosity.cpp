@@ -11,7 +11,7 @@ TEST_CASE("the full viscosity is stable for nu from 1e-6 to 1e4 m^2/s at steps t
     // A block of fluid slumps in a box. It may not gain energy (2 %: particles that solids push out are lifted); with some viscosity no
     // particle is faster than a free fall through its height, sqrt(2 g 0.1 m) = 1.4 m/s (of water, drops that are squeezed out of corners
     // are).
-    for (const double nu : {1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4}) {
+    for (const double nu : {1e-6, 1e-2, 1.0, 1e2, 1e4}) {
         INFO("nu = " << nu);
         Simulation simulation = simulation_of(text::time(0.2, "max_step = 5e-3") + text::domain({-0.05, -0.05, -0.05}, {0.15, 0.15, 0.15}) +
                                               text::fluid(0.01, 1000 * nu) + text::models("ppe", "full") +
