@@ -59,7 +59,8 @@ private:
 
 }  // namespace
 
-TEST_CASE("a falling thread of five particles across thins as theory within 3 %, and holds to a draw of nine", "[validation][coupled]") {
+TEST_CASE("a falling thread of five particles across thins as theory within 3 %, and holds to a draw of nine",
+          "[validation][coupled][long]") {
     // Seed 4: of four seeds the one whose first gap opened earliest (at a draw of 7.3) before particles were shifted along thin threads.
     // Steady after two seconds, about three times what the fluid spends in the air. Next to the nozzle theory has the fluid stretch from
     // the first section on, which its plug flow in the nozzle does not: there the thread is thickest.

@@ -16,7 +16,7 @@ const std::string published = text::pressure_form("projection") + "source = \"de
 
 }  // namespace
 
-TEST_CASE("pressure.source density: a dam break gains no energy, loses no particle and comes to rest", "[validation][pressure]") {
+TEST_CASE("pressure.source density: a dam break gains no energy, loses no particle and comes to rest", "[validation][pressure][long]") {
     // The available potential energy of the dam is half of m g H. The energy may rise by 0.1 % when the wave falls on itself (0.003 % was
     // measured). The level: two fifths of the width are filled to H.
     constexpr double d = 0.0125, H = 12 * d;
