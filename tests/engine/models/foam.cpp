@@ -82,6 +82,21 @@ TEST_CASE("fast particles without neighbours turn to spray, and clear within sec
     CHECK(most(w.column<field::airborne>()) < 1e-6f);
 }
 
+TEST_CASE("a small drop is spray if it is white, and clear fluid if it is not", "[foam]") {
+    const auto all_spray = [](Real foam) {
+        TestWorld w(d, 2, Domain{Vec3::Constant(-1), Vec3::Constant(1)});
+        w.use({make_stage("foam", "foam", Foam{})});
+        w.place(Vec3::Zero(), Vec3(static_cast<Real>(2 * d), static_cast<Real>(2 * d), static_cast<Real>(3 * d)), 0,
+                [](const Vec3&) { return Vec3(0, 1, 0); });
+        for (Real& f : w.column<field::foam>()) f = foam;
+        w.step(0.001);
+        const auto airborne = w.column<field::airborne>();
+        return std::all_of(airborne.begin(), airborne.end(), [](Real t) { return t > 0; });
+    };
+    CHECK(all_spray(1));
+    CHECK_FALSE(all_spray(0));
+}
+
 TEST_CASE("foam of a dam break starts at the wall, stays between 0 and 1, and moves no particle", "[foam]") {
     Simulation with = dam_break();
     Scene plain = with.scene();
