@@ -66,6 +66,12 @@ struct Shot {
 /// Colour of the fluid drawn as an opaque body.
 Vec3f body_colour(const Material& material) { return material.refracts ? material.scatter : material.colour; }
 
+void set_scattering(gl::Program& program, const Material& material, float voxel) {
+    program.set("free_path", material.scattering / voxel);
+    program.set("sideways", Vec3f(sideways_reach(material) / voxel));
+    program.set("fading", Vec3f(diffuse_attenuation(material) * voxel));
+}
+
 /// Matrix from the whole image to a box of it, both in coordinates -1 .. 1. The backdrop continues around the box.
 Eigen::Matrix3f into_box(const PictureBox& box, int width, int height) {
     const float w = static_cast<float>(width), h = static_cast<float>(height);
@@ -155,9 +161,9 @@ struct Renderer::Device {
     gl::Programs liquid{
         {"screen.vert"},
         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "octahedral.glsl", "liquid.frag"}};
-    gl::Programs opaque{
-        {"screen.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "inks.glsl", "crust.glsl", "octahedral.glsl", "opaque.frag"}};
+    gl::Programs opaque{{"screen.vert"},
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "crust.glsl",
+                         "octahedral.glsl", "opaque.frag"}};
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
@@ -485,8 +491,9 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
     const Material& material = shot.material;
-    gl::Program& program = (refracts(material) ? liquid : opaque).with(shot.constants);
+    gl::Program& program = (refracts(material) ? liquid : opaque).with(shot.constants + gl::constant("scatters", material.scattering > 0));
     set_studio(program, shot);
+    if (material.scattering > 0) set_scattering(program, material, field.voxel());
     field.bind(program, field_unit);
     inks.bind(program, ink_unit, field.voxel());
     solid_field.bind(program, solid_unit);

@@ -80,6 +80,13 @@ KeyTable make_look_keys() {
     t.key("cooling", &L::cooling, "s",
           "lava: age at which the lava has lost most of its glow, if a viscosity depends on age; 0: it keeps its glow" + preset)
         .only_with("style", surface);
+    t.key(
+         "scattering", &L::scattering, "m",
+         "opaque material: way of light inside it before its direction is lost; light shines through layers up to some ten times as thick; "
+         "0: none enters" +
+             preset)
+        .at_most(1)
+        .only_with("style", surface);
     t.key("foam", &L::foam, "",
           "amount of white spray and foam in breaking fluid: factor on the number of drawn points; 0: none, and single particles are drawn "
           "as drops")

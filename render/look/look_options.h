@@ -20,13 +20,15 @@ struct LookOptions {
     /// Surfaces: liquid (refracting) | opaque (paint, lava). Coloured by a field: particles | slice (a plane through the flow) | volume
     /// (a cloud) | tubes | ribbons (along vortex lines).
     std::string style = "liquid";
-    std::string material = "honey";  ///< preset, whose values the keys below override: honey | water | paint | chocolate | lava | clay
+    std::string material = "honey";  ///< preset, whose values the keys below override: honey | water | paint | chocolate | lava | clay |
+                                     ///< cream | milk | wax
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert coefficient per channel (linear RGB); negative: the preset's
     Colour colour = {-1, -1, -1};          ///< linear RGB of an opaque material; negative: the preset's
     float refraction = -1;                 ///< index of refraction; negative: the preset's
     float roughness = -1;                  ///< 0 mirror .. 1 matt; negative: the preset's
     /// Age [s] at which lava has lost most of its glow, if its viscosity depends on age; 0: never; negative: the preset's.
     float cooling = -1;
+    float scattering = -1;              ///< m, transport mean free path of light in an opaque material; negative: the preset's
     float foam = 0;                     ///< number of points of spray and foam over the usual one; 0: none
     std::string background = "studio";  ///< studio | dark | white | transparent (lit by the studio)
     bool ground = true;                 ///< a ground with shadow under the scene

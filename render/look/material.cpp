@@ -43,8 +43,23 @@ const std::vector<std::pair<std::string, Material>>& fluid_presets() {
         clay.colour = {0.42f, 0.17f, 0.09f};
         clay.roughness = 0.75f;
         clay.softness = 0.3f;
+        // Reflectance and mean free path of cream and milk: Jensen et al. (2001), table 1.
+        Material cream;
+        cream.refracts = false;
+        cream.colour = {0.98f, 0.90f, 0.73f};
+        cream.roughness = 0.2f;
+        cream.scattering = 0.19e-3f;
+        Material milk = cream;
+        milk.colour = {0.91f, 0.88f, 0.76f};
+        milk.roughness = 0.08f;
+        milk.scattering = 0.31e-3f;
+        Material wax = cream;
+        wax.colour = {0.90f, 0.82f, 0.66f};
+        wax.roughness = 0.35f;
+        wax.scattering = 1.2e-3f;
         return std::vector<std::pair<std::string, Material>>{{"honey", honey},         {"water", water}, {"paint", paint},
-                                                             {"chocolate", chocolate}, {"lava", lava},   {"clay", clay}};
+                                                             {"chocolate", chocolate}, {"lava", lava},   {"clay", clay},
+                                                             {"cream", cream},         {"milk", milk},   {"wax", wax}};
     }();
     return presets;
 }
@@ -92,18 +107,36 @@ Material fluid_material(const LookOptions& look, float size) {
     const float scale = std::min(1.0f, table_size / std::max(size, 1e-6f));
     material.absorption *= scale;
     material.haze *= scale;
+    material.scattering /= scale;
     if (look.style == "opaque") material.refracts = false;
     if (look.absorption.minCoeff() >= 0) material.absorption = look.absorption;
     if (look.colour.minCoeff() >= 0) material.colour = look.colour;
     if (look.refraction >= 1) material.refraction = look.refraction;
     if (look.roughness >= 0) material.roughness = look.roughness;
     if (look.cooling >= 0) material.cooling = look.cooling;
+    if (look.scattering >= 0) material.scattering = look.scattering;
     return material;
 }
 
 float hides(const Material& material, float size) {
     // A clear body scatters part of the light that it removes from a ray back out.
     return material.refracts ? 0.75f * (1 - std::exp(-(material.absorption.mean() + material.haze) * size / 8)) : 1;
+}
+
+Vec3f diffuse_attenuation(const Material& material) {
+    return material.colour.unaryExpr([&](float colour) {
+        float low = 0, high = 1;  // albedo
+        for (int k = 0; k < 24; ++k) {
+            const float albedo = (low + high) / 2, root = std::sqrt(3 * (1 - albedo));
+            const float reflected = albedo / 2 * (1 + std::exp(-4.0f / 3 * inner_reflection * root)) * std::exp(-root);
+            (reflected < std::min(colour, 0.99f) ? low : high) = albedo;
+        }
+        return std::sqrt(3 * (1 - low)) / material.scattering;
+    });
+}
+
+Vec3f sideways_reach(const Material& material) {
+    return material.colour.unaryExpr([&](float R) { return 2.5f * material.scattering / (1.9f - R + 3.5f * (R - 0.8f) * (R - 0.8f)); });
 }
 
 Vec3f glow_of(const Vec3f& emission, float heat) {

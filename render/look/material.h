@@ -43,7 +43,20 @@ struct Material {
     float refraction = 1.49f;              ///< index of refraction
     float roughness = 0.05f;               ///< 0 mirror .. 1 matt
     float softness = 0;                    ///< 0 .. 1, how far light spreads beyond the edge of shadow (chocolate, clay, paint)
+    float scattering = 0;                  ///< m, transport mean free path in an opaque material (cream, wax); 0: light does not enter it
 };
+
+/// (1 + F)/(1 - F), where F is the fraction of diffuse light that the surface reflects inwards, for an index of refraction of 1.4.
+/// Duplicated in opaque.frag.
+constexpr float inner_reflection = 3.2f;
+
+/// Rate k [1/m] at which diffuse light fades inside an opaque material, per band: k = sqrt(3 (1 - a))/l, where l is the transport mean free
+/// path and a the albedo for which a thick layer has the material's colour R (Jensen and Buhler 2002):
+///   R = a/2 (1 + exp(-4/3 A sqrt(3 (1 - a)))) exp(-sqrt(3 (1 - a))),   A = inner_reflection
+Vec3f diffuse_attenuation(const Material& material);
+/// Mean distance [m], per band, between the places where diffuse light enters and leaves an opaque material of colour R (Christensen and
+/// Burley 2015): 2.5 l/(1.9 - R + 3.5 (R - 0.8)^2).
+Vec3f sideways_reach(const Material& material);
 
 /// The look's preset, with the keys that the scene sets.
 /// A preset's absorption is realistic in scenes up to the size of a table (0.4 m). In a larger scene it decreases as 1/size, or honey would

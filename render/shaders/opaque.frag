@@ -8,6 +8,12 @@ uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;
 uniform float softness;      // 0 .. 1, how far light reaches round the edge of shadow
+// Light inside the body (Material): mean free path and the way that light spreads sideways [voxels], rate at which it fades [1/voxel].
+// constant: bool scatters
+uniform float free_path;
+uniform vec3 sideways;
+uniform vec3 fading;
+const float inner_reflection = 3.2;
 layout(location = 0) out vec4 colour;
 
 // Direction of the front light on an opaque body: that of the key light's soft box in studio.glsl, so that its reflection agrees.
@@ -24,11 +30,55 @@ float unshadowed(vec3 p, vec3 l) {
     return smoothstep(0.0, 1.0, open);
 }
 
+// Way inside the body from p, just below the surface, along d [voxels]; at least the resolution of far_distance().
+float way_through(vec3 p, vec3 d) {
+    float t = 0.5;
+    for (int i = 0; i < 7; ++i) {
+        float f = -far_distance(p + t * d);
+        if (f < 0.1) break;
+        t += max(f, 0.7);
+    }
+    return max(t, 4.0);
+}
+
+// Transmission of diffuse light by a layer, by diffusion between its two surfaces (Jensen et al. 2001, "A practical model for subsurface
+// light transport", with a dipole's extrapolated boundaries on both sides).
+vec3 passed(float thickness) {
+    float beyond = 0.667 * inner_reflection * free_path;
+    vec3 far = min(fading * (thickness + 2.0 * beyond), 40.0);
+    return sinh(fading * (free_path + beyond)) / sinh(far) * step(far, vec3(39.9));
+}
+
+// Light of a body that light enters. @param front, back ambient light on the body's front and on its back
+vec3 scattered(vec3 x, vec3 n, vec3 l, vec3 body, vec3 front, vec3 back) {
+    vec3 p = place_of(x);
+    float h = 2.0 + free_path;
+    const vec2 s = vec2(1.0, 0.0);
+    vec3 up = vec3(far_distance(p + h * s.xyy), far_distance(p + h * s.yxy), far_distance(p + h * s.yyx));
+    vec3 down = vec3(far_distance(p - h * s.xyy), far_distance(p - h * s.yxy), far_distance(p - h * s.yyx));
+    float bend = max(dot(up + down - 2.0 * far_distance(p), vec3(0.5)) / (h * h), 0.0);   // mean curvature [1/voxel]
+    // Light spreads sideways: the lower frequencies of the surface decide, and it reaches past the edge of shadow.
+    vec3 soft = normalize(mix(n, (up - down) / max(length(up - down), 1e-6), free_path / (1.0 + free_path)) + 1e-6);
+    float facing = dot(soft, l);
+    vec3 wrap = sideways * bend / (1.0 + sideways * bend);
+    float way = facing < 0.0 ? way_through(p - n, l) : 0.0, thick = way_through(p - n, -n);
+    float lit = unshadowed(p + (facing < 0.0 ? way + 1.0 : 0.0) * l + n, l);
+    // Little ambient light enters at the back where the body lies on something.
+    vec3 key = 1.5 * key_colour * lit, q = x - (thick + 3.0) * voxel * n;
+    float gap = min(voxel * far_distance(place_of(q)), q.y - ground_height);
+    if (has_solid_field) gap = min(gap, solid_distance(q));
+    back *= smoothstep(0.0, 5.0 * voxel, gap);
+    vec3 lamp = body * clamp((facing + wrap) / (1.0 + wrap), 0.0, 1.0) / (1.0 + wrap) + (1.0 - wrap) * passed(way) * max(-facing, 0.0);
+    return body * front + key * lamp + passed(thick) * back;
+}
+
 // Fraction of the ambient light that reaches a point with the open fraction `open`, including reflections from the body around it
 // (Jimenez et al. 2016, "Practical realtime strategies for accurate indirect occlusion").
 vec3 light_in_folds(float open, vec3 body) {
     return max(vec3(open), ((open * (2.0404 * body - 0.3324) - 4.7951 * body + 0.6417) * open + 2.7552 * body + 0.6903) * open);
 }
+
+vec3 sky_on(vec3 n) { return has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y); }
 
 void main() {
     vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
@@ -49,13 +99,13 @@ void main() {
         vec3 p = place_of(x) + n;
         open = openness(p, n, 40.0);
         seen = openness(p, r, 30.0);
-        lit = unshadowed(p, l);
+        lit = scatters ? 1.0 : unshadowed(p, l);
     }
     // Light wraps round by `softness`. Light in shadow has passed through the body and has taken on more of its colour.
     float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
     vec3 bled = mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
-    vec3 around = (has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y)) * light_in_folds(open, body);
-    vec3 diffuse = body * (around + 1.5 * key_colour * wrapped * lit * bled);
+    vec3 around = sky_on(n) * light_in_folds(open, body);
+    vec3 diffuse = scatters && has_field ? scattered(x, n, l, body, around, sky_on(-n)) : body * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
     // A rough body spreads its reflection over more directions, so that each gets less.

@@ -110,6 +110,8 @@ TEST_CASE("paint is opaque and glossy, in a dark studio", "[golden]") { compare(
 
 TEST_CASE("chocolate on white", "[golden]") { compare(picture_of("chocolate", coil(), "white"), "chocolate_white"); }
 
+TEST_CASE("light shines through a coil of wax, in a dark studio", "[golden]") { compare(picture_of("wax", coil(), "dark"), "wax_dark"); }
+
 TEST_CASE("honey on a table of boards, seen through a wide lens", "[golden]") {
     Picture picture = picture_of("honey", coil());
     picture.look.table = "wood";

@@ -48,3 +48,35 @@ show = false
     CHECK(board.roughness == wood.roughness);
     CHECK(board.pattern == wood.pattern);
 }
+
+TEST_CASE("light fades inside cream and milk about as measured", "[look]") {
+    // sqrt(3 s (s + t)) from the absorption s and scattering t of Jensen et al. (2001), table 1. Here one mean free path stands for three
+    // bands, and a colour near white hardly limits the absorption.
+    const auto fading = [](const char* name) {
+        LookOptions look;
+        look.material = name;
+        return diffuse_attenuation(fluid_material(look, 0.1f));
+    };
+    const auto check = [](const Vec3f& found, const Vec3f& measured) {
+        INFO(found.transpose());
+        CHECK((found.array() > 0.5f * measured.array()).all());
+        CHECK((found.array() < 1.6f * measured.array()).all());
+    };
+    check(fading("cream"), Vec3f(67, 214, 393));
+    check(fading("milk"), Vec3f(92, 152, 399));
+}
+
+TEST_CASE("light spreads further inside a body with a longer mean free path", "[look]") {
+    LookOptions look;
+    look.style = "opaque", look.material = "paint", look.colour = {0.8f, 0.4f, 0.1f};
+    CHECK(fluid_material(look, 0.1f).scattering == 0);
+    look.scattering = 1e-3f;
+    const Material paint = fluid_material(look, 0.1f);
+    const Vec3f fades = diffuse_attenuation(paint), reach = sideways_reach(paint);
+    CHECK(fades.x() < fades.y());
+    CHECK(fades.y() < fades.z());
+    CHECK(reach.x() > reach.y());
+    look.scattering = 2e-3f;
+    CHECK(diffuse_attenuation(fluid_material(look, 0.1f)).isApprox(fades / 2));
+    CHECK(sideways_reach(fluid_material(look, 0.1f)).isApprox(2 * reach));
+}
