@@ -19,10 +19,11 @@ uniform vec3 key_colour;     // light of the lamp that casts the shadow, on a wh
 uniform sampler2D environment_map;   // rows from the zenith down, middle column towards -z; mip levels average over wider squares
 uniform vec4 environment_light[9];   // irradiance over pi, in spherical harmonics
 
+// A surface of roughness b spreads its reflection over an angle of about 2 b^2: an image that is sharp for honey and soft for wood.
 vec3 pictured(vec3 d, float blur) {
     vec2 place = vec2(atan(d.x, -d.z) / 6.2831853 + 0.5, acos(clamp(d.y, -1.0, 1.0)) / 3.1415927);
     float levels = log2(float(textureSize(environment_map, 0).x));
-    return textureLod(environment_map, place, blur > 1e-3 ? max(levels + log2(blur) - 2.0, 0.0) : 0.0).rgb;
+    return textureLod(environment_map, place, blur > 1e-3 ? max(levels + 2.0 * log2(blur) - 1.65, 0.0) : 0.0).rgb;
 }
 
 // Ambient light on a white surface of normal n (Ramamoorthi and Hanrahan, SIGGRAPH 2001).
