@@ -46,6 +46,7 @@ struct Shot {
     Eigen::Matrix4f camera;
     Mat3f to_ray;  ///< position in the image (-1 .. 1, -1 .. 1, 1) -> direction
     float aspect = 1;
+    bool blurred = false;    ///< the sum of the samples is blurred along the motion
     bool has_age = false;    ///< the fluid's surface has ages
     bool has_crust = false;  ///< the fluid's surface has positions on crust plates
     std::vector<EmissivePatch> patches;
@@ -59,6 +60,10 @@ struct Shot {
     float lowest() const { return look.ground ? ground : -1e6f; }
     /// Whether all samples share the solids' light of the first one: they see the solids from about the same position.
     bool keeps_solid_light() const { return !view.blurs(); }
+    /// Whether the motion of the camera blurs the background, which the samples do not show.
+    bool blurs_background() const {
+        return blurred && !is_transparent(look) && !(view.position_velocity.isZero(0) && view.target_velocity.isZero(0));
+    }
     /// Whether the surface's displacement is stored per pixel: the surface moves while the shutter is open, its distance field does not.
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
@@ -284,6 +289,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               clip_into(into) * camera,
               rays(view, aspect) * into.inverse(),
               aspect,
+              seen.open < view.open && !shows_field(look),
               !surface.age.empty(),
               !surface.crust.empty() && !shows_field(look),
               {},
@@ -301,7 +307,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
         glClear(GL_COLOR_BUFFER_BIT);
     }
     for (int i = 0; i < samples.count(); ++i) draw_sample(shot, i);
-    if (seen.open < view.open && !shows_field(look)) blur_motion(shot, view.open);
+    if (shot.blurred) blur_motion(shot, view.open);
     if (look.foam > 0 && !shows_field(look)) draw_foam(shot, frame, view.open);
     return shot;
 }
@@ -559,15 +565,18 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
     area.add(Vec3f(middle.x(), shot.ground, middle.y()) - corner), area.add(Vec3f(middle.x(), shot.ground, middle.y()) + corner);
     const PixelBox box = pixels_of(area, shot.camera, width, height);
     const int lit = linear ? height : box.y + box.height;
+    const bool moves = shot.blurs_background();
     glEnable(GL_SCISSOR_TEST);
     for (const bool has_light : {true, false}) {
         glScissor(0, has_light ? 0 : lit, width, has_light ? lit : height - lit);
-        gl::Program& program = compose.with(shot.constants + gl::constant("linear", linear) +
-                                            gl::constant("has_glass", scene.any_containers()) + gl::constant("has_light", has_light));
+        gl::Program& program =
+            compose.with(shot.constants + gl::constant("linear", linear) + gl::constant("has_glass", scene.any_containers()) +
+                         gl::constant("has_light", has_light) + gl::constant("background_moves", moves));
         set_studio(program, shot);
         if (!is_transparent(shot.look)) backdrop.bind(program, 2);
         program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
         program.texture("glass", 1, GL_TEXTURE_2D, glass.id());
+        if (moves) program.texture("motion", 3, GL_TEXTURE_2D, aov_pass->motion_and_depth());
         program.set("to_world", Eigen::Matrix4f(shot.camera.inverse()));
         program.set("exposure", shot.look.exposure);
         program.set("aspect", shot.aspect);

@@ -3,10 +3,12 @@
 //            bool transparent: no background is drawn, only the shadow on its ground
 //            bool has_glass: the scene has containers
 //            bool has_light: the ground has a light map here
+//            bool background_moves: the camera moves while the shutter is open
 in vec2 uv;
 uniform sampler2D samples;
 uniform sampler2D glass;     // walls of containers, in front of everything
 uniform sampler2D paper;     // backdrop.frag
+uniform sampler2D motion;    // pixels while the shutter is open
 uniform mat3 to_ground;      // position in the image -> (w x, w z, w) of the point x, z on the ground
 uniform mat4 to_world;
 uniform float exposure;
@@ -38,10 +40,22 @@ vec3 srgb(vec3 linear) {
 // Noise of half a step hides the steps of 8 bits in smooth gradients. It is the same in every frame, so that it does not flicker.
 float dither(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5; }
 
-vec3 seen_behind_all(ivec2 pixel) {
-    vec4 kept = texelFetch(paper, pixel, 0);
-    vec3 place = to_ground * vec3(2.0 * uv - 1.0, 1.0);
+vec3 background_at(vec2 pixel) {
+    vec4 kept = texelFetch(paper, ivec2(pixel), 0);
+    vec3 place = to_ground * vec3(2.0 * pixel / vec2(textureSize(paper, 0)) - 1.0, 1.0);
     return kept.rgb * (has_light && kept.a > 0.5 ? light_on_ground(place.xy / place.z) : vec3(1.0));
+}
+
+vec3 seen_behind_all() {
+    if (!background_moves) return background_at(gl_FragCoord.xy);
+    const int parts = 12;
+    vec2 way = texelFetch(motion, ivec2(gl_FragCoord.xy), 0).xy;
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < parts; ++i) {
+        vec2 at = gl_FragCoord.xy + way * ((float(i) + 0.5 + dither(gl_FragCoord.xy)) / float(parts) - 0.5);
+        sum += background_at(clamp(at, vec2(0.5), vec2(textureSize(paper, 0)) - 0.5));
+    }
+    return sum / float(parts);
 }
 
 void main() {
@@ -49,7 +63,7 @@ void main() {
     vec4 front = texelFetch(samples, pixel, 0);
     vec3 colour = front.rgb;
     float alpha = transparent && front.a < 0.999 ? front.a : 1.0;
-    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * held(seen_behind_all(pixel));
+    if (!transparent && front.a < 0.999) colour += (1.0 - front.a) * held(seen_behind_all());
     colour = released(colour);
     if (has_glass) {
         vec4 wall = texelFetch(glass, pixel, 0);
