@@ -429,11 +429,12 @@ void Simulation::count_energy() {
 }
 
 void Simulation::change(const Scene& scene, const Plan& plan, double when) {
-    const bool other_viscosity = state_->scene.fluid.viscosity.text() != scene.fluid.viscosity.text();
-    state_->change(scene, plan, when);
+    const Scene now = calibrated(scene);
+    const bool other_viscosity = state_->scene.fluid.viscosity.text() != now.fluid.viscosity.text();
+    state_->change(now, plan, when);
     if (other_viscosity) state_->changed_wrongly = change_viscosity(state_->scene, state_->world);
 }
-void Simulation::changed_before(const Scene& scene, const Plan& plan, double when) { state_->change(scene, plan, when); }
+void Simulation::changed_before(const Scene& scene, const Plan& plan, double when) { state_->change(calibrated(scene), plan, when); }
 
 void Simulation::save(std::ostream& out) const {
     const State& s = *state_;
