@@ -84,14 +84,14 @@ std::string floating(const std::string& body) {
 }  // namespace
 
 TEST_CASE("under the projection a nozzle fills a basin at its rate, and fluid above the rim runs out", "[sim][projection]") {
-    // .1 m at .1 m/s for .4 s: 10 particles, two rows. At first one row less, which is in the opening at the start. The level rises by less
+    // .1 m at .1 m/s for .4 s: 10 particles, less the row that is in the opening at the start. The level rises by less
     // than one spacing, 50 particles.
     Simulation simulation = simulation_of(basin);
     const double before = free_particles(simulation);
-    run_until(simulation, 0.3);
+    run_until(simulation, 0.4);
     const auto first = static_cast<double>(simulation.totals().emitted_particles);
-    CHECK(first == Approx(5).margin(3));
-    run_until(simulation, 0.7);
+    CHECK(first == Approx(8).margin(3));
+    run_until(simulation, 0.8);
     CHECK(simulation.totals().emitted_particles - first == Approx(10).margin(1));
     CHECK(simulation.totals().lost_particles == 0);
     CHECK(free_particles(simulation) == before + simulation.totals().emitted_particles - simulation.totals().drained_particles);
