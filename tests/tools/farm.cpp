@@ -135,7 +135,7 @@ TEST_CASE("one invalid scene stops all at the start, and an interrupted farm pri
     CHECK(read_whole(scratch / "films/little_honey/scene.resolved.toml") == "# text");
 
     const std::string run = (scratch / "run").string();
-    test::Program farm({"farm", (scratch / "scene.toml").string(), "--threads", "1", "--until", "8", "--out", run});
+    test::Program farm({"farm", (scratch / "scene.toml").string(), "--threads", "1", "--until", "2", "--out", run});
     REQUIRE(farm.wait_until([&] { return fs::exists(scratch / "run/raw/000002.frame"); }));
     farm.signal(SIGINT);
     const Outcome stopped = farm.wait();
