@@ -136,7 +136,6 @@ private:
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
         const FlowLaw law = scene_.fluid.flow_law();
-        options.softest_penalty = law.acts();
         auto system = std::make_shared<CoupledSystem>(options);
         if (scene_.fluid.ink_diffusion > 0 || scene_.foam) stages_.push_back(neighbours());
         ink_diffusion();

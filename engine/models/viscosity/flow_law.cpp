@@ -7,32 +7,51 @@
 
 namespace whorl {
 
+double FlowLaw::rate_of_rigid(double K) const {
+    return yield_stress > 0 && K > 0 ? std::min(rigid_rate, std::pow(yield_stress / K, 1 / index) / contrast) : rigid_rate;
+}
+
 double FlowLaw::apparent_viscosity(double K, double gamma) const {
-    const double own = yield_stress > 0 && K > 0 ? std::pow(yield_stress / K, 1 / index) / contrast : rigid_rate;
-    const double g0 = std::min(rigid_rate, own), x = gamma / g0;
+    const double g0 = rate_of_rigid(K), x = gamma / g0;
     const double plastic = yield_stress / g0 * (x > 1e-6 ? -std::expm1(-x) / x : 1);
     return plastic + (index == 1 ? K : K * std::pow(std::max(gamma, g0), index - 1));
 }
 
-void FlowLaw::begin(Span<const Real> K, Span<const Mat3> G, Real dt, int dimensions, Span<Real> apparent) const {
-    parallel_for(static_cast<Index>(apparent.size()), [&](Index i) {
-        if (apparent[i] > 0) return;
-        const Mat3 D = (G[i] + G[i].transpose()) / 2 - curvature_strain(G[i], dt);
-        apparent[i] = static_cast<Real>(apparent_viscosity(static_cast<double>(K[i]), static_cast<double>(shear_rate(D, dimensions))));
-    });
+double FlowLaw::tangent_viscosity(double K, double gamma) const {
+    const double g0 = rate_of_rigid(K);
+    return yield_stress / g0 * std::exp(-gamma / g0) + (index == 1 ? K : index * K * std::pow(std::max(gamma, g0), index - 1));
 }
 
-double FlowLaw::update(Span<const Real> K, Span<const Real> gamma, Span<Real> apparent) const {
+FlowViscosity::FlowViscosity(const FlowLaw& chosen, Read<field::viscosity> consistency, Span<const Mat3> before, const StepContext& step,
+                             Update<field::shear_rate> rate, Write<field::apparent_viscosity> viscosity)
+    : law(chosen), K(consistency), gamma(rate.values), mu(viscosity.values), soft(K.values.size()), solved(K.values.size()) {
+    parallel_for(K.size(), [&](Index i) {
+        if (gamma[i] > 0) return;
+        const Mat3 D = (before[i] + before[i].transpose()) / 2 - curvature_strain(before[i], step.dt);
+        gamma[i] = shear_rate(D, step.dimensions());
+    });
+    update();
+}
+
+bool FlowViscosity::again(int solves) {
     struct Power {
         double change = 0, all = 0;
         void operator+=(const Power& o) { change += o.change, all += o.all; }
     };
-    const Power sum = parallel_sum(static_cast<Index>(apparent.size()), Power{}, [&](Index i) {
-        const double rate = gamma[i], before = apparent[i], mu = apparent_viscosity(K[i], rate);
-        apparent[i] = static_cast<Real>(mu);
-        return before > 0 ? Power{rate * rate * std::abs(mu - before), rate * rate * before} : Power{};
+    const Power sum = parallel_sum(K.size(), Power{}, [&](Index i) {
+        const double rate = gamma[i] = solved[i], used = mu[i];
+        return Power{rate * rate * std::abs(law.apparent_viscosity(static_cast<double>(K[i]), rate) - used), rate * rate * used};
     });
-    return sum.all > 0 ? sum.change / sum.all : 0;
+    return sum.change > law.tolerance * sum.all && solves < law.most_solves;
+}
+
+void FlowViscosity::update() {
+    constexpr double penalised = 3;
+    parallel_for(K.size(), [&](Index i) {
+        const double k = K[i], rate = gamma[i];
+        mu[i] = static_cast<Real>(law.apparent_viscosity(k, rate));
+        soft[i] = static_cast<Real>(penalised * law.tangent_viscosity(k, rate));
+    });
 }
 
 }  // namespace whorl

@@ -13,18 +13,27 @@
 /// A step solves, evaluates mu with the strain rates of the solution, and solves again until the dissipated power changes by less than a
 /// tolerance (fixed-point iteration of Kacanov). For n <= 1 each of these solves decreases the energy of the step, because its dissipation
 /// is a concave function of D:D and the quadratic form with mu bounds it from above. So the iteration converges for any step.
+///
+/// The solvers' penalties act on differences between neighbours that are not linear. They count at most three times the smallest viscosity
+/// d tau/d gamma among the particle and its neighbours. With mu they would bear a stress of the order of tau_y where fluid shears within a
+/// few spacings: a plug would be thicker by half a spacing, and a layer that slides on a thin film would not start to move.
 #include <cmath>
 
+#include "engine/core/column.h"
 #include "engine/particles/field.h"
+#include "engine/particles/step_context.h"
 
 namespace whorl {
 
 namespace field {
 /// 0: the particle is new.
+struct shear_rate {
+    using type = Real;
+    static constexpr std::string_view name = "shear_rate", unit = "1/s", meaning = "sqrt(2 D:D) in the last step, D the strain rate";
+};
 struct apparent_viscosity {
     using type = Real;
-    static constexpr std::string_view name = "apparent_viscosity", unit = "Pa s",
-                                      meaning = "shear stress over shear rate of a fluid with a yield stress or a flow index";
+    static constexpr std::string_view name = "apparent_viscosity", unit = "Pa s", meaning = "shear stress over shear rate";
 };
 }  // namespace field
 
@@ -40,18 +49,33 @@ struct FlowLaw {
     bool acts() const { return yield_stress > 0 || index != 1; }
     /// mu(gamma) [Pa s]. @param K [Pa s^n] @param gamma [1/s]
     double apparent_viscosity(double K, double gamma) const;
-    /// Sets mu of new particles. @param G velocity gradients before the step [1/s]
-    void begin(Span<const Real> K, Span<const Mat3> G, Real dt, int dimensions, Span<Real> apparent) const;
-    /// Evaluates mu at the rates of the particles. @param apparent in: the viscosities that the rates belong to; 0 at a new particle
-    /// @returns sum gamma^2 |change of mu| / sum gamma^2 mu over the particles that are not new
-    double update(Span<const Real> K, Span<const Real> gamma, Span<Real> apparent) const;
+    /// d tau/d gamma [Pa s].
+    double tangent_viscosity(double K, double gamma) const;
+
+private:
+    double rate_of_rigid(double K) const;
 };
 
-/// gamma = sqrt(2 D:D) of the deviator of a strain rate. @param S symmetric [1/s]
-inline Real shear_rate(const Mat3& S, int dimensions) {
-    const Real third = S.trace() / static_cast<Real>(dimensions);
-    Real sum = S.squaredNorm() - third * S.trace();
-    return std::sqrt(std::max(Real(0), 2 * sum));
+/// gamma of a strain rate. @param D symmetric [1/s]
+inline Real shear_rate(const Mat3& D, int dimensions) {
+    return std::sqrt(2 * std::max(Real(0), D.squaredNorm() - D.trace() * D.trace() / static_cast<Real>(dimensions)));
 }
+
+/// The viscosities of one step.
+struct FlowViscosity {
+    const FlowLaw& law;
+    Read<field::viscosity> K;   ///< Pa s^n
+    Span<Real> gamma, mu;       ///< 1/s, of the last step or solve; Pa s, at gamma
+    Column<Real> soft, solved;  ///< limit of the penalties [Pa s]; gamma of the next solve [1/s]
+
+    /// @param before velocity gradients before the step [1/s], for new particles
+    FlowViscosity(const FlowLaw& law, Read<field::viscosity> K, Span<const Mat3> before, const StepContext& step,
+                  Update<field::shear_rate> gamma, Write<field::apparent_viscosity> mu);
+    /// Accepts the rates `solved`. @returns whether mu was too far from the law at these rates, so that the step has to solve again with
+    /// update() @param solves number of solves until now
+    bool again(int solves);
+    /// Sets mu and soft at gamma.
+    void update();
+};
 
 }  // namespace whorl

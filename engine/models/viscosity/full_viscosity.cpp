@@ -13,17 +13,17 @@ void FullViscosity::operator()(const InteractionContext& context, StepReport& re
 void YieldingViscosity::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
                                    Read<field::viscosity> K, Read<field::velocity_gradient> before, Update<field::velocity> u,
                                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate,
-                                   Update<field::apparent_viscosity> mu) {
+                                   Update<field::shear_rate> gamma, Write<field::apparent_viscosity> mu) {
     const ImplicitStep s{context, report, role, x, u, last};
-    law_.begin(K.values, before.values, context.step.dt, context.step.dimensions(), mu.values);
-    Column<Real> gamma(static_cast<std::size_t>(K.size()));
+    FlowViscosity flow(law_, K, before.values, context.step, gamma, mu);
+    operator_.limit_penalty(flow.soft);
     for (int solves = 1;; ++solves) {
         operator_.set_up(options_, context, role, {mu.values}, {}, before.values);
         set_up_coarse(context.pairs, context.step, role, x, aggregate.values, true);
         const ImplicitSolution solution = find_solution(operator_, options_.limits, s);
-        operator_.shear_rates(solution.u, gamma);
-        if (law_.update(K.values, gamma, mu.values) > law_.tolerance && solves < law_.most_solves) continue;
-        return take_solution(operator_, s, solution);
+        operator_.shear_rates(solution.u, flow.solved);
+        if (!flow.again(solves)) return take_solution(operator_, s, solution);
+        flow.update();
     }
 }
 

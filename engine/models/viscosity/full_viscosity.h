@@ -37,11 +37,11 @@ protected:
 /// The same for a fluid whose viscosity depends on the strain rate. field::viscosity is K of the law.
 class YieldingViscosity : private FullViscosity {
 public:
-    YieldingViscosity(ViscosityOptions options, const FlowLaw& law) : FullViscosity(options), law_(law) { options_.softest_penalty = true; }
+    YieldingViscosity(ViscosityOptions options, const FlowLaw& law) : FullViscosity(options), law_(law) {}
     void operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::viscosity> K, Read<field::velocity_gradient> before, Update<field::velocity> u,
-                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate,
-                    Update<field::apparent_viscosity> mu);
+                    Update<field::viscous_acceleration> last, Update<field::viscous_aggregate> aggregate, Update<field::shear_rate> gamma,
+                    Write<field::apparent_viscosity> mu);
 
 private:
     FlowLaw law_;

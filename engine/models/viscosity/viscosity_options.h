@@ -34,9 +34,6 @@ struct ViscosityOptions {
     /// Form of the notes. explicit: no lattice factor. full_assembled: T = 0, and gradients weight the neighbours with V_j, so that the
     /// matrix is not symmetric if densities differ. With false the gradient of particle i has the weight V_i, and the matrix is symmetric.
     bool printed = false;
-    /// full: the penalty at a particle uses the smallest viscosity among it and its neighbours, for viscosities that differ by orders of
-    /// magnitude between neighbours (FlowLaw). Otherwise a plug is thicker by half a spacing.
-    bool softest_penalty = false;
     Real solid_factor = 1;    ///< factor on the volumes of boundary particles, see models/boundary/wall.h
     SolidGate gate = {};      ///< gate at solids
     int aggregate = 48;       ///< full: particles in a group of the coarse level

@@ -70,10 +70,11 @@ void ViscousOperator::set_up_moments(const ViscosityOptions& options, const Step
                 M_[i].set(moment.inverse.cast<Real>());
                 P_[i].set(moment.resolved.cast<Real>());
                 if (M.trace() > 0) c_[i] = options.penalty * K_[i] * static_cast<Real>(kernel.dimensions / M.trace());
-                if (options.softest_penalty) {
-                    Real softest = mu[i];
-                    for (std::size_t e = pairs_->first[i]; e < pairs_->first[i + 1]; ++e) softest = std::min(softest, mu[pairs_->other[e]]);
-                    c_[i] *= softest / mu[i];
+                if (!soft_.empty()) {
+                    Real softest = soft_[i];
+                    for (std::size_t e = pairs_->first[i]; e < pairs_->first[i + 1]; ++e)
+                        softest = std::min(softest, soft_[pairs_->other[e]]);
+                    c_[i] *= std::min(Real(1), softest / mu[i]);
                 }
             }
             if (!options.correction && (!options.stretches() || wall_.empty() || !(wall_[i].near.spring > 0))) {

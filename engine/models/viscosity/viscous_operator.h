@@ -34,6 +34,9 @@ public:
     /// @param before gradients of the velocities at the start of the step [1/s], which determine T; empty: T = 0
     void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});
+    /// Limits the viscosity of the penalty at a particle, until the next call, to the smallest of these values among the particle and its
+    /// neighbours. @param soft [Pa s], must outlive set_up(); empty: the particle's own viscosity counts
+    void limit_penalty(Span<const Real> soft) { soft_ = soft; }
     const ViscousBodies* bodies() const override { return bodies_.body.empty() ? nullptr : &bodies_; }
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
@@ -100,6 +103,7 @@ private:
     ViscosityOptions options_;
     int dimensions_ = 3;
     const FluidPairs* pairs_ = nullptr;
+    Span<const Real> soft_;
     Column<Pair> pair_;
     Column<Pair> wr_;  ///< sums of w r_ij over fluid and solids
     WallFriction friction_;

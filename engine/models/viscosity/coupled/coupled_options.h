@@ -21,8 +21,6 @@ struct CoupledOptions {
     double bulk = 10;           ///< lambda/mu: resistance to a change of volume within one step; the multiplier removes the rest
     double smoothing = 0.15;    ///< (penalty on the residual of the linear fit)/mu; removes zero-energy modes
     double pair_smoothing = 5;  ///< the same along pairs only; keeps necks from growing and does not stiffen bending
-    /// The penalties at a particle use the smallest viscosity among it and its neighbours (FlowLaw).
-    bool softest_penalty = false;
     /// Ratios of the middle to the largest eigenvalue of M. Above the first a thread is thick, below the second thin (evened).
     double thin_below = 0.8, thin_at = 0.6;
 

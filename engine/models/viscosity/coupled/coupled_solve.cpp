@@ -506,24 +506,24 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
 }
 
 void CoupledYieldingSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> K,
-                                      Update<field::apparent_viscosity> mu, Update<field::velocity> u, Update<field::pressure> p,
-                                      Update<field::velocity_change> change, Update<field::velocity_gradient> G,
+                                      Update<field::shear_rate> gamma, Write<field::apparent_viscosity> mu, Update<field::velocity> u,
+                                      Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
                                       Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids,
                                       const StepContext& step, StepReport& report) const {
     if (x.size() == 0) return;
-    law.begin(K.values, G.values, step.dt, system->rows.dimensions(), mu.values);
+    FlowViscosity flow(law, K, G.values, step, gamma, mu);
+    system->form.limit_penalties(flow.soft);
     CoupledStep now{*system, x, role, {mu.values}, u, p, change, G, aggregate, slip, solids, step};
-    Column<Real> gamma(K.values.size()), next(mu.values.begin(), mu.values.end());
     now.prepare();
     for (int solves = 1;; ++solves) {
         now.find_velocity(report, solves > 1);
-        now.find_shear_rates(gamma);
-        if (law.update(K.values, gamma, next) <= law.tolerance || solves == law.most_solves) break;
-        std::copy(next.begin(), next.end(), mu.values.begin());
+        now.find_shear_rates(flow.solved);
+        if (!flow.again(solves)) break;
+        flow.update();
         now.set_up_form();
     }
     now.finish(report);
-    std::copy(next.begin(), next.end(), mu.values.begin());
+    system->form.limit_penalties({});
 }
 
 }  // namespace whorl

@@ -31,10 +31,10 @@ struct CoupledSolve {
 struct CoupledYieldingSolve {
     std::shared_ptr<CoupledSystem> system;
     FlowLaw law;
-    void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> K, Update<field::apparent_viscosity> mu,
-                    Update<field::velocity> u, Update<field::pressure> p, Update<field::velocity_change> change,
-                    Update<field::velocity_gradient> G, Update<field::aggregate> aggregate, Update<field::contact_normal> slip,
-                    Solids& solids, const StepContext& step, StepReport& report) const;
+    void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> K, Update<field::shear_rate> gamma,
+                    Write<field::apparent_viscosity> mu, Update<field::velocity> u, Update<field::pressure> p,
+                    Update<field::velocity_change> change, Update<field::velocity_gradient> G, Update<field::aggregate> aggregate,
+                    Update<field::contact_normal> slip, Solids& solids, const StepContext& step, StepReport& report) const;
 };
 
 struct CoupledMove {

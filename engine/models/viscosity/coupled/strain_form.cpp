@@ -58,11 +58,11 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                 const double sheared = counted.empty() ? K : (1 - counted[i]) * K,
                              base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
                 double penalised = sheared;
-                if (o.softest_penalty) {
-                    Real softest = viscosity[i];
+                if (!soft_.empty()) {
+                    Real softest = soft_[i];
                     block.each_pair(i - block.begin,
-                                    [&](RowBlock::LocalIndex at) { softest = std::min(softest, viscosity[block.touched[at]]); });
-                    penalised *= static_cast<double>(softest / viscosity[i]);
+                                    [&](RowBlock::LocalIndex at) { softest = std::min(softest, soft_[block.touched[at]]); });
+                    penalised *= std::min(1.0, static_cast<double>(softest / viscosity[i]));
                 }
                 StrainCoefficients c;
                 c.shear = static_cast<Real>(2 * sheared);

@@ -97,6 +97,9 @@ public:
     void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
              const CoupledOptions& options);
 
+    /// Limits the viscosity of a particle's penalties, until the next call, to the smallest of these values among the particle and its
+    /// neighbours. @param soft [Pa s], must outlive set(); empty: the particle's own viscosity counts
+    void limit_penalties(Span<const Real> soft) { soft_ = soft; }
     /// Frees the memory until the next set().
     void release() { Column<CoefficientLanes>().swap(by_slice_), Column<Vec4>().swap(forces_); }
 
@@ -163,6 +166,7 @@ private:
     const CoupledRows* rows_ = nullptr;
     Column<CoefficientLanes> by_slice_;
     Span<const Mat3> friction_;
+    Span<const Real> soft_;
     Real spacing_ = 1;
     mutable Column<Vec4> forces_;  ///< one per touched particle of each block
 };
