@@ -1,0 +1,94 @@
+/// Yield stress, consistency and flow index: the law, and the scenes that it fits.
+#include "engine/models/viscosity/flow_law.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/support/poured_honey.h"
+#include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+/// A free square of fluid that shears and stretches, without weight.
+std::string free_square(const std::string& pressure, const std::string& law) {
+    return text::time(1) + text::domain({-0.2, -0.2}, {0.2, 0.2}, "gravity = [0, 0]") + text::fluid(0.01, 0, law) +
+           text::models(pressure, pressure == "coupled" ? "" : "full") +
+           text::block({-0.05, -0.05}, {0.05, 0.05}, "velocity = [\"0.3 + 4*x + 10*y\", \"0.1 - 4*y\"]");
+}
+const std::string bingham = "yield_stress = 30\nviscosity = 3\n";
+
+}  // namespace
+
+TEST_CASE("the apparent viscosity is that of Herschel and Bulkley within 1 % from 5 g_0 on, and finite at rest", "[viscosity][yield]") {
+    for (const double n : {0.4, 1.0, 1.3}) {
+        const FlowLaw law{50, n};
+        const double K = 5, g0 = std::min(1e-3, 1e-4 * std::pow(50 / K, 1 / n));
+        for (double gamma = 5 * g0; gamma < 1e3; gamma *= 3) {
+            CAPTURE(n, gamma);
+            CHECK(gamma * law.apparent_viscosity(K, gamma) == Approx(50 + K * std::pow(gamma, n)).epsilon(0.01));
+            const double slope = (1.001 * law.apparent_viscosity(K, 1.001 * gamma) - law.apparent_viscosity(K, gamma)) / 1e-3;
+            CHECK(law.tangent_viscosity(K, gamma) == Approx(slope).epsilon(0.01));
+        }
+        CHECK(law.apparent_viscosity(K, 0) == Approx(50 / g0 + K * std::pow(g0, n - 1)));
+    }
+    CHECK_FALSE(FlowLaw{}.acts());
+}
+
+TEST_CASE("a free body with a yield stress keeps its momentum to rounding, never gains energy, and becomes rigid", "[sim][yield]") {
+    for (const char* pressure : {"ppe", "coupled"}) {
+        Simulation s = simulation_of(free_square(pressure, bingham));
+        const auto momentum = [&] { return mean_of(s, [](const Vec3d&, const Vec3d& u) { return u.x() + 2 * u.y(); }); };
+        const double before = momentum();
+        double energy = mean_square_speed(s);
+        for (int k = 0; k < 25; ++k) {
+            REQUIRE_FALSE(s.step(1).diverged);
+            CAPTURE(pressure, k);
+            CHECK(mean_square_speed(s) < energy * (1 + 1e-6));
+            energy = mean_square_speed(s);
+        }
+        CHECK(momentum() == Approx(before).epsilon(1e-5));
+        double fastest = 0;  // shear of 10 1/s at the start; tau_y/rho = 0.03 m^2/s^2 stops 0.1 m of it within 0.03 s
+        for (const Real gamma : s.world().fluid.column<field::shear_rate>()) fastest = std::max(fastest, static_cast<double>(gamma));
+        CHECK(fastest < 0.3);
+    }
+}
+
+TEST_CASE("a run with a yield stress resumes bit-identically", "[sim][yield][resume]") {
+    CHECK(differing_bits(free_square("ppe", bingham), 0.02) == "");
+    CHECK(differing_bits(free_square("coupled", "yield_stress = 30\nconsistency = 3\nflow_index = 0.6\n"), 0.02) == "");
+}
+
+TEST_CASE("only fluid with a yield stress or flow index has a shear rate, and a yield stress of 0 changes no bit", "[sim][yield]") {
+    for (const char* pressure : {"ppe", "coupled"}) {
+        Simulation plain = simulation_of(free_square(pressure, "viscosity = 3\n")),
+                   none = simulation_of(free_square(pressure, "yield_stress = 0\nconsistency = 3\n"));
+        for (Simulation* s : {&plain, &none}) REQUIRE_FALSE(s->step(1).diverged);
+        CHECK(state_of(plain) == state_of(none));
+        CHECK_FALSE(plain.world().fluid.has<field::shear_rate>());
+        CHECK(simulation_of(free_square(pressure, bingham)).world().fluid.has<field::shear_rate>());
+    }
+}
+
+TEST_CASE("a yield stress is refused with other viscosities, spin, or without a viscosity, and the fix is named", "[plan][yield]") {
+    const auto told = [](const std::string& law, const std::string& models) {
+        return messages_with({}, text::time(1) + text::domain({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}) + text::fluid(0.02, 0, law) +
+                                     "[models]\n" + models + "\n" + text::block({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}));
+    };
+    const std::string ppe = "pressure = \"ppe\"\n";
+    for (const std::string other : {"explicit", "xsph", "none", "full_assembled"})
+        CHECK_THAT(told(bingham, ppe + "viscosity = \"" + other + "\""),
+                   Catch::Contains("fluid.yield_stress makes the viscosity depend on the strain rate, which models.viscosity = \"" + other +
+                                   "\" does not support; use models.viscosity = \"full\" with viscosity.correction = true, or "
+                                   "models.pressure = \"coupled\""));
+    CHECK_THAT(told(bingham, ppe + "viscosity = \"full\"\n[viscosity]\ncorrection = false"), Catch::Contains("does not support"));
+    CHECK_THAT(told(bingham, "micropolar = \"bender\""), Catch::Contains("micropolar fluids have one viscosity"));
+    CHECK_THAT(told("yield_stress = 30\n", ""), Catch::Contains("set fluid.viscosity, the plastic viscosity of a Bingham fluid"));
+    CHECK_THAT(told("viscosity = 3\nflow_index = 0.5\n", ""), Catch::Contains("fluid.flow_index = 0.5 needs a consistency"));
+    CHECK_THAT(told("viscosity = 3\nconsistency = 2\n", ""), Catch::Contains("both give K; remove fluid.viscosity"));
+    CHECK(told(bingham, "") == "no error");
+    CHECK(told("yield_stress = 30\nconsistency = 2\nflow_index = 0.5\n", ppe) == "no error");
+}

@@ -1,0 +1,118 @@
+/// Fluids that stand until their yield stress is exceeded, against exact flows (docs/physics.md 4, "Yield stress").
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/models/viscosity/flow_law.h"
+#include "tests/support/runs.h"
+#include "tests/support/scene_text.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+/// Flow along x that the acceleration `drive` keeps up: a film of depth h on the plane y = 0, or half a channel of width 2 h. With tau =
+/// rho drive (h - y) the fluid shears below y0 = h - tau_y/(rho drive) and is a plug above:
+///   u = n/(n + 1) (rho drive/K)^(1/n) (y0^(1 + 1/n) - max(y0 - y, 0)^(1 + 1/n))
+struct Sheared {
+    double tau_y = 50, K = 5, n = 1, drive = 1, h = 0.1;
+    bool channel = false;
+    double rho = 1000, steepness = 9.8;  ///< steepness: gravity towards the plane
+
+    double edge() const { return std::max(0.0, h - tau_y / (rho * drive)); }
+    double exact(double y) const {
+        const double wall = channel ? std::min(y, 2 * h - y) : y, m = 1 + 1 / n;
+        return std::pow(rho * drive / K, 1 / n) / m * (std::pow(edge(), m) - std::pow(std::max(0.0, edge() - wall), m));
+    }
+    /// @param across spacings in h @param start the exact velocity times this at the start
+    std::string scene(const std::string& pressure, int across, double end, double step, double start = 1) const {
+        const double d = h / across, width = 10 * d, depth = channel ? 2 * h : h, m = 1 + 1 / n;
+        const std::string wall = channel ? fmt::format("min(y, {:.17g} - y)", 2 * h) : "y",
+                          law = n == 1 ? fmt::format("yield_stress = {}\nviscosity = {}\n", tau_y, K)
+                                       : fmt::format("yield_stress = {}\nconsistency = {}\nflow_index = {}\n", tau_y, K, n),
+                          velocity = fmt::format("velocity = [\"{:.17g}*({:.17g} - max({:.17g} - {}, 0)^{})\", 0]",
+                                                 start * std::pow(rho * drive / K, 1 / n) / m, std::pow(edge(), m), edge(), wall, m);
+        std::string text =
+            text::time(end, fmt::format("max_step = {}", step)) +
+            text::domain({0, 0}, {width, channel ? depth : 1.5 * h},
+                         fmt::format("periodic = [true, false]\ngravity = [{}, {}]", channel ? 0 : drive, channel ? 0 : -steepness)) +
+            text::fluid(d, 0, law + (channel ? fmt::format("force = [{}, 0]\n", drive) : "")) +
+            text::models(pressure, pressure == "coupled" ? "" : "full") + text::block({0, 0}, {width, depth}, velocity) +
+            text::plane({0, 0}, {0, 1});
+        if (channel) text += text::plane({0, depth}, {0, -1});
+        return text;
+    }
+};
+
+struct Found {
+    double worst = 0;  ///< error of the velocity, over the exact flow's largest
+    double plug = 0;   ///< error of the plug's thickness [spacings]: fluid within 1 % of the largest speed
+};
+
+Found compare(const Sheared& flow, const Simulation& s) {
+    Found found;
+    const double fastest = flow.exact(flow.h);
+    double top = 0, plug = 0, exact_plug = 0;
+    for (const Vec3& u : velocities(s)) top = std::max(top, static_cast<double>(u.x()));
+    const auto x = positions(s), u = velocities(s);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double exact = flow.exact(static_cast<double>(x[i].y())), now = static_cast<double>(u[i].x());
+        found.worst = std::max(found.worst, std::abs(now - exact) / fastest);
+        plug += now > 0.99 * top, exact_plug += exact > 0.99 * fastest;
+    }
+    found.plug = (plug - exact_plug) / 10;
+    return found;
+}
+
+/// Speed of a layer 0.1 m deep on a slope after 0.6 s, over the speed of the exact flow if the layer flows [m/s].
+double sliding_speed(const std::string& pressure, double over_yield, double& exact) {
+    Sheared layer;
+    layer.drive = 9.81 * std::sin(0.2), layer.steepness = 9.81 * std::cos(0.2);
+    layer.tau_y = layer.rho * layer.drive * layer.h / over_yield;
+    Simulation s = simulation_of(layer.scene(pressure, 40, 0.6, 5e-3));
+    run_until(s, 0.6);
+    exact = layer.exact(layer.h);
+    double top = 0;
+    for (const Vec3& u : velocities(s)) top = std::max(top, static_cast<double>(u.x()));
+    return top;
+}
+
+}  // namespace
+
+TEST_CASE("a Bingham film and channel flow keep the exact profile within 4 %, and their plug within a spacing", "[validation][yield]") {
+    for (const char* pressure : {"ppe", "coupled"})
+        for (const bool channel : {false, true}) {
+            Sheared flow;
+            flow.channel = channel;
+            Simulation s = simulation_of(flow.scene(pressure, 20, 0.3, 5e-3));
+            run_until(s, 0.3);
+            const Found found = compare(flow, s);
+            CAPTURE(pressure, channel, found.worst, found.plug);
+            CHECK(found.worst < 0.03);
+            CHECK(std::abs(found.plug) < 1);
+        }
+}
+
+TEST_CASE("a Herschel-Bulkley film with n = 0.5 keeps the exact profile within 4 %", "[validation][yield]") {
+    for (const char* pressure : {"ppe", "coupled"}) {
+        Sheared film;
+        film.n = 0.5, film.K = 20, film.tau_y = 40;
+        Simulation s = simulation_of(film.scene(pressure, 20, 0.3, 5e-3));
+        run_until(s, 0.3);
+        const Found found = compare(film, s);
+        CAPTURE(pressure, found.worst, found.plug);
+        CHECK(found.worst < 0.04);
+    }
+}
+
+TEST_CASE("a layer on a slope creeps at .9 of its yield stress slower than 0.3 mm/s, and flows at 1.1", "[validation][yield]") {
+    for (const char* pressure : {"ppe", "coupled"}) {
+        double exact = 0;
+        CAPTURE(pressure);
+        CHECK(sliding_speed(pressure, 0.9, exact) < 3e-4);  // g_0 h 2.3 is 0.23 mm/s
+        CHECK(sliding_speed(pressure, 1.1, exact) == Approx(exact).epsilon(0.25));  // it shears within 4 spacings
+    }
+}
