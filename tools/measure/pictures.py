@@ -73,7 +73,9 @@ gallery_scenes = {
     "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils.", 5.9, "standard"),
     "cake_batter": ("A ribbon from a slot folds to and fro.", 2.6, "standard"),
     "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
-    "lava": ("Lava on a slope of rock: its crust cracks.", 4.5, "standard"),
+    "chocolate_cake": ("Chocolate over a ring cake on a turning plate.", 2.9, "standard"),
+    "honey_dipper": ("Honey runs off a dipper.", 2.5, "standard"),
+    "lava": ("Lava flows around boulders: its crust cracks.", 4.5, "standard"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
     "rotating_drop": ("Two drops with a neck between them rotate in weightlessness until the neck breaks. At a third of the speed.", 0.85, "standard"),
     "dam_break": ("A block of water collapses and hits the wall.", 0.68, "standard"),
@@ -87,7 +89,7 @@ gallery_scenes = {
     "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
-    "stirred_tank": ("A paddle stirs ink in a glass.", 1.1, "standard"),
+    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.6, "standard"),
 }
 
 
