@@ -89,7 +89,7 @@ gallery_scenes = {
     "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
-    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.6, "standard"),
+    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.5, "standard"),
 }
 
 
