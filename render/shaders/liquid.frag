@@ -73,11 +73,24 @@ float way_to_solid(vec3 p, vec3 d, float limit) {
 
 // Colour of the solid at q as the camera sees it; the colour of its front if q is on its back.
 // a: 1 if the camera sees this solid, and no other far in front of it.
-vec4 solid_at(vec3 q) {
+vec4 seen_solid(vec3 q) {
     vec4 h = to_clip * vec4(q, 1.0);
     if (h.w <= 0.0) return vec4(0.0);
     vec4 s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
     return s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel ? vec4(s.rgb, 1.0) : vec4(0.0);
+}
+
+// seen_solid(q). At the solid's outline q may miss it by a pixel, so that the outline would have teeth: then the colour 1.5 voxels deeper.
+vec4 solid_at(vec3 q) {
+    vec4 s = seen_solid(q);
+    if (s.a > 0.5) return s;
+    vec3 n = vec3(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        vec3 h = vec3(0.0);
+        h[axis] = solid_voxel;
+        n[axis] = solid_distance(q + h) - solid_distance(q - h);
+    }
+    return seen_solid(q - 1.5 * solid_voxel * n / max(length(n), 1e-9));
 }
 
 // Light that comes to p from the direction d outside the fluid, times `through`.
