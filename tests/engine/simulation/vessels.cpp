@@ -71,7 +71,7 @@ TEST_CASE("water in an open cylinder stays out of its wall for 2 s, and the wall
     CHECK(-impulse / (2 - begin) == Approx(weight).epsilon(0.01));
 }
 
-TEST_CASE("a beaker that turns by 135 degrees pours out its honey over the rim", "[simulation][vessel]") {
+TEST_CASE("a beaker that turns by 135 degrees pours two thirds of its content over the rim", "[simulation][vessel]") {
     for (const auto& [pressure, viscosity] : {std::pair{"ppe", 1}, std::pair{"coupled", 10}}) {
         INFO(pressure);
         Simulation simulation = simulation_of(text::time(1.5) + text::domain({-0.3, -0.3}, {0.4, 0.3}) + text::fluid(d, viscosity) +
@@ -86,7 +86,7 @@ TEST_CASE("a beaker that turns by 135 degrees pours out its honey over the rim",
             const Vec3 own = beaker.pose.rotation.transpose() * (x - beaker.pose.translation);
             left += own.x() > 0 && own.x() < Real(0.1) && own.y() > 0 && own.y() < Real(0.1);
         }
-        CHECK(left < 20);
+        CHECK(left < 27);  // of 80
     }
 }
 
