@@ -37,8 +37,8 @@ struct MultigridOptions {
 ///
 /// A cycle makes damped Jacobi sweeps from zero, adds the correction from the next level, and makes sweeps again. On the next level,
 /// 2 x 2 x 2 cells become one, and the matrix is P^T A P with the interpolation P. The coarsest level is solved by Cholesky factorisation.
-/// If a connected component of its matrix is singular, as in a closed box, the solve acts on b less its mean over the component, and
-/// the mean is divided by the diagonal. Rows with a zero diagonal give x = 0.
+/// If a connected component of its matrix is singular, as in a closed box, the solve uses b minus its mean over the component. This mean,
+/// divided by the mean diagonal of the component, is then added to x. Rows with a zero diagonal give x = 0.
 class Multigrid {
 public:
     void set_up(SparseRows A, std::vector<GridCell> cells, const MultigridOptions& options);
@@ -50,7 +50,7 @@ public:
 private:
     struct Level {
         SparseRows A;
-        Column<Real> smoothing;  ///< damping factor w of the sweeps over the diagonal of A
+        Column<Real> smoothing;  ///< w/D: damping factor w of the Jacobi sweeps, divided by the diagonal D of A
         SparseRows P, R;         ///< interpolation from the next level to this one, and its transpose; empty on the coarsest
         mutable Column<Real> b, x, work;
     };

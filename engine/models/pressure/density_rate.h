@@ -166,7 +166,7 @@ using Padded = Eigen::Matrix<Real, 4, 1>;
 inline Padded padded(const Vec3& v) { return {v[0], v[1], v[2], 0}; }
 
 /// (D u)_i = d rho_i/dt = own_i.u_i - f_i sum_j g_ij.u_j - wall_i,   g_ij = m grad W_ij = c_ij r_ij,   f_i = 1/(1 - w_i)
-/// wall_i is the contribution of moving solids. D is the exact derivative of the density above, so the forces D^T q that limit the
+/// wall_i is the contribution of moving solids. D is the exact derivative of the density of WallImage, so the forces D^T q that limit the
 /// densities derive from an energy.
 struct DensityRate {
     Span<const std::size_t> first;  ///< rows of the pairs that D was built from, each followed by its images
@@ -177,8 +177,9 @@ struct DensityRate {
     Column<Real> fill;              ///< f_i
     Column<Vec3> own;               ///< own_i [kg/m^4]
     Column<Real> diagonal;          ///< of D D^T [kg^2/m^8]; 0 if the density cannot change
-    /// f_i sum_j V_j |W'_ij| r_ij/D, images of solids included: 1 for an exact gradient, 1.02 on a lattice with R = 2 d, up to 1.05 after
-    /// the lattice has melted. The pressure that the pair forces of q exert (the virial of these forces) is q times this factor.
+    /// (f_i sum_j V_j |W'_ij| |r_ij|)/(number of dimensions), images of solids included: 1 for an exact gradient, 1.02 on a lattice with R
+    /// = 2 d, up to 1.05 after particles have left the lattice. The pair forces of q exert a pressure (their virial) of q times this
+    /// factor.
     Column<Real> virial;
     Mirrors mirrors;         ///< walls with images of the fluid, which are neighbours, too
     std::vector<char> free;  ///< 0: the velocity is prescribed (inside a nozzle), so the particle has no pressure and does not react

@@ -15,9 +15,9 @@ namespace whorl {
 /// Class of a particle in the pressure solve.
 enum class PressureClass : char { isolated, surface, separated, poisson, prescribed };
 
-/// Solves L p = rho_0 D u*/dt + the fraction `correction` of the density error, then u = u* - dt M^-1 D^T p (docs/physics.md 3). The force
-/// is the transpose of the divergence D, walls included, and L >= D M^-1 D^T/2, so a solve adds no energy. In the sums of particle i, a
-/// prescribed neighbour (emitter) has the pressure p_i.
+/// Solves L p = rho_0 D u*/dt + `correction` times the source from the density error. D is the divergence, walls included, and L the matrix
+/// of docs/physics.md 3. Then u = u* - dt/(rho_0 V) D^T p. Since L >= D D^T/(2 V), a solve for D u* adds no energy. In the sums of particle
+/// i, a prescribed neighbour (emitter) has the pressure p_i.
 class PoissonPressure {
 public:
     explicit PoissonPressure(const PressureOptions& options, PressurePreconditionerSetup preconditioner = jacobi)
@@ -60,8 +60,8 @@ private:
     ClosedRegions closed_;
     Column<Real> gate_;    ///< weight of the solids, by particle
     Column<Real> weight_;  ///< w_i = (rho_0/rho_i)^2
-    Column<Real> fill_;    ///< f_i: weight by which fluid neighbours replace the part of the neighbourhood that is in solids
-    Column<Real> spread_;  ///< s_i = sum V |W'| r/D over fluid and solids; 1 if sums over neighbours are exact for linear fields
+    Column<Real> fill_;    ///< f_i >= 1: factor on fluid pairs that makes up for the part of the kernel's support that solids fill
+    Column<Real> spread_;  ///< s_i = (sum of V |W'| r over fluid and solids)/(number of dimensions); 1 if the gradient is exact
     Column<Real> b_;       ///< right-hand side
 };
 
