@@ -24,7 +24,7 @@ Mat3 WallFriction::share_of(const Kernel& kernel, const InteractionContext& cont
     const Real above = r.dot(normal), softening = Real(0.01) * step.support * step.support / 4;
     if (!solid.partial_slip() || above <= 0) return Mat3::Zero();  // beyond an edge the face of s does not face i
     const Real height = height_above(above, step.spacing / 2);
-    Real along = 0;  // coefficient of r_t r_t^T or of T
+    Real along = 0;  // coefficient of T (central) or of r_t r_t^T (along), with the tangential part r_t of r
     each_layer(r, normal, step.spacing, step.support, [&](const Vec3&, Real distance, Real below) {
         const Real slope = -2 * factor_ * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
         along += (form_ == FrictionForm::central ? slope : slope / (distance * distance + softening)) * (height + below);

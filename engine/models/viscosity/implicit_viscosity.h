@@ -25,7 +25,7 @@ public:
     virtual ~ImplicitOperator() = default;
     /// y = A u; particles that are not free count with 0 and get 0.
     virtual void multiply(Span<const Vec3> u, Span<Vec3> y) const = 0;
-    /// (dE/du)/m without u*, which is u - dt (viscous force)/m. It includes the term T (strain/curvature.h), and the known velocities of
+    /// y = (dE/du)/m + u*, that is, u - dt (viscous force)/m. It includes the term T (strain/curvature.h), and the known velocities of
     /// walls and prescribed particles.
     virtual void force(Span<const Vec3> u, Span<Vec3> y) const = 0;
     /// Sets z to an approximation of A^-1 r that is linear in r, symmetric and positive definite on the free particles; z = 0 for others.
@@ -37,8 +37,7 @@ public:
     virtual bool symmetric() const { return true; }
     /// Whether a rigid rotation of the fluid dissipates no energy.
     virtual bool rotations_are_free() const = 0;
-    /// Free bodies among the unknowns, each with two entries (velocity, angular velocity) after those of the particles. Null: there are
-    /// none.
+    /// Free bodies among the unknowns, each with two entries (velocity, angular velocity) after those of the particles; null: none.
     virtual const ViscousBodies* bodies() const { return nullptr; }
     /// Adds the impulses that the fluid exerts on solids to the ledgers of those solids that are not unknowns. @param u velocities of the
     /// last force()
@@ -65,8 +64,8 @@ struct ImplicitSolution {
 /// momentum is then conserved, too, if rotations_are_free().
 /// @param limits tolerance for sqrt(r.z)/sqrt(b.B^-1 b), with r the residual and z = precondition(r). b: velocities before the solve
 /// relative to their mean, plus the loads of walls and prescribed particles. If viscosity changed these velocities by less than a hundredth
-/// in the last step, the tolerance is reduced in proportion, to 0.03 of its value at least.
-/// Sets s.last, the next guess, but neither velocities nor ledgers.
+/// in the last step, the tolerance is reduced in proportion, but not below 0.03 of its value.
+/// Sets s.last, from which the next step guesses, but neither velocities nor ledgers.
 ImplicitSolution find_solution(const ImplicitOperator& A, const SolveLimits& limits, const ImplicitStep& s);
 /// Sets the velocities of particles and bodies, and writes the ledgers. @param A the operator that the solution belongs to
 void take_solution(const ImplicitOperator& A, const ImplicitStep& s, const ImplicitSolution& solution);
@@ -105,7 +104,7 @@ public:
     RigidMotions(Span<const Vec3> x, bool turning, const ViscousBodies* bodies = nullptr);
     /// Removes the rigid motion from a velocity field.
     void remove(Span<Vec3> u) const;
-    /// Removes from forces (per mass of a particle) the part that causes a rigid motion, which is mass times this motion.
+    /// Removes from forces (per mass of a particle) their rigid part: mass times a rigid motion.
     void remove_force(Span<Vec3> f) const;
     /// Adds to u the rigid motion of another velocity field.
     void add(Span<const Vec3> v, Span<Vec3> u) const;

@@ -9,7 +9,8 @@ namespace {
 /// of a turning solid.
 Vec3 carried(const Solid& solid, const Vec3& x, Real dt) { return x + dt * velocity_over(solid, x, dt); }
 
-/// lift_nothing() in the frame that rotates with the fluid, where the centrifugal force adds to gravity.
+/// Shortens rising displacements until all together do no work against gravity, as lift_nothing() does, in the frame that rotates with the
+/// fluid. There the centrifugal force adds to gravity.
 void lift_nothing_in(const VesselRotation& rotation, const Vec3& gravity, Span<const Vec3> x, Span<Vec3> moves) {
     const auto n = static_cast<Index>(moves.size());
     const auto at = [&](Index i) -> Vec3 { return gravity - rotation.acceleration(x[i]); };
@@ -25,8 +26,9 @@ void lift_nothing_in(const VesselRotation& rotation, const Vec3& gravity, Span<c
     });
 }
 
-/// Keeps the fluid's angular momentum about the axis of a rotating vessel. Displacements other than by the velocity change this angular
-/// momentum, and the wall would replace the change in each step.
+/// Keeps the fluid's angular momentum about the axis of a rotating vessel. Shifts and contact displace particles without a velocity, which
+/// changes this angular momentum. Without compensation the wall would have to restore it in every step, by a torque without a physical
+/// cause.
 class KeepRotation {
 public:
     KeepRotation(const CoupledSystem& system, Read<field::role> role, Span<const Vec3> x, Span<const Vec3> u)
@@ -34,8 +36,8 @@ public:
         if (acts_) before_ = turning(x, u);
     }
     bool acts() const { return acts_; }
-    /// Adds to u a rotation without linear momentum that compensates the change of angular momentum by the displacement to x with the
-    /// velocities v. v may be u.
+    /// Adds to u a rotation without linear momentum. It compensates the change of angular momentum since construction, evaluated with
+    /// positions x and velocities v. v may be u.
     void restore(Span<const Vec3> x, Span<const Vec3> v, Span<Vec3> u) const {
         if (!acts_) return;
         const auto n = static_cast<Index>(x.size());
@@ -82,11 +84,13 @@ namespace {
 ///   dx_i = -sum_j rate_ij (range - r) r_ij/r - thin_i e_i sum_j rate'_ij (range' - |s|) s/(|s| + 0.2),   s = e_i.r_ij,
 ///   rate = shift_rate (strain_i + strain_j),   rate' = evening_rate (strain_i + strain_j)
 ///
-/// strain_i is dt |D - T|/2 of particle i plus a part by the weight, thin_i is Neighbourhood::thin, e_i the axis of a thin thread, range
-/// and range' are shift_range and evening_range (CoupledOptions). The first term keeps particles apart. It only repels, because any
-/// attraction makes clumps. Stretching a thread widens every gap along its axis in proportion, and in a thin thread no particle is close
-/// enough to be pushed into the gap. The second term fills such gaps. It acts only along the axis, so that its longer range does not
-/// thicken the thread.
+/// strain_i is dt |D - T|/2 plus a part due to the weight of the fluid (CoupledShift), with the strain rate D of particle i and T =
+/// curvature_strain() (strain/curvature.h). thin_i is Neighbourhood::thin, e_i the axis of a thin thread. shift_rate, evening_rate, range
+/// (shift_range) and range' (evening_range) are in CoupledOptions.
+///
+/// The first term keeps particles apart. It only repels, because any attraction makes clumps. Stretching a thread widens every gap along
+/// its axis in proportion, and in a thin thread no particle is close enough to be pushed into the gap. The second term fills such gaps. It
+/// acts only along the axis, so that its longer range does not thicken the thread.
 struct Shifting {
     const CoupledSystem& system;
 
@@ -134,7 +138,8 @@ struct Shifting {
         return dx + thin * along * axis;
     }
 
-    /// Limits the length of dx. At the surface also removes its outward part, which has no counterpart there and would thicken the thread.
+    /// Limits the length of dx. At the surface also removes the outward part of dx: no neighbour outside pushes back, so it would thicken
+    /// the thread.
     Vec3 bounded(Vec3 dx, const Neighbourhood& context) const {
         const Real length = dx.norm(), longest = static_cast<Real>(system.options.longest_shift);
         if (length > longest) dx *= longest / length;
@@ -151,8 +156,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
                               const StepContext& step) const {
     const CoupledSystem& s = *system;
     const Real d = step.spacing;
-    // In fluid under its weight the errors of the pressure's force bring particles together in pairs, at a rate of p/mu, even if the strain
-    // is small.
+    // In fluid that carries its own weight, the errors of the pressure force bring particles together in pairs, at a rate of p/mu, even if
+    // the strain is small.
     const Real layer = step.rest_density * step.gravity.norm() * d, of_weight = static_cast<Real>(s.options.weight_strain);
     Column<Vec4> moved(x.size());
     parallel_for(x.size(), [&](Index i) {  // strain in the middle of the move, which is 0 for a rigid rotation
@@ -185,8 +190,8 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     else lift_nothing_in(s.rotation, step.gravity, x.values, shift);
     const KeepRotation rotation(s, role, x.values, u.values);
 
-    // The velocity at the new position: u += G dx. The sum of these changes is subtracted from the neighbours, so that momentum is
-    // conserved.
+    // The velocity at the new position: u_i += G_i dx_i. Each of these changes is taken back in equal total from particle i and its
+    // neighbours, in shares 1 and w of 1 + sum w, so that momentum is conserved.
     Column<Vec4> spread(s.rows.entries());
     parallel_blocks(x.size(), CoupledRows::block_size, [&](Index begin, Index) {
         const RowBlock& block = s.rows.blocks[begin / CoupledRows::block_size];
@@ -218,9 +223,9 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
     parallel_for(x.size(), [&](Index i) { x[i] = step.domain.wrapped(x[i]); });
 }
 
-// In the frame of the solid the path of a particle runs from the position in the rows to x minus the motion of the solid. The distance from
-// a solid changes by at most the length of the path. So a particle that ends farther from the solid than its path is long has not met the
-// solid. Other particles are followed along the path, so that none passes through a thin plate.
+// Seen from the solid, a particle moves from its position when the rows were built to x carried back with the solid by dt. Its distance
+// from the solid changes by at most the length of this path. So a particle that ends farther from the solid than its path is long has not
+// met the solid. Other particles are followed along the path, so that none passes through a thin plate.
 void CoupledContact::operator()(Update<field::position> x, Update<field::velocity> u, Read<field::role> role,
                                 Update<field::contact_normal> slip, Solids& solids, const StepContext& step) const {
     if (solids.all.empty()) return;
