@@ -88,7 +88,7 @@ public:
             if (words_.find_first_not_of(" \t") != words_.npos) return true;
         return false;
     }
-    /// Skips the name of an STL solid: the rest of the line, or everything before a facet on it.
+    /// Skips the name of an STL solid: the rest of the line, or only the words before "facet normal" if the line contains it.
     void skip_name() { words_.remove_prefix(std::min(words_.size(), lower(words_).find("facet normal"))); }
     std::string_view rest() const { return rest_; }
     /// Reports a fault at the last word that was read.
@@ -123,8 +123,9 @@ struct Polygons {
     bool single = false;           ///< whether the file stores single precision
 };
 
-/// Splits a polygon into triangles by ear clipping in the plane of its area vector. The polygon may be concave, and may have holes that a
-/// bridge joins to the rim. A convex polygon becomes a fan from its first corner. A self-intersecting polygon keeps its winding numbers.
+/// Splits a polygon into triangles by ear clipping in the plane perpendicular to its area vector. The polygon may be concave, and may have
+/// holes that a bridge joins to the rim. A convex polygon becomes a fan from its first corner. The triangles of a self-intersecting polygon
+/// cover each point as often, with sign, as the polygon winds around it.
 void triangulate(const std::vector<Vec3d>& x, std::vector<Corner> ring, std::vector<std::array<Corner, 3>>& to) {
     Vec3d normal = Vec3d::Zero();
     for (std::size_t k = 2; k < ring.size(); ++k) normal += (x[ring[k - 1]] - x[ring[0]]).cross(x[ring[k]] - x[ring[0]]);
@@ -415,10 +416,12 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Ve
     const auto most = [](const Eigen::AlignedBox3d& b) { return b.min().cwiseAbs().cwiseMax(b.max().cwiseAbs()).maxCoeff(); };
     const double far = std::max(most(box), read.single ? scale * most(raw) : 0), size = box.diagonal().norm();
     if (!(far * 0x1p-24 <= 1e-3 * size))
-        throw InputError({name},
-                         fmt::format("{:.3g} m from the origin single precision rounds to {:.2g} m, and the mesh is {:.3g} m long", far,
-                                     far * 0x1p-23, size),
-                         "move the mesh to the origin in a mesh editor");
+        throw InputError(
+            {name},
+            fmt::format("single precision rounds positions {:.3g} m from the origin to {:.2g} m, too coarse for a mesh {:.3g} m "
+                        "long",
+                        far, far * 0x1p-23, size),
+            "move the mesh to the origin in a mesh editor");
     return mesh;
 }
 

@@ -4,7 +4,7 @@
 
 namespace whorl {
 
-/// Half-length of the surface at signed distance `offset` (negative: inside) from a surface of half-length `half`; at least half / 2.
+/// Half-length (or radius) of a shape after its surface is moved outward by `offset` (negative: inward); at least half / 2.
 inline double inset(double half, double offset) { return offset < 0 ? std::max(half + offset, half / 2) : half + offset; }
 
 /// Evenly spaced coordinates over the period of the axis [m], half a step from its ends.
@@ -13,13 +13,13 @@ std::vector<double> period_points(const SamplingRegion& region, int axis);
 /// Whether x is in the region and, along periodic axes, within the domain. Of all periodic copies of a point this holds for exactly one.
 bool contains_once(const SamplingRegion& region, const Vec3d& x);
 
-/// Lattice coordinates along one axis of the surface at signed distance `offset` from a box, including both ends. If the box spans a
-/// period of the axis, the coordinates cover the period and there are no ends.
+/// Coordinates, along one axis, of the lattice on the surface at signed distance `offset` from a box; both ends included. If the box spans
+/// a period of the axis, the coordinates cover the period and there are no ends.
 struct LatticeLine {
     std::vector<double> at;  ///< m
     std::vector<int> side;   ///< -1 at the low end, 1 at the high end, 0 between
-    /// Number of entries to the next one that is on the surface. @param on_face whether all entries are on the surface; otherwise only the
-    /// two ends are
+    /// Step to the next entry on the surface. @param on_face whether this line lies in a face, so that all its entries are on the surface;
+    /// otherwise only its two ends are
     std::size_t next(bool on_face) const { return on_face ? 1 : std::max<std::size_t>(1, at.size() - 1); }
 };
 LatticeLine lattice_line(const SamplingRegion& region, int axis, double centre, double half, double offset, const std::string& shape);
