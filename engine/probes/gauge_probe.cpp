@@ -35,8 +35,8 @@ private:
 };
 
 // Every boundary particle below the disc represents the same area, the lower tercile of 1/sum W. The sums are over particles on the same
-// side of the solid, with a Wendland C2 kernel W on the surface that has a support radius of three spacings. The tercile is low enough to
-// exclude particles near edges, where missing neighbours enlarge 1/sum W.
+// side of the solid. W is the Wendland C2 kernel of the surface's dimension, with a support radius of three spacings. The tercile is low
+// enough to exclude particles near edges, where missing neighbours enlarge 1/sum W.
 GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_particles_(world.boundary_particles.size()) {
     const BoundaryParticles& boundary = world.boundary_particles;
     const Solid& solid = world.solids.all[static_cast<std::size_t>(keys.solid)];
@@ -44,8 +44,8 @@ GaugeProbe::GaugeProbe(const ProbeKeys& keys, const World& world) : boundary_par
     const double norm = world.step.dimensions() == 2 ? 3 / (2 * R) : 7 / (std::numbers::pi * R * R);
     const Vec3d normal = solid.normal(keys.at.cast<Real>()).cast<double>();
     std::vector<Vec3d> place;
-    // beyond: distance of each place from the rim of the disc [m], negative inside. areas: 1/sum W of the particles whose neighbours are
-    // all in `place`.
+    // beyond: distance of each position in `place` from the rim of the disc [m], negative inside. areas: 1/sum W of the particles whose
+    // neighbours are all in `place`.
     std::vector<double> beyond, areas;
     for (Index s = 0; s < boundary.size(); ++s) {
         const Vec3d n = boundary.normal[s].cast<double>();

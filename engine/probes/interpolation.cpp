@@ -9,9 +9,10 @@
 namespace whorl {
 namespace {
 
-/// Distance up to which particles are used, and distance of the nearest particle beyond which a point is outside the fluid [spacings].
+/// reach: particles within this distance are used. within: a point is outside the fluid if its nearest particle is farther than this.
+/// [spacings]
 constexpr double reach = 3, within = 1.2;
-constexpr double told_apart = 2e-4;  ///< smallest variance of a term that counts, relative to the largest
+constexpr double told_apart = 2e-4;  ///< smallest eigenvalue of C (interpolate_among()) that C^+ keeps, relative to the largest
 
 using Terms = Eigen::Matrix<double, 9, 1>;
 
