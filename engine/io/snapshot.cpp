@@ -160,8 +160,8 @@ namespace {
 /// A closed loop in the plane of an opening.
 using Loop = std::vector<Vec3f>;
 
-/// Adds the band between two loops with equal numbers of points. Its front faces a viewer for whom the direction from `from` to `to` is
-/// left of the loop's direction. @param round_normals normals at the points of the loops; null: those of flat faces
+/// Adds the band between two loops with equal numbers of points. Seen from the front and looking along the loops, `to` is to the left of
+/// `from`. @param round_normals normals at the points of the loops; null: those of flat faces
 void add_band(TriangleMesh& mesh, const Loop& from, const Loop& to, const Loop* round_normals) {
     const std::size_t n = from.size();
     for (std::size_t k = 0; k < n; ++k) {

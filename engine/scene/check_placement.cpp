@@ -105,7 +105,8 @@ private:
         viscosity("fluid.viscosity", scene_.fluid.viscosity, max_age_of(scene_, 0), 0.5 * (e.min + e.max), name);
     }
 
-    /// Checks all ages up to `oldest` [s]. @param x a point in its fluid; other points are checked when particles are there
+    /// Checks all ages up to `oldest` [s]. @param x a point in the fluid of the block or emitter `name`; other points are checked when
+    /// particles are there
     void viscosity(const std::string& key, const Expression& mu, double oldest, const Vec3d& x, const std::string& name) {
         if (!depends_on_age(mu) || !is_viscosity(mu(0, x))) return;
         for (const double age : sample_times(0, oldest))
@@ -135,7 +136,7 @@ private:
                 return report(name + ".path", fmt::format("{} leaves the domain at {}", name, point_text(x)), "", domain_text());
         }
         if (const double gap = (v.path(round) - v.path(0)).norm(); gap > v.core)
-            report(name + ".path", fmt::format("{} is not closed: from t = 2 pi to t = 0 it is {:.3g} m", name, gap),
+            report(name + ".path", fmt::format("{} is not closed: its points at t = 0 and t = 2 pi are {:.3g} m apart", name, gap),
                    "use a path that closes as t goes from 0 to 2 pi");
         if (v.core < plan_.spacing)
             report(name + ".core",
@@ -230,7 +231,7 @@ private:
         if (outside(e.min + at, e.max + at)) report(name, name + " lies outside of the domain and never enters it", "", domain_text());
     }
 
-    /// Refuses walls through which fluid acts on fluid, and vessels that a periodic axis would close.
+    /// Refuses walls thinner than the kernel radius, and open vessels nearer than that radius to their own periodic image.
     void vessel(const std::string& name, std::size_t i) {
         const double wall = shape_of(scene_, scene_.solids[i]).wall.value_or(0);
         if (wall < plan_.support * (1 - 1e-9))
@@ -244,7 +245,7 @@ private:
                               "make the domain longer, or build the walls from boxes");
     }
 
-    /// Refuses a plane that repeats with a period: a half-space in every period leaves no room.
+    /// Refuses a plane that cuts a periodic axis: its periodic images would fill the domain.
     void across_a_period(const std::string& name, const Vec3d& normal) {
         for (int a = 0; a < plan_.dimensions(); ++a)
             if (scene_.domain.periodic[a] && std::abs(normal[a]) > 1e-6)
@@ -379,7 +380,7 @@ bool has_dry_floor(const Scene& scene, const SceneShapes& shapes) {
             ++(std::any_of(shapes.blocks.begin(), shapes.blocks.end(), covers) ? wet : dry);
         }
     });
-    return dry > 0 && (wet > 0 || down.norm() > 0);  // under weight, fluid lands there
+    return dry > 0 && (wet > 0 || down.norm() > 0);  // with gravity, fluid will fall onto a dry floor
 }
 
 void check_placement(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,

@@ -40,7 +40,8 @@ inline bool misses_angle(const PressureTraits& pressure, const SolidKeys& solid)
 }
 /// Whether drops miss the contact angle of any solid of the scene.
 bool misses_angle(const PressureTraits& pressure, const Scene& scene);
-/// Whether fluid covers the floor in part, or will land on it: sampled next to solids that are below (without gravity: beside) open space.
+/// Whether the floor is dry in part, and fluid covers the rest or will fall onto it. The floor: solids below open space, or without gravity
+/// at any side of it. Sampled on a lattice.
 bool has_dry_floor(const Scene& scene, const SceneShapes& shapes);
 
 void check_models(const Scene& scene, const Plan& plan, const SceneScales& numbers, const SceneShapes& shapes,
