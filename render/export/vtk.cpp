@@ -63,7 +63,8 @@ struct NodeArray {
     std::vector<float> value;
 };
 
-/// Attributes of the particles on the nodes, four components per pass over the grid. @param grid set to the grid with cover and velocity
+/// Particle attributes interpolated to the nodes, four components per pass over the grid. @param grid receives the grid, with velocity and
+/// cover (FlowGrid)
 std::vector<NodeArray> on_nodes(const Frame& frame, const Attributes& particles, FlowGrid& grid) {
     struct Slot {
         const float* from;  // component of the first particle

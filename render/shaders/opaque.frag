@@ -19,7 +19,8 @@ layout(location = 0) out vec4 colour;
 // Direction of the front light on an opaque body: that of the key light's soft box in studio.glsl, so that its reflection agrees.
 const vec3 front_light = vec3(-0.62, 0.68, 0.38);
 
-// Fraction of a soft light in direction l that reaches p, from the narrowest gap to the body along the way, relative to the light's width.
+// Fraction of a soft light in direction l that reaches p. Estimated from the narrowest gap between the ray and the body, relative to the
+// light's width there.
 float unshadowed(vec3 p, vec3 l) {
     float open = 1.0, t = 3.0;
     for (int i = 0; i < 9; ++i) {

@@ -1,5 +1,5 @@
-// Distance field of all solids [m], for the shadows that they cast on each other. The position x in the world is voxel
-// solid_turn x + solid_move of the field.
+// Distance field of all solids [m], for the shadows that they cast on each other. World position x has the voxel coordinates
+// solid_turn * x + solid_move.
 uniform sampler3D solid_field;
 uniform bool has_solid_field;
 uniform mat3 solid_turn;       // 1/m
@@ -28,7 +28,8 @@ float solid_openness(vec3 x, vec3 n) {
     return 0.12 + 0.88 * open / total;
 }
 
-// Fraction of a soft light in direction l that reaches x, from the narrowest gap to a solid along the way, relative to the light's width.
+// Fraction of a soft light in direction l that reaches x. Estimated from the narrowest gap between the ray and a solid, relative to the
+// light's width there.
 float past_solids(vec3 x, vec3 n, vec3 l) {
     float open = 1.0, t = 2.0 * solid_voxel;
     vec3 from = solid_turn * (x + n * solid_voxel) + solid_move, way = solid_turn * l;

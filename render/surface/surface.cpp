@@ -48,7 +48,7 @@ std::vector<Index> wall_edges(const TriangleMesh& mesh, const std::vector<char>&
     return edge;
 }
 
-/// Calls f(v, near) in parallel for each vertex v of a block that is near sides of the cut. near: these sides.
+/// Calls f(v, near) in parallel for each vertex v of every block near the planes that cut off the fluid (Cut). near: these planes.
 template <class F>
 void for_vertices_at(const Cut& cut, const ColourGrid& grid, const MarchedMesh& marched, F&& f) {
     const float voxel = grid.voxel(), radius = ColourBlock::radius(voxel) + voxel;  // plus the distance that smoothing may move a vertex
