@@ -94,14 +94,14 @@ void keep_coarse_run(const SceneFile& file, const CoarseRun& run);
 std::filesystem::path cost_file();
 
 /// Returns the scene with colour range and camera box set if the scene leaves them open, from a coarse run. At each of up to 64 times, the
-/// colour range contains 99 % of the particles and the box contains the visible parts (add_seen()). No coarse run is made if nothing open
-/// depends on the flow; a domain that is full at the start is its own box. If larger particles cannot represent the scene, both values are
-/// estimated from the scene alone. Without images both stay open.
+/// colour range contains 99 % of the particles and the box contains the visible parts (add_seen()). If fluid fills the domain at the start,
+/// the camera box is the domain. No coarse run is made if nothing open depends on the flow. If larger particles cannot represent the scene,
+/// both values are estimated from the scene alone. Without images both stay open.
 /// @param start simulation of the real run at its start @throws Interrupted
 SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch = {});
 
-/// Steps per simulated second that a run needs in a given flow [1/s]. @param film supplies the step limits @param fastest largest speed of
-/// a particle [m/s]
+/// Steps per simulated second that a run needs in a given flow [1/s]. @param film simulation of the real run; supplies the step limits
+/// @param fastest largest speed of a particle [m/s]
 double step_rate(const Simulation& film, const World& flow, double fastest);
 /// Rough CPU seconds of a simulation, from its particles, models and step limits; the same on every machine.
 double rough_seconds(const Simulation& start);

@@ -12,7 +12,7 @@ namespace {
 
 const Vec3f ink(0.13f, 0.13f, 0.16f), faint(0.86f, 0.86f, 0.88f), grey(0.60f, 0.60f, 0.64f), accent(0.78f, 0.36f, 0.05f);
 
-/// A logarithmic axis with a margin. It has a mark at 1 in every decade, or more marks per decade if these are fewer than three.
+/// A logarithmic axis with a margin. It has a mark at every power of ten, or more marks per decade if that gives fewer than three.
 struct LogAxis {
     double low, high, from, to;  ///< range of values; its ends in pixels
     LogAxis(const std::vector<double>& values, double first, double last) : from(first), to(last) {
