@@ -84,7 +84,7 @@ gallery_scenes = {
     "floating_boxes": ("A wave carries off crates, a cask and a ball.", 1.05, "standard"),
     "turbulence": ("A crowd of vortices merges into a few. With spin they stay strong.", 1.4, "standard"),
     "towed_post": ("A post is towed and stops: spin keeps its vortices.", 1.5, "standard"),
-    "spin_up": ("A torque on the particles' spin turns fluid, if the wall holds the spin.", 1.4, "standard"),
+    "spin_up": ("A torque on the particles' spin sets the fluid in rotation if the spin is zero at the wall.", 1.4, "standard"),
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "standard"),
     "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
