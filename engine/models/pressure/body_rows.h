@@ -8,16 +8,17 @@ namespace whorl {
 
 /// Coupling of bodies and pressure:
 ///   (D u)_i also contains  -h_ib.(v_b + w_b x a_ib),   h_ib = f_i rho_i sum_{s of b} V_s grad W(|r'_is|),   a_ib = x_i - c_b.
-/// h_ib is the gradient of the density by the boundary particles s of body b, r'_is their image (WallImage), c_b the body's centre. The
-/// body's velocity at x_i is used, because w_i (density_rate.h) depends only on the body's position relative to i: a body that moves and
-/// turns with the fluid changes no density. The transpose D^T exerts on the body, at x_i, the opposite of the body's force on i, so
-/// momentum and angular momentum are conserved. In A = D M^-1 D^T a body adds six directions, weighted with (mass of a particle)/(mass of
-/// the body). A stays symmetric and positive semi-definite for any mass of the body, and the step is stable.
+/// h_ib is the gradient of the density by the boundary particles s of body b, r'_is the vector to their image (WallImage), c_b the body's
+/// centre. v_b and w_b are the body's velocity and angular velocity. The body's velocity at x_i is used, because w_i (density_rate.h)
+/// depends only on the body's position relative to i: a body that moves and turns with the fluid changes no density. The transpose D^T
+/// exerts on the body, at x_i, the opposite of the body's force on i, so momentum and angular momentum are conserved. In A = D M^-1 D^T a
+/// body adds six columns to D, weighted with (mass of a particle)/(mass of the body). A stays symmetric and positive semi-definite for any
+/// mass of the body, and the step is stable.
 ///
 /// Contact is part of the solve. After a pressure q the bodies have the velocities v(q) = C(v - M_b^-1 m D_b^T q), with D_b the columns of
 /// the bodies, M_b their inertia, m the mass of a particle and C the contact law of geometry/body_contact.h. C is linear while the same
-/// contacts press and stick. So the contacts have an active set, as the pressures have. add_rates() applies C and records the contacts that
-/// hold; add_product() treats these as fixed.
+/// contacts press and stick, so the contacts have an active set, like the pressures. add_rates() applies C and records the contacts that
+/// hold; add_product() keeps this set of contacts.
 class BodyRows {
 public:
     /// @param D already built; the bodies' contribution is added to its diagonal

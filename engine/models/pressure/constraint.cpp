@@ -22,7 +22,7 @@ constexpr double usual_share = 0.5;
 /// The same fraction with free bodies, whose motion depends on few particles, and in full periodic domains, where the solve must not lose
 /// energy.
 constexpr double strict_share = 0.1;
-/// Bound for the residual over the right-hand side, in addition to the fractions above. In a short step gravity compresses less than these
+/// Bound for residual/(right-hand side), in addition to the fractions above. In a short step gravity compresses less than these
 /// fractions allow. A pressure solved to these fractions alone then jumps from step to step: in a column of 16 layers by 12 % of its mean
 /// at CFL 0.4 and by 22 % at CFL 0.2. With this bound it jumps by 2.4 and 1.8 %. A tolerance looser than the default loosens the bound by
 /// the same factor.

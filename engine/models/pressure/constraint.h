@@ -50,8 +50,8 @@ PressurePreconditioner constraint_unpreconditioned(const ConstraintMatrix& matri
 /// Finds q = dt p/rho^2 with   q >= 0,   rho_i + dt (D (u - D^T q))_i + e_i <= rho_0,   and q_i = 0 if the density stays below rho_0; then
 /// u -= D^T q. e is the error of the linear prediction, rho(x + dt v) - rho(x) - dt D v, with v = u - D^T q for the q of the last step. If
 /// rho_i exceeds rho_0, the step corrects only a share of the excess. The solve may lose energy and never gains any. Free surfaces, single
-/// particles, closed boxes and slots need no special case: A q = b is solvable if any particle or body can move. If none can, in a fluid
-/// that fills a periodic domain, densities are kept equal instead.
+/// particles, closed boxes and slots need no special case: A q = b is solvable if any particle or body can move. If fluid fills a periodic
+/// domain, none can, and densities are kept equal instead.
 class ConstraintPressure {
 public:
     explicit ConstraintPressure(const PressureOptions& options, ConstraintPreconditionerSetup preconditioner = diagonal_scaling)
@@ -60,7 +60,7 @@ public:
                     Update<field::velocity> u, Update<field::constraint_pressure> multiplier, Write<field::pressure> p);
 
 private:
-    /// Solves A q >= b, q >= 0, q.(A q - b) = 0. matrix.force must be D^T q at the start, and is at the end.
+    /// Solves A q >= b, q >= 0, q.(A q - b) = 0. A.force must be D^T q at the start; at the end it is D^T q for the new q.
     SolveReport solve(ConstraintMatrix& A, const StepContext& step, Span<Real> q);
     /// Scales q so that q.(b - A q) = 0, for residual_ = A q and matrix.force = D^T q; the pressures then support the weight of the fluid.
     /// Otherwise a residual common to all particles could meet the tolerance, and still be most of the density that a short step adds in a
@@ -87,20 +87,20 @@ private:
     /// the largest speed of the fluid. Otherwise the correction of a thin film would throw up a heavy body on the film, the faster the
     /// shorter the step, and the pressure that throws the body would shorten the next step.
     Real correction_time(Span<const Vec3> u, const StepContext& step) const;
-    /// Factor on the correction that limits the speed at which it moves the fluid as a whole. Correcting a density error e common to a
-    /// fluid of size L moves the fluid's surface by e L. In a short step dt this throws the surface up (a tank 1 m deep with e = 9e-4, a
-    /// lattice in 2D, at 2 m/s if dt is 0.1 ms). So the mean error is corrected with a velocity of at most 3 % of sqrt(g L) + the mean
-    /// speed. Applies to fluid at solids.
+    /// Factor on the density correction. It limits the speed at which this correction moves the fluid as a whole. Correcting a density
+    /// error e common to a fluid of size L moves the fluid's surface by e L. In a short step dt this throws the surface up (a tank 1 m deep
+    /// with e = 9e-4, a lattice in 2D, at 2 m/s if dt is 0.1 ms). So the mean error is corrected with a velocity of at most 0.03 (sqrt(g L)
+    /// + root mean square of the speed). Applies if the scene has solids.
     /// @returns 1 if the correction is slower than that, or if the fluid has neither motion nor weight
     Real calm_share(Span<const Real> rho, Span<const Vec3> u, const StepContext& step) const;
     /// Adds e/dt to b_. @param force D^T q
     void add_bend(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Vec3> u, Span<const Real> q,
                   Span<const Padded> force);
     bool has_free_surface(Span<const Real> q, const StepContext& step) const;
-    /// Limits the pressure in a full room that a solid squeezes. No particle can give way there. A uniform pressure accelerates no
-    /// particle, so it grows without bound. If the pressure would move 95 % of the particles by more than d/4 within the step, sqrt(p/rho)
-    /// dt > d/4, it is limited to p = rho (d/(4 dt))^2. The fluid is then compressed, in steps of a usual length. @returns whether the
-    /// pressure was limited
+    /// Limits the pressure of fluid without a free surface that a solid squeezes. No particle can give way there. A uniform pressure
+    /// accelerates no particle, so it would grow without bound. If the pressure would move 95 % of the particles by more than d/4 within
+    /// the step, sqrt(p/rho) dt > d/4, it is limited to p = rho (d/(4 dt))^2. The fluid is then compressed, in steps of a usual length.
+    /// @returns whether the pressure was limited
     static bool limit_level(Span<Real> q, const StepContext& step);
     /// Effect of the images in one wall on particle i, over the pairs in which i is nearer to the wall than the other particle. The
     /// opposite impulse is distributed over the boundary particles of the wall, with weights that decrease with their distance from i.
@@ -119,7 +119,8 @@ private:
     /// Pressures for frames and probes, from the forces of q. A particle's part of the stress is
     ///   s_i = rho_i/dt (1/2 sum_j |c_ij| (f_i q_i + f_j q_j) r_ij r_ij^T + f_i q_i rho_i sum_s h_is |grad w_is| n_s^T),   h_is height
     ///   above s.
-    /// The pressure is its mean over all directions, at walls its normal component, because layers press less along a wall than across.
+    /// The pressure is the mean of s_i over all directions, at walls the normal component of s_i, because layers press less along a wall
+    /// than across it.
     void find_pressures(const WallImage& wall, const InteractionContext& context, Span<const Real> rho, Span<const Real> q,
                         Span<Real> p) const;
     SolveReport solve_filled(ConstraintMatrix& A, const StepContext& step, double mean_rate, Real fastest, Span<Real> q);

@@ -7,11 +7,12 @@
 namespace whorl {
 
 /// u_i += D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),   c = rate dt, at most 0.3
+/// with D the number of dimensions and G the local velocity gradient (least squares; 0 if the neighbours do not span all directions).
+///
 /// Particles settle from a loose packing into a denser one. In an inviscid fluid the energy that this releases persists as relative motion
-/// of neighbours. G is the local velocity gradient (least squares), so a linear flow is not damped. G is 0 if the neighbours do not span
-/// all directions. Forces act along the pairs, so momentum and angular momentum are conserved. `rate` is given in units of sqrt(g/d +
-/// sigma/(rho d^3)), the inverse time in which gravity and surface tension move a particle by a spacing. Without gravity and surface
-/// tension there is no damping.
+/// of neighbours. A linear flow has e = 0 and is not damped. Forces act along the pairs, so momentum and angular momentum are conserved.
+/// `rate` is given in units of sqrt(g/d + sigma/(rho d^3)), the inverse of the time in which gravity and surface tension move a particle by
+/// a spacing. Without gravity and surface tension there is no damping.
 class DampUnresolved {
 public:
     /// @param tension surface tension [N/m]

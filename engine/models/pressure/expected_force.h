@@ -15,9 +15,9 @@ struct pressure_force {
 };
 }  // namespace field
 
-/// u += dt a, with a the last step's pressure force over the mass, so that viscosity acts on a flow whose weight is supported. Without this
-/// stage, fluid at rest slips along no-slip walls at about dt/rho times the pressure's gradient. Free bodies are treated likewise.
-/// Otherwise a plate that presses fluid out of a gap of width h sinks faster by a factor of about 1 + 12 nu dt/h^2.
+/// u += dt a, with a the last step's pressure force divided by the mass, so that viscosity acts on a flow whose weight is supported.
+/// Without this stage, fluid at rest would slip along no-slip walls at about dt/rho times the pressure gradient. Free bodies also get their
+/// last force. Without it a plate that presses fluid out of a gap of width h would sink faster by a factor of about 1 + 12 nu dt/h^2.
 struct ExpectForce {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
                     Update<field::velocity> u) const {

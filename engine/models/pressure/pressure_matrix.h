@@ -20,8 +20,8 @@ struct PressurePreconditioner {
 
 /// Rows of the pressure equation over the unknown (Poisson) particles, made symmetric by the factor V_i:
 ///   (A p)_i = sum_j c_ij (p_i - p_j) + d_i p_i,  c_ij = V_i a_ij = c_ji,  d_i = V_i (alpha_i + sum over Dirichlet neighbours a_ij).
-/// alpha_i is the effect of a uniform pressure on row i (docs/physics.md 3), a Dirichlet neighbour one with a known pressure. Particles
-/// that are not unknown have an empty row and a unit diagonal.
+/// docs/physics.md 3 has the coefficients a_ij, and alpha_i, the effect of a uniform pressure on row i. Dirichlet neighbours have a known
+/// pressure. Particles that are not unknown have an empty row and a unit diagonal.
 struct PressureMatrix {
     std::vector<std::size_t> first;  ///< n + 1
     Column<Index> other;             ///< unknown neighbours

@@ -66,7 +66,7 @@ PressurePreconditioner joined(std::shared_ptr<Levels> levels, const std::vector<
         levels->left.resize(n);
         levels->product.resize(n);
         bytes += 2 * static_cast<std::size_t>(n) * sizeof(Real);
-        // The weight is w/D with w = 4/3 over the largest eigenvalue of D^-1 A, as on the coarse levels.
+        // The weight is w/D, with the diagonal D of A and w = (4/3)/(largest eigenvalue of D^-1 A), as on the coarse levels.
         Column<Real>&x = levels->left, &y = levels->product;
         parallel_for(n, [&](Index i) { x[i] = unknown[i] ? static_cast<Real>(std::sin(12.9898 * (i + 1))) : 0; });
         double largest = 0;

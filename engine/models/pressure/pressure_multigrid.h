@@ -14,8 +14,8 @@ struct ParticleMultigrid {
     MultigridOptions coarse;
 };
 
-/// The cells have an odd number of spacings. Constants over an even number resemble the alternating modes that the constraint's gradient
-/// does not see.
+/// The side of a cell is an odd number of spacings. Pressures that are constant over an even number resemble the alternating modes that the
+/// constraint's gradient does not see.
 inline constexpr ParticleMultigrid constraint_levels{7, true, {}};
 inline constexpr ParticleMultigrid poisson_levels{3, true, {}};
 /// In 2D a cell has 16 particles instead of 9; otherwise the coarse levels would cost as much as the particles.

@@ -3,7 +3,10 @@
 ///
 /// Stages of a step, in order: Density (sph/density.h), TaitPressure, SoundDamping, Gravity, PressureAcceleration, ArtificialViscosity,
 /// Kick, Move, PushOutOfSolids. Without SoundDamping and ArtificialViscosity only the time step dissipates energy. Sound then persists, and
-/// the particles of a melted lattice keep moving.
+/// particles that have left their lattice keep moving.
+///
+/// Symbols: c0 = options.sound_speed, gamma = options.gamma, p0 = options.background_pressure, b = options.sound_damping, f =
+/// options.solid_factor, alpha = options.artificial_viscosity, R the support radius, u_ij = u_i - u_j, r_ij = x_i - x_j.
 #include "engine/models/pressure/pressure_options.h"
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
@@ -23,17 +26,17 @@ struct NozzlePressure {
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::density> rho, Update<field::pressure> p) const;
 };
 
-/// p_i = max(0, p_i + b c0 R/2 (D rho/D t)_i),   (D rho/D t)_i = sum_j m u_ij . grad W_ij + rho_0 sum_s f V_s u_is . grad W_is
-/// A bulk viscosity b. The force is the transpose of the divergence, so it only removes energy. It conserves momentum and angular momentum,
-/// and does not act on flows of constant density (free fall, rotation, shear).
+/// p_i = max(0, p_i + (b c0 R/2) (d rho/dt)_i),   (d rho/dt)_i = sum_j m u_ij . grad W_ij + rho_0 sum_s f V_s u_is . grad W_is
+/// This is a bulk viscosity b rho c0 R/2. Its force is the transpose of the divergence, so it only removes energy. The force conserves
+/// momentum and angular momentum, and does not act on flows of constant density (free fall, rotation, shear).
 struct SoundDamping {
     PressureOptions options;
     void operator()(const InteractionContext& context, Read<field::velocity> u, Update<field::pressure> p) const;
 };
 
-/// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij,   h = R/2, rho_ij the mean
-/// (Monaghan 1992, for receding pairs too). This is a viscosity of nu = alpha c0 h/(2 (D + 2)). It conserves momentum and angular momentum.
-/// No-slip solids act through the volumes of their boundary particles.
+/// a_i += alpha c0 h sum_j m/rho_ij (u_ij . r_ij)/(r_ij^2 + 0.01 h^2) grad W_ij,   h = R/2, rho_ij the mean of the two densities
+/// (Monaghan 1992, for receding pairs too). In D dimensions this is a viscosity of nu = alpha c0 h/(2 (D + 2)). It conserves momentum and
+/// angular momentum. No-slip solids act through the volumes of their boundary particles.
 struct ArtificialViscosity {
     PressureOptions options;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::velocity> u,
@@ -48,8 +51,8 @@ struct ArtificialViscosity {
 /// solids of Adami, Hu, Adams 2012, but pair by pair):
 ///   p_i + p_s = max(0, 2 p_i + rho_0 g . (x_s - x_i)).
 /// The weight also acts along the wall. Otherwise fluid at a vertical wall would have only half of the pressure gradient that supports it.
-/// That fluid would sink and stir the whole basin. In the difference form p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)): only the weight
-/// pushes.
+/// That fluid would sink and stir the whole basin. In the difference form p_s - p_i = max(-p_i, rho_0 g . (x_s - x_i)), so the solid
+/// exerts only the weight.
 struct PressureAcceleration {
     PressureOptions options;
     void operator()(const InteractionContext& context, Read<field::role> role, Read<field::density> rho, Read<field::pressure> p,

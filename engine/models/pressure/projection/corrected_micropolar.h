@@ -20,7 +20,7 @@ public:
 private:
     struct Rates;
     struct Terms {
-        Real nu, kappa, g;                        ///< mu, lambda and gamma over the density [m^2/s, m^2/s, m^4/s]
+        Real nu, kappa, g;                        ///< mu, lambda and gamma, divided by the density [m^2/s, m^2/s, m^4/s]
         Real smoothing_velocity, smoothing_spin;  ///< 1/s
         Real of_layer, over_lattice;
         std::vector<char> slip;  ///< by solid

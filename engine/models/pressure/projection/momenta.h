@@ -13,9 +13,10 @@ struct RecordMomentum {
     void operator()(Read<field::position> x, Read<field::velocity> u) const { *before = momenta_of(x.values, u.values, Vec3d::Zero()); }
 };
 
-/// Last stage of a step. It restores the momenta, because the forces of corrected gradients are not pairwise opposite, and an implicit
-/// viscosity acts at the particles' new positions. By the latter alone, a body that rotates at the rate w would lose the fraction (dt
-/// w)^2/2 of its angular momentum per step. The missing momenta are added as a rigid motion:
+/// Last stage of a step. It restores the momenta, for two reasons. The forces of corrected gradients are not pairwise opposite. An implicit
+/// viscosity acts at the particles' new positions; by this alone, a body that rotates at the rate w would lose the fraction (dt w)^2/2 of
+/// its angular momentum per step. The missing momentum dP and angular momentum dL, per mass of a particle, are added as a rigid motion of
+/// the n particles:
 ///   u += dP/n + (I^-1 dL) cross (x - centre),   I = sum (|r|^2 - r r^T) about the centre
 struct RestoreMomentum {
     std::shared_ptr<Momenta> before;

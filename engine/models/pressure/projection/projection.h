@@ -136,7 +136,7 @@ private:
 };
 
 /// Shifts particles towards even spacing and gives them the velocity at the new position:
-///   dx = -shift_rate s R/2 dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u + dx^2/(2 D) lap u,   s = max |u_i - mean u|
+///   dx = -shift_rate v (R/2) dt sum V [1 + 0.2 (W/W(d))^4] grad W,   u += (dx.grad) u + dx^2/(2 D) lap u,   v = max |u_i - mean u|
 /// At a free surface particles shift only along the surface. A surface with tension is also levelled by level_surface(). No particle shifts
 /// into a wall.
 struct ProjectionShift {

@@ -35,7 +35,7 @@ struct solved_pressure {
 }  // namespace field
 
 struct ProjectionOptions {
-    /// tolerance: residual of the first solve over the norm of its right-hand side
+    /// tolerance: residual of the first solve, divided by the norm of its right-hand side
     SolveLimits limits{1e-3, 200};
     double later_tolerance = 0.1;  ///< tolerance of the later solves, which correct the remainder of the first
     int solves = 2;                ///< the plan sets 3 near walls and free surfaces, because with 2 a column in a slot creeps down
