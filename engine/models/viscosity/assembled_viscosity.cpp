@@ -21,7 +21,7 @@ Vec3 kernel_gradient(const Kernel& kernel, const Vec3& r, Real distance) {
 /// Gradients from which the coefficients are formed.
 struct AssembledOperator::Gradients {
     Column<Vec3> gradW;         ///< of each pair
-    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times stretch and its volume over that at rest; 0 if the fluid slips
+    Column<Vec3> solid_gradW;   ///< of each pair with a solid, times stretch and times V_s/(volume at rest); 0 if the fluid slips
     Column<Real> stretch;       ///< of each pair with a solid, see models/boundary/wall.h
     Column<Real> spring;        ///< of each pair, V |W'|/r; empty: no penalty
     Column<Vec3> omega, alpha;  ///< sum_j grad W_ij and sum_j a_ij

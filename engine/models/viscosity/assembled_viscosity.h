@@ -13,8 +13,8 @@ namespace whorl {
 
 /// The nine coefficients C(g, a) of a product of a kernel gradient g and a. Rows: equations of u, v, w. Columns: coefficients of u, v, w.
 ///   C(g, a)_ab = (g . a) delta_ab + g_b a_a
-/// With omega_i = sum_j grad W_ij, alpha_i = sum_j a_ij, a_ij = V_i grad W_ij (as printed V_j), and m^ and mu^ as below, row i has without
-/// penalty the blocks
+/// With omega_i = sum_j grad W_ij, alpha_i = sum_j a_ij, a_ij = V_i grad W_ij (in the printed form V_j grad W_ij), m^ = m dt and mu^ =
+/// mu/rho^2, row i has without penalty the blocks
 ///   i itself (c_{u_i u_i} ... c_{w_i w_i}):        1 + m^ mu^_i C(omega_i, alpha_i)
 ///   neighbour j (c_{u_j u_i} ...):                 m^ [mu^_j C(grad W_ij, alpha_j) - mu^_i C(omega_i, a_ij)]
 ///   neighbour k of a neighbour (c_{u_k u_i} ...):  -m^ sum_j mu^_j C(grad W_ij, a_jk)

@@ -43,7 +43,7 @@ struct FlowLaw {
     int most_solves = 6;       ///< per step
     double tolerance = 0.02;   ///< change of the dissipated power at which a step accepts its viscosities
     double rigid_rate = 1e-3;  ///< largest g_0 [1/s]
-    double contrast = 1e4;     ///< (tau_y/K)^(1/n) over g_0, at least
+    double contrast = 1e4;     ///< least ratio of (tau_y/K)^(1/n) to g_0
 
     /// Whether the viscosity depends on the strain rate.
     bool acts() const { return yield_stress > 0 || index != 1; }

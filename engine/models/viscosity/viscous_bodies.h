@@ -16,12 +16,12 @@ struct BodyTouch {
     Vec3 g = Vec3::Zero();                             ///< sum stretch w r
     Mat3 N = Mat3::Zero();                             ///< sum w r r^T
     Real h = 0;                                        ///< sum stretch^2 w
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< from the last product: force and torque of i on the body, over m
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< from the last product: force and torque of i on the body, divided by m
 
     Vec3 at(const Vec3& v, const Vec3& w) const { return v + w.cross(arm); }
 };
 
-/// All touches, in the order of the particles, and the bodies' inertia over the mass of a particle.
+/// All touches, in the order of the particles, and the bodies' inertia divided by the mass of a particle.
 struct ViscousBodies {
     struct Inertia {
         std::size_t solid = 0;

@@ -16,13 +16,13 @@ namespace whorl {
 ///   D_i = (P_i G_i + (P_i G_i)^T)/2       strain rate; P_i projects on the directions that the neighbours resolve
 ///   T_i = P_i T P_i                       strain rate that appears at the start of a rotating move (strain/curvature.h)
 ///   E(u) = sum_i m |u_i - u*_i|^2/2
-///          + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty D/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
+///          + dt V sum_i (1 - counted_i) mu_i (|D_i - T_i|^2 + penalty n/(sum_j w_ij r_ij^2) sum_j w_ij |u_ij - G_i r_ij|^2)
 ///          + dt V sum_i mu_i (u_i.F_i u_i/2 - u_i.f_i)
-/// The last sum, with F_i and f_i, is the friction at walls with a slip length (models/boundary/friction.h); counted_i is 0 at other
-/// particles. V is the volume at rest, which for an incompressible fluid is the true volume, also at the surface. A u is (dE/du)/m without
-/// u*, T and the known velocities of solids and prescribed particles, which form the right-hand side. A is symmetric and positive definite,
-/// because the force is the transpose of the gradient. A rigid motion dissipates no energy, so the forces conserve momentum and angular
-/// momentum.
+/// n is the number of dimensions. The last sum, with F_i and f_i, is the friction at walls with a slip length (models/boundary/friction.h);
+/// counted_i is 0 at other particles. V is the volume at rest, which for an incompressible fluid is the true volume, also at the surface.
+/// A u is (dE/du)/m without u*, T and the known velocities of solids and prescribed particles; these terms form the right-hand side. A is
+/// symmetric and positive definite, because the force is the transpose of the gradient. A rigid motion dissipates no energy, so the forces
+/// conserve momentum and angular momentum.
 ///
 /// Uncorrected form (correction = false): M^+ = V_i/V and P = 1 in D_i, and V_i = m/rho_i in the gradient and in the energy. At a free
 /// surface a rotation then dissipates energy. The penalty still uses the G_i above. D_i near no-slip solids also uses this G_i, unless
@@ -113,7 +113,7 @@ private:
     Column<Sixteen> M_, P_;      ///< M^+ and P
     Column<Sixteen> curvature_;  ///< 2 P T; empty: none
     Column<Real> K_, c_;         ///< K: (1 - counted) dt mu/rho_0; c: coefficient of the penalty
-    /// whole_: 0: some directions are unresolved. 1: P = 1. 2: P = 1 and D_i is the note's, with the penalty's M^+ stored in P_.
+    /// whole_: 0: some directions are unresolved. 1: P = 1. 2: P = 1 and D_i has the uncorrected form; P_ then contains the penalty's M^+.
     std::vector<char> free_, whole_;
     BlockDiagonal diagonal_;
     mutable ViscousBodies bodies_;

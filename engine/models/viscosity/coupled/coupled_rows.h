@@ -17,8 +17,8 @@ struct Neighbourhood {
     Real thin = 0;        ///< 0 in a thick thread, 1 in a thin thread
     Real weights = 0;     ///< sum w
     Real spread = 0;      ///< sum w r^2
-    Real density = 0;     ///< n/n0: sum of the weights of radius `support` over its value on a lattice, with solids counted as fluid
-    Real volume = 1;      ///< volume of the fluid whose strain the row represents, over V; it ends at a wall that holds the particle
+    Real density = 0;     ///< n/n0: sum of the weights of radius `support`, divided by its value on a lattice; solids count as fluid
+    Real volume = 1;      ///< (volume of the fluid whose strain the row represents)/V; this volume ends at a wall that holds the particle
     Vec3 outward = Vec3::Zero();   ///< unit vector away from the neighbours' centre
     Real surface = 0;              ///< |sum w r| / sum w |r|: 0 inside, about 0.4 on a flat surface
     std::int32_t directions = -1;  ///< index in RowBlock::directions; -1: all directions are resolved, and no thread is thin
@@ -72,8 +72,8 @@ struct RowSlice {
 
 /// The rows of `block_size` particles that are near each other in memory. Pairs refer to neighbours by their index in `touched`, so a
 /// product gathers each velocity once per block and adds forces in the block's own memory. Thus no thread waits for another, and sums have
-/// a fixed order. Only this index is stored per pair. r and the weight are computed from the positions, because reading them would need
-/// more bytes.
+/// a fixed order. Only this index is stored per pair. r and the weight are computed from the positions, because reading r and the weight
+/// would need more bytes.
 struct RowBlock {
     using LocalIndex = std::uint16_t;
     Index begin = 0, end = 0;     ///< range of the particles that the rows belong to

@@ -191,7 +191,7 @@ struct CoupledStep {
     void balance() {
         if (options.vessel < 0) return;
         using Eigen::Vector2d;
-        const auto mean = [&](const auto& of) {  // sum of the first component over that of the second
+        const auto mean = [&](const auto& of) {  // (sum of the first component)/(sum of the second)
             const Vector2d sum = parallel_sum(n, Vector2d(0, 0), [&](Index i) { return role[i] == 0 ? of(i) : Vector2d(0, 0); });
             return static_cast<Real>(sum[1] > 0 ? sum[0] / sum[1] : 0.0);
         };
@@ -306,8 +306,8 @@ struct CoupledStep {
         release_slipping();
     }
 
-    /// Replaces a bad initial guess (after a jolt or a landing): minimises the energy along the last step's change, and updates the
-    /// residual.
+    /// Replaces a bad initial guess (after an abrupt change of velocity or a landing): minimises the energy along the last step's change of
+    /// velocity, and updates the residual.
     void descend_along_last_change() {
         Column<Vec3> way(change.values.begin(), change.values.end()), bent(way.size());
         unknowns.restrict_to(way);
@@ -395,9 +395,9 @@ struct CoupledStep {
     }
 
     /// Stores the new velocity, its gradient, and the new multiplier p - lambda (tr D - s). The multiplier has both signs: p < 0 holds a
-    /// stretched thread together and makes it thin. It is reduced by a fraction per step. Otherwise it would grow without end in a full
-    /// room that contains too much fluid. The fraction is smaller for the part from 0 to the weight of the fluid, because fluid at rest
-    /// sinks with tr D = fraction times p/lambda.
+    /// stretched thread together and makes it thin. The multiplier is reduced by a fraction per step. Otherwise it would grow without end
+    /// in a closed vessel with too much fluid. The fraction is smaller for the part from 0 to the weight of the fluid, because fluid at
+    /// rest sinks with tr D = fraction times p/lambda.
     void take_over() {
         const auto depth = [&](Index i) { return static_cast<double>(step.gravity.dot(x[i])); };
         const double infinity = std::numeric_limits<double>::infinity();
