@@ -21,19 +21,19 @@ Real continued_lattice_factor(KernelForm kernel, Real support, Real spacing);
 Real layer_factor(KernelForm kernel, Real support, Real spacing);
 
 /// Value of sum_j V_j (a_j - a_i) grad W_ij on a lattice for a linear field a of slope 1. It is sum_j V |W'(r_ij)| r_ij/D: 1 for dense
-/// neighbours, 1.02 with R = 2 d. Sums divided by this value are exact for linear fields on the lattice.
+/// neighbours, 1.02 with R = 2 d, in D dimensions. Sums divided by this value are exact for linear fields on the lattice.
 Real lattice_gradient(KernelForm kernel, Real support, Real spacing);
 
 /// Contribution of a flat wall with continued_lattice_factor() to the kernel sum of a touching particle, times the particle's volume.
 Real touching_wall_sum(KernelForm kernel, Real support, Real spacing);
 
 /// For fluid on a lattice at a flat wall. The layer that touches the wall lacks a fraction of the pair forces along the wall. Returns this
-/// fraction over the wall's contribution w to the layer's kernel sum. The factor 1/(1 - w times the result) on the layer's own pairs
+/// fraction, divided by the wall's contribution w to the layer's kernel sum. The factor 1/(1 - w times the result) on the layer's own pairs
 /// compensates for the lack.
 Real lacking_along_wall(KernelForm kernel, Real support, Real spacing);
 
-/// D over the lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2), h = R/2. With this factor the stiffness of forces along pairs is right in the
-/// mean over directions.
+/// D/(lattice sum of V |W'(r)| r^3/(r^2 + 0.01 h^2)), h = R/2, in D dimensions. With this factor the stiffness of forces along pairs is
+/// right in the mean over directions.
 Real along_pairs_factor(KernelForm kernel, Real support, Real spacing);
 
 /// Replaces a boundary particle by the column of lattice layers behind it, along its normal. Calls f(r_l, |r_l|, d_l) for each layer within

@@ -32,7 +32,7 @@ struct airborne {
 /// decays within `landing`.
 struct Foam {
     static constexpr Real grow = Real(0.04), decay = Real(0.8), mixing = Real(0.2), burst = Real(0.03), landing = Real(0.0125);  ///< s
-    static constexpr Real alone = Real(0.32);  ///< sum of w, over its value on a lattice, below which a particle is spray
+    static constexpr Real alone = Real(0.32);  ///< (sum of w)/(sum of w on a lattice) below which a particle is spray
     static constexpr Real light = Real(0.4);   ///< share by which a neighbour full of air counts less in that sum: drops in spray are spray
     static constexpr Real spray_speed = Real(0.3);  ///< m/s
     void operator()(const InteractionContext& context, Read<field::velocity> u, Write<field::old_foam> old_foam, Update<field::foam> foam,

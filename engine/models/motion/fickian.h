@@ -23,9 +23,9 @@ struct shift {
 };
 }  // namespace field
 
-/// Shortens the rising parts of displacements dx until all displacements together do no work against gravity, sum g.dx >= 0. The
-/// displacements by walls, and those below a free surface, have no opposite ones. They would lift the fluid in each step, and the fluid
-/// would sink again by its velocity.
+/// Shortens the rising parts of displacements dx until all displacements together do no work against gravity, sum g.dx >= 0. Displacements
+/// away from walls and below a free surface are not balanced by opposite ones. They would lift the fluid in each step, and the fluid would
+/// sink again by its velocity.
 inline void lift_nothing(const Vec3& gravity, Span<Vec3> moves) {
     const auto sum_of = [&](double sign) {
         return parallel_sum(static_cast<Index>(moves.size()),
