@@ -48,11 +48,11 @@ struct Pose {
 /// Contact properties of a solid.
 struct Contact {
     double friction = 0.3;  ///< Coulomb's coefficient; a pair uses the geometric mean
-    double bounce = 0;      ///< share of the approach speed that is returned; a pair uses the larger
+    double bounce = 0;      ///< coefficient of restitution; a pair uses the larger
 };
 
-/// Position, orientation, momentum and angular momentum of a body, in double precision. Every impulse between fluid and body is added to
-/// one of them and subtracted from the other.
+/// Position, orientation, momentum and angular momentum of a body, in double precision. Every impulse that the body receives is subtracted
+/// from the fluid.
 struct RigidBody {
     double mass = 0, volume = 0;            ///< kg, m^3
     Vec3d own_centre = Vec3d::Zero();       ///< centre of mass in the solid's own axes [m]

@@ -36,7 +36,8 @@ struct Solid {
     Contact contact;                 ///< contact with other solids
     std::optional<RigidBody> body;   ///< set for a free body, which forces move; position and spin then only give its initial pose
     Vec3d shift = Vec3d::Zero();     ///< added to `position` [m]; the result of earlier motions (go_on_as)
-    Mat3d turn = Mat3d::Identity();  ///< rotation applied after that by `spin` since t = 0: the scene's tilt, results of earlier motions
+    Mat3d turn =
+        Mat3d::Identity();  ///< rotation applied after the rotation by `spin` since t = 0: the scene's tilt, results of earlier motions
     Pose pose;
     Turned turned;
     Repeats repeats;      ///< periodic images of the shape in its pose

@@ -14,14 +14,13 @@ Vec3d opening_direction(const std::string& open);
 std::string vessel_error(const ShapeKeys& keys, std::string& key);
 
 /// The wall of a vessel: all points outside the cavity, at most `wall` away from it, and below the rim.
-///   box, cylinder   the cavity is the shape, and the face towards the opening is missing; the outside is the box or cylinder that is
-///   larger
-///                   by `wall` at the other faces, so its edges are sharp
-///   sphere, mesh    the cavity is the part of the shape below the plane of the rim; the outside is `wall` away from its surface
+///   box, cylinder   The cavity is the shape, open at the face towards the opening. The outer surface is a box or cylinder, larger than
+///                   the cavity by `wall` at the other faces, so its edges are sharp.
+///   sphere, mesh    The cavity is the part of the shape below the plane of the rim. The outer surface is `wall` away from the cavity.
 /// @param keys open, wall and, for spheres and meshes, rim must be set, and vessel_error() must be empty @throws InputError like
 /// make_shape()
 std::shared_ptr<const Shape> make_vessel(const ShapeKeys& keys);
-/// The vessel of a mesh, open along n above the point n rim. @param cavity its shape, a closed mesh
+/// The vessel of a mesh, open along the unit vector n above the plane through n * rim. @param cavity a closed mesh @param rim, wall m
 std::shared_ptr<const Shape> make_mesh_vessel(std::shared_ptr<const Shape> cavity, const Vec3d& n, double rim, double wall);
 
 /// Distances to an open surface. The sign of the distances and normals has no meaning. @param surface welded
