@@ -11,7 +11,7 @@ namespace whorl {
 struct Pouring {
     double nozzle_radius = 0;                   ///< m
     double start = 0, stop = 0;                 ///< s
-    double viscosity = 0, surface_tension = 0;  ///< viscosity over density [m^2/s], surface tension over density [m^3/s^2]
+    double viscosity = 0, surface_tension = 0;  ///< divided by the density [m^2/s, m^3/s^2]
     Expression speed;                           ///< m/s, function of t
     VectorExpression gravity;                   ///< m/s^2, function of t
 };
@@ -33,8 +33,8 @@ class CoilExpectation {
 public:
     explicit CoilExpectation(TheorySearch search) : search_(search) {}
     ~CoilExpectation();
-    /// The coil for these parameters. The last answer is used again if its parameters are within 0.2 %, or within 3 % if it was that there
-    /// is no coil. While a search in the background continues, the last answer is used if its parameters are within a tenth; otherwise the
+    /// The coil for these parameters; empty if there is none. The last answer is used again if its parameters differ by at most 0.2 %. If
+    /// the last answer was "no coil", the limit is 3 %. While a search in the background continues, the limit is a tenth, and beyond it the
     /// result is empty.
     std::optional<CoilTheory> at(const CoilParameters& parameters);
 

@@ -1,12 +1,12 @@
 #pragma once
 /// Coiling of a falling thread: frequency, radius and fall, as defined by slender-thread theory (Ribe 2004).
 ///
-/// In every step, with z the height above `axis_point` along `axis_direction`, and velocities relative to particles stuck to a solid (a
-/// plate may move):
+/// The probe measures in every step. z is the height above `axis_point` along `axis_direction`. Velocities are relative to the particles
+/// that stick to a solid, because a plate may move.
 ///   1. Thread speed U: the largest mean downward speed of a layer one spacing thick. The number of particles in that layer gives the
 ///      thread's radius a.
-///   2. Pile: particles slower than 0.1 U. A slice of the thread is one spacing long. The pile's top is the height above which there are
-///      half as many particles of the pile as in a slice, low-passed over the time in which a length 4 a of thread is laid.
+///   2. Pile: particles slower than 0.1 U. Its top is the height above which the pile has half as many particles as a slice of the thread
+///      one spacing long. This height is low-passed, with the time in which a length 4 a of thread is laid.
 ///   3. Falling thread: particles faster than 0.4 U, from 2.5 a below the pile's top to 10 a above it. Their mean position gives the angle
 ///      of the coil.
 ///   4. Contact: particles slower than 0.7 U in the same range of heights, in four ranges of speed (CoilTurns). They give radius and height
@@ -15,8 +15,8 @@
 /// extrapolation.
 ///
 /// Frequency and radius are means over the last four turns. Spreads are standard deviations of a single turn. Uncertainties are those of
-/// the mean, the spread over the square root of the number of turns. Spreads and uncertainties are empty before two turns. All of these,
-/// and `fall`, are empty until a full turn was seen, and again if no turn was completed for three periods.
+/// the mean: (spread)/sqrt(number of turns). Spreads and uncertainties are empty before two turns. All of these columns, and `fall`, are
+/// empty until a full turn was seen, and again if no turn was completed for three periods.
 ///
 /// pile_height is the current height of the ground on which the thread lands; the thread's centre line comes to rest one thread radius
 /// above it. fall is the height of the nozzle above the mean ground over the same turns as the frequency, and is the fall height of the
@@ -42,9 +42,9 @@ struct CirclePoints {
 /// Turns of a coil. They are counted by the position of the falling thread, and measured at the points where the thread comes to rest.
 ///
 /// The position of the thread across the axis rotates with the coil. The angle of this position about its running mean is unwrapped over
-/// time. A turn is complete when the angle has advanced by 2 pi. It does not count if the thread passes through the mean, or if the angle
-/// jumps by more than a quarter turn between two samples. If the angle goes back by a quarter turn, the turn restarts at the reversal, so
-/// a folding thread has no turns.
+/// time. A turn is complete when the angle has advanced by 2 pi. The turn does not count if the thread passes through its mean position, or
+/// if the angle jumps by more than a quarter turn between two samples. If the angle goes back by a quarter turn, the turn restarts at the
+/// reversal, so a folding thread has no turns.
 ///
 /// During a turn the contact moves around a circle. The circle is fitted by least squares (x^2 + y^2 + D x + E y + F, Kasa 1976), so that a
 /// coil off the axis is also measured. In steady coiling the thread touches down without slip, with the curvature of the turn before (Ribe

@@ -29,9 +29,9 @@ std::unique_ptr<Probe> make_extent_probe(const ProbeKeys& keys);
 std::unique_ptr<Probe> make_flow_probe(const ProbeKeys& keys);
 
 /// Force of the fluid on a solid, from the ledger of momentum (Ledger). pressure_*, viscous_* and contact_* are means since the previous
-/// row: impulse over time. torque_* is the sum of the torques of all three about the solid's centre: the centre of mass of a free body,
-/// otherwise the middle of the shape's bounds. peak is the largest magnitude of the total force in a single step. In 2D forces are per
-/// metre of depth. Cells are empty if no time has passed.
+/// row: (impulse)/(time between the rows). torque_* is the sum of the torques of all three about the solid's centre: the centre of mass of
+/// a free body, otherwise the middle of the shape's bounds. peak is the largest magnitude of the total force in a single step. In 2D forces
+/// are per metre of depth. Cells are empty if no time has passed.
 std::unique_ptr<Probe> make_solid_probe(const ProbeKeys& keys);
 
 /// Pressure on a disc (2D: a line) that lies on a solid's surface and moves with the solid. It is the mean over the disc and over the time
