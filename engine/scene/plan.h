@@ -24,7 +24,7 @@ struct MicropolarNumbers {
     double implicit_share = 1;     ///< part of fluid.viscosity that the implicit viscosity applies
     bool slides = false;        ///< fluid can turn as a whole without friction: at a free surface, or along a round wall to which it does
                                 ///< not stick
-    double turning_growth = 0;  ///< rate at which the speed of such a body grows, 0: it does not grow [1/s]
+    double turning_growth = 0;  ///< rate at which the speed of fluid that slides grows, 0: none [1/s]
     double spin_viscosity = 0;  ///< Pa s m^2
     double micro_inertia = 1;   ///< m^2
     bool implicit_exchange = true;

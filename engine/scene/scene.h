@@ -104,7 +104,7 @@ struct FluidKeys {
     int ink_markers = 2;               ///< per spacing, along each axis
     VectorExpression force;            ///< m/s^2, of t, x, y, z
     std::optional<KernelKind> kernel;  ///< empty: "auto" (Plan::kernel is chosen by the models)
-    std::optional<double> support;     ///< kernel radius over spacing; empty: "auto" (Plan::support)
+    std::optional<double> support;     ///< (kernel radius)/spacing; empty: "auto" (Plan::support)
 };
 
 struct ModelKeys {
@@ -135,7 +135,7 @@ struct MicropolarKeys {
 struct BoundaryKeys {
     WallImages images = WallImages::automatic;
     double gate = 0;                      ///< a solid acts only above this kernel sum; 0: always (SolidGate)
-    std::optional<double> volume_factor;  ///< factor on the solids' volumes over 1/sum W; empty: "auto", continued_lattice_factor()
+    std::optional<double> volume_factor;  ///< factor on the solids' volumes 1/sum W; empty: "auto", continued_lattice_factor()
 };
 
 struct BlockKeys {
@@ -168,8 +168,7 @@ struct SolidKeys {
     bool closed() const { return container && !shape.is_open(); }
     Slip slip = Slip::no;
     double slip_length = 0;  ///< m, navier
-    double wetting = 0.5;    ///< the solid's attraction of the fluid over the fluid's attraction of itself, with surface
-                             ///< tension
+    double wetting = 0.5;    ///< with surface tension: (attraction between solid and fluid)/(attraction within the fluid)
     Appearance appearance;
     double density = 0;                 ///< kg/m^3; if > 0, the solid is a free body
     Vec3d velocity = Vec3d::Zero();     ///< m/s, initial velocity of a free body
