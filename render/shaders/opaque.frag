@@ -8,7 +8,7 @@ uniform bool has_field;
 uniform vec3 body_colour;
 uniform float roughness;
 uniform float softness;      // 0 .. 1, how far light reaches round the edge of shadow
-// Light inside the body (Material): mean free path and the way that light spreads sideways [voxels], rate at which it fades [1/voxel].
+// Light inside the body (Material): mean free path and the distance that light spreads sideways [voxels], absorption rate [1/voxel].
 // constant: bool scatters
 uniform float free_path;
 uniform vec3 sideways;
@@ -31,7 +31,7 @@ float unshadowed(vec3 p, vec3 l) {
     return smoothstep(0.0, 1.0, open);
 }
 
-// Way inside the body from p, just below the surface, along d [voxels]; at least the resolution of far_distance().
+// Length of the path inside the body from p, just below the surface, along d [voxels]; at least the resolution of far_distance().
 float way_through(vec3 p, vec3 d) {
     float t = 0.5;
     for (int i = 0; i < 7; ++i) {

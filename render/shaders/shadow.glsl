@@ -6,7 +6,7 @@ uniform vec3 light;           // unit, towards the light
 uniform vec3 light_centre;
 uniform float light_texel;    // m
 uniform float least_blur;     // lower bound of the penumbra, set by the resolution of the maps [m]
-uniform float light_size;     // radius of the light over its distance
+uniform float light_size;     // (radius of the light)/(its distance)
 
 // Fraction of the key light that reaches x through the fluid and, with past_solids, past the solids; 1 if nothing is in the way.
 vec3 key_at(vec3 x, bool past_solids) {

@@ -17,7 +17,7 @@ uniform vec3 key_colour;     // light of the lamp that casts the shadow, on a wh
 // Panorama of the surroundings, if the scene has one instead of the studio's boxes.
 // constant: bool has_environment
 uniform sampler2D environment_map;   // rows from the zenith down, middle column towards -z; mip levels average over wider squares
-uniform vec4 environment_light[9];   // irradiance over pi, in spherical harmonics
+uniform vec4 environment_light[9];   // irradiance/pi, in spherical harmonics
 
 // A surface of roughness b spreads its reflection over an angle of about 2 b^2: an image that is sharp for honey and soft for wood.
 vec3 pictured(vec3 d, float blur) {

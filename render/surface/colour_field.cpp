@@ -37,8 +37,8 @@ struct Around {
     }
 };
 
-// Kernel radius of a lone particle over the usual one. With a smaller `few`, droplets of a few particles come out too thick; with a larger
-// one, threads of radius 3 d that are 1 d apart merge.
+// (Kernel radius of a lone particle)/(the usual radius). With a smaller `few`, droplets of a few particles come out too thick; with a
+// larger one, threads of radius 3 d that are 1 d apart merge.
 constexpr float lone_factor = 1.2f;
 // Sum of the wide kernels about a particle: below `few` the particle's own kernel is wide, above `many` it is not. The sum is 8.8 inside a
 // fluid, 5.3 at a flat surface and 2.2 in a single file.

@@ -20,7 +20,7 @@ namespace whorl {
 
 class ColourField {
 public:
-    /// @param spacing d [m]  @param radius kernel radius over the spacing
+    /// @param spacing d [m]  @param radius kernel radius [spacings]
     ColourField(Span<const Vec3f> position, double spacing, double radius);
 
     const ParticleRows& particles() const { return rows_; }

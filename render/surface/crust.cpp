@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-constexpr float large_plate = 7, small_plate = 3;  // widths over the spacing
+constexpr float large_plate = 7, small_plate = 3;  // widths [spacings]
 constexpr float beyond = 10;                       // edge distance if no edge is found [spacings]
 
 struct Plate {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int usual_points = 48;      // largest number per particle, for amount = 1
 constexpr float scatter = 1.3f;       // largest distance of a point from its particle [spacings]
-constexpr float parting = 0.12f;      // largest velocity of a point of spray relative to its particle, over the particle's velocity
+constexpr float parting = 0.12f;      // (largest velocity of a point of spray relative to its particle)/(the particle's velocity)
 constexpr float spray_after = 0.02f;  // `airborne` above which a particle is drawn as spray [s]
 constexpr float faint = 0.06f;        // smaller values of foam are not drawn
 constexpr float mist_radius = 1.0f;   // spacings

@@ -30,7 +30,7 @@ public:
     bool any() const { return !sides_.empty(); }
     /// Side with the least inside(x). There must be a side.
     const Side& at(const Vec3f& x) const;
-    /// Number of sides nearer than `reach` [m] that are across each other, at most three.
+    /// Number of sides nearer than `reach` [m] that meet in an edge or a corner (are_across()), at most three.
     int count_at(const Vec3f& x, float reach) const { return corner_at(x, reach).count; }
     /// The sides that matter to points within `radius` [m] of x: such a point is nearer to the side than `reach` [m], or beyond it. Omits
     /// sides that other sides hide from all these points, such as further facets of a round wall.
@@ -44,13 +44,13 @@ public:
     Vec3f held(const Vec3f& original, const Vec3f& moved, float tolerance) const;
 
 private:
-    /// The side nearest to a point, and the sides across it. Of the facets of a round wall only the nearest counts.
+    /// The side nearest to a point, and the sides that meet it in an edge. Of the facets of a round wall only the nearest counts.
     struct Corner {
         std::array<const Side*, 3> side;
         int count = 0;
     };
     Corner corner_at(const Vec3f& x, float reach) const;
-    /// Whether the angle between the sides is so large that they meet in an edge instead of being facets of one wall.
+    /// Whether the sides meet in an edge: the angle between them is too large for facets of one round wall.
     static bool are_across(const Side& a, const Side& b) { return std::abs(a.inward.dot(b.inward)) < 0.7f; }
 
     std::vector<Side> sides_;

@@ -9,7 +9,7 @@ namespace whorl {
 
 class ParticleRows {
 public:
-    /// @param width of a row [m]. Particles that are not finite, or over 1e5 widths from the origin, are left out.
+    /// @param width of a row [m]. Particles that are not finite, or farther than 1e5 widths from the origin, are left out.
     ParticleRows(Span<const Vec3f> position, float width);
 
     Index size() const { return static_cast<Index>(x.size()); }

@@ -10,8 +10,8 @@
 namespace whorl {
 
 struct SurfaceOptions {
-    double voxel = 0.5;     ///< edge of a voxel over the spacing
-    double radius = 2.0;    ///< kernel radius over the spacing; up to 1.2 times that for particles with few neighbours
+    double voxel = 0.5;     ///< edge of a voxel [spacings]
+    double radius = 2.0;    ///< kernel radius [spacings]; up to 1.2 times that for particles with few neighbours
     double iso = 0.605;     ///< the colour field's value on the surface, near 1 inside; 0.605: unbiased (render/surface/colour_field.h)
     int smoothing = 8;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
