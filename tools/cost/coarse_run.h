@@ -85,8 +85,8 @@ using Watch = std::function<void(double part)>;
 
 /// Coarse run in the cache for this program, processor, number of threads and scene; empty if there is none.
 std::optional<CoarseRun> find_coarse_run(const SceneFile& file);
-/// Coarse run from the cache. If there is none, runs it now and caches it, which takes, with its images, at most 5 % of the real run's
-/// time and usually a few seconds. @param start simulation of the real run at its start @throws Interrupted
+/// Coarse run from the cache; if there is none, makes and caches it. Making it, with its images, takes at most 5 % of the real run's time,
+/// usually a few seconds. @param start simulation of the real run at its start @throws Interrupted
 CoarseRun coarse_run(const SceneFile& file, const Simulation& start, const Watch& watch = {});
 /// Caches a scene's coarse run. A failure to write the cache is ignored.
 void keep_coarse_run(const SceneFile& file, const CoarseRun& run);
