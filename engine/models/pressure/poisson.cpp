@@ -12,8 +12,8 @@ namespace whorl {
 namespace {
 
 /// A region is singular if its pins are less than this fraction of its diagonals. The pins of a closed region consist of alpha alone
-/// (pressure_matrix.h). In a full box alpha differs from 0 only because neighbours are uneven; after a lattice has melted, alpha is a
-/// hundredth of the diagonal. For a few particles on a floor alpha is as large as the diagonal.
+/// (pressure_matrix.h). In a full box alpha differs from 0 only because neighbours are uneven; after particles have left a lattice, alpha
+/// is a hundredth of the diagonal. For a few particles on a floor alpha is as large as the diagonal.
 constexpr double weakly_tied = 0.05;
 /// The same fraction for the printed form. There the pressure level is undetermined only in a drop that has no surface particles and
 /// touches no solid.

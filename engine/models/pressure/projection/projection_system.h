@@ -48,7 +48,7 @@ struct ProjectionOptions {
     bool bare_surface = false;
     double tension = 0;      ///< surface tension of a free surface [N/m]
     bool sharp = true;       ///< use the SharpKernel inside the fluid; false for fluid with spin, because this kernel makes spins noisy
-    Real shift_rate = 1.25;  ///< a larger rate adds energy; with a smaller one a lattice melts into clumps
+    Real shift_rate = 1.25;  ///< a larger rate adds energy; with a smaller one a lattice breaks up into clumps
     SolidGate gate;
     PressurePreconditionerSetup preconditioner;
 };
