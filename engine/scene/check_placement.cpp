@@ -124,7 +124,7 @@ private:
             report(name,
                    fmt::format("{} fills {:.2g} of the {:.2g} particle positions in its bounding box, which are too many to search", name,
                                filled, places),
-                   "split it into several blocks, or align it with an axis", "allowed: up to 1e9 places");
+                   "split it into several blocks, or align it with an axis", "allowed: up to 1e9 positions");
     }
 
     void vortex(const std::string& name, const VortexKeys& v) {
@@ -140,7 +140,7 @@ private:
                    "use a path that closes as t goes from 0 to 2 pi");
         if (v.core < plan_.spacing)
             report(name + ".core",
-                   fmt::format("{}.core = {:.3g} m is thinner than a spacing of {:.3g} m: particles cannot hold it", name, v.core,
+                   fmt::format("{}.core = {:.3g} m is less than a spacing of {:.3g} m: particles cannot resolve it", name, v.core,
                                plan_.spacing),
                    "make it thicker, two spacings or more, or fluid.spacing smaller");
     }

@@ -99,8 +99,8 @@ MicropolarNumbers micropolar_numbers(const Scene& scene, const ViscosityTraits& 
     const LaplacianForm form = explicit_mu ? scene.viscosity.laplacian.value_or(automatic) : automatic;
     n.pair_viscosity = form == LaplacianForm::monaghan ? 0 : own;
     if (form == LaplacianForm::split) {
-        // The composed curl supplies the torque that the coupling lacks, and adds half as much viscosity; the remaining viscosity is
-        // reduced by that.
+        // The composed curl supplies the torque that the coupling lacks. Half of its coupling acts as viscosity, so the remaining
+        // viscosity is reduced by this half.
         if (!viscosity.implicit) n.pair_viscosity = std::min(n.coupling, 2 * own - n.coupling);
         n.composed_coupling = n.coupling - n.pair_viscosity;
         if (viscosity.implicit && n.composed_coupling > 0) n.implicit_share = 1 - n.composed_coupling / (2 * mu);

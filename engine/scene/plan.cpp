@@ -20,9 +20,9 @@ namespace {
 
 constexpr double next_to_nothing = 0.02;  ///< largest part of the domain that may be empty in a full room
 
-/// Viscous number above which solving viscosity and pressure together is faster than the pressure equation with implicit viscosity. A pour
-/// of 40, 12 and 4 times 1e-3 m^2/s (scenes/lava.toml) needs 0.7, 0.4 and 0.4 times the time, at viscous numbers of 0.68, 0.20 and 0.068,
-/// with errors of 8 to 9 % instead of 4 to 9 % (docs/reports/tradeoff.md, lava_viscosity).
+/// Viscous number above which viscosity and pressure are solved together instead of one after the other. In pours of 0.04, 0.012 and 0.004
+/// m^2/s (scenes/lava.toml, viscous numbers 0.68, 0.20 and 0.068) the joint solve needs 0.7, 0.4 and 0.4 of the time, and has errors of 8
+/// to 9 % instead of 4 to 9 % (docs/reports/tradeoff.md, lava_viscosity).
 constexpr double coupled_above = 0.25;
 
 /// @param open the fluid has a free surface
