@@ -33,7 +33,7 @@ void fill(const LocalField& local, float voxel, ColourBlock& block) {
                     pz = local.z[n] / voxel - static_cast<float>(block.origin[2]);
         const int i0 = std::max(0, static_cast<int>(std::ceil(px - r))),
                   i1 = std::min(block_edge - 1, static_cast<int>(std::floor(px + r)));
-        alignas(64) float aside[plane_nodes];  // squared distance in the plane over R^2
+        alignas(64) float aside[plane_nodes];  // (squared distance in the plane)/R^2
         for (int j = 0; j < block_edge; ++j) {
             const float dy = static_cast<float>(j) - py;
             for (int k = 0; k < block_edge; ++k) {

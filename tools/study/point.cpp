@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int by_signal = 128;  ///< exit status of a program that a signal ended, less the signal's number
+constexpr int by_signal = 128;  ///< exit status of a program that a signal ended, minus the signal's number
 
 struct ChildUse {
     int code = 0;  ///< exit status; -1: ended by the time limit
