@@ -51,8 +51,8 @@ struct Contact {
     double bounce = 0;      ///< coefficient of restitution; a pair uses the larger
 };
 
-/// Position, orientation, momentum and angular momentum of a body, in double precision. Every impulse that the body receives is subtracted
-/// from the fluid.
+/// Position, orientation, momentum and angular momentum of a body, in double precision. Every impulse that the body receives from the fluid
+/// is subtracted from the fluid.
 struct RigidBody {
     double mass = 0, volume = 0;            ///< kg, m^3
     Vec3d own_centre = Vec3d::Zero();       ///< centre of mass in the solid's own axes [m]
