@@ -20,7 +20,8 @@ struct OutlinePoint {
 void add_arc(std::vector<OutlinePoint>& outline, const Vec2d& middle, double radius, double from, double to, int parts) {
     for (int k = 0; k <= parts; ++k) {
         const double angle = from + (to - from) * k / parts;
-        const Vec2d n(std::cos(angle), std::sin(angle));
+        const auto snapped = [](double x) { return std::abs(x) < 1e-12 ? 0 : x; };  // ends on the axis must meet exactly
+        const Vec2d n(snapped(std::cos(angle)), snapped(std::sin(angle)));
         outline.push_back({middle + radius * n, n});
     }
 }

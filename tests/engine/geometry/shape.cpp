@@ -85,8 +85,7 @@ TEST_CASE("every shape's distance grows at rate 1 along its normal and is 0 at t
                                                    make_mesh(obj, 0.8, {-0.3, -0.4, -0.2}),
                                                    make_capsule({-0.3, 0, 0.1}, {0.3, 0.2, 0}, 0.25),
                                                    make_cone({0, -0.4, 0}, {0.1, 0.5, 0.2}, 0.4, 0.15),
-                                                   make_cone({0, 0.5, 0}, {0, -0.5, 0}, 0.5, 0),
-                                                   make_torus({0.1, 0, 0}, {1, 3, 0}, 0.5, 0.2)};
+                                                   make_cone({0, 0.5, 0}, {0, -0.5, 0}, 0.5, 0)};
     for (const auto& shape : shapes)
         for (int k = 0; k < 400; ++k) {
             const Vec3 x = random_point(random, 1);
@@ -123,6 +122,8 @@ TEST_CASE("capsules, cones and tori have their volumes, inertias and closed mesh
         CHECK(volume_of(cases[k].shape->mesh(Real(0.02), 1), closed) == Approx(bulk.volume).epsilon(4e-3));
         CHECK(closed);
     }
+    const Vec3 hole(Real(0.1), Real(0.3), Real(0.2));
+    CHECK(make_torus({0, 0, 0}, {0, 0, 2}, R, a)->distance(hole) == Approx(std::hypot(std::hypot(0.1, 0.3) - R, 0.2) - a).margin(1e-6));
     const double apex = make_cone({0, 0, 0}, {0, 0, h}, R, 0)->bulk().centre.z();
     CHECK(apex == Approx(h / 4).epsilon(1e-5));
 }

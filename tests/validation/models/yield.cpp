@@ -112,7 +112,7 @@ TEST_CASE("a layer on a slope creeps at .9 of its yield stress slower than 0.3 m
     for (const char* pressure : {"ppe", "coupled"}) {
         double exact = 0;
         CAPTURE(pressure);
-        CHECK(sliding_speed(pressure, 0.9, exact) < 3e-4);  // g_0 h 2.3 is 0.23 mm/s
+        CHECK(sliding_speed(pressure, 0.9, exact) < 3e-4);                          // g_0 h 2.3 is 0.23 mm/s
         CHECK(sliding_speed(pressure, 1.1, exact) == Approx(exact).epsilon(0.25));  // it shears within 4 spacings
     }
 }
