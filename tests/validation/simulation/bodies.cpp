@@ -110,7 +110,7 @@ TEST_CASE("a ball thrown into a pool at five spacings per 0.01 s lets no water p
                                                  "0.5]\nrotation = [0, 0, 30]\ndensity = {}\n",
                                                  density));
         double deepest = 0;
-        while (simulation.time() < 0.2) {
+        while (simulation.time() < 0.12) {
             run_until(simulation, simulation.time() + 0.02);
             deepest = std::max(deepest, deepest_inside(simulation));
         }

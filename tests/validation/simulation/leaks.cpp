@@ -22,7 +22,7 @@ TEST_CASE("a block of water dropped into a container stays inside its walls, wit
                                               text::fluid(d) + text::block({0.03, 0.2, 0.03}, {0.13, 0.3, 0.12}) +
                                               text::tank({0, 0, 0}, {0.2, 0.75, 0.15}) + text::models(pressure));
         const Index particles = simulation.world().fluid.size();
-        run_until(simulation, 0.5);
+        run_until(simulation, 0.35);
         CHECK(simulation.totals().lost_particles == 0);
         CHECK(simulation.world().fluid.size() == particles);
         for (const Vec3& x : positions(simulation)) CHECK(static_cast<double>(simulation.world().solids.all[0].distance(x)) > -1e-3 * d);
