@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "engine/models/viscosity/flow_law.h"
 #include "tests/support/runs.h"
@@ -49,7 +50,7 @@ struct Sheared {
 
 struct Found {
     double worst = 0;  ///< error of the velocity, over the exact flow's largest
-    double plug = 0;   ///< error of the plug's thickness [spacings]: fluid within 1 % of the largest speed
+    double plug = 0;   ///< error of the position of each edge of the plug, where u is 2 % below the largest speed [spacings]
 };
 
 Found compare(const Sheared& flow, const Simulation& s) {
@@ -61,13 +62,13 @@ Found compare(const Sheared& flow, const Simulation& s) {
     for (std::size_t i = 0; i < x.size(); ++i) {
         const double exact = flow.exact(static_cast<double>(x[i].y())), now = static_cast<double>(u[i].x());
         found.worst = std::max(found.worst, std::abs(now - exact) / fastest);
-        plug += now > 0.99 * top, exact_plug += exact > 0.99 * fastest;
+        plug += now > 0.98 * top, exact_plug += exact > 0.98 * fastest;
     }
-    found.plug = (plug - exact_plug) / 10;
+    found.plug = (plug - exact_plug) / (flow.channel ? 20 : 10);
     return found;
 }
 
-/// Speed of a layer 0.1 m deep on a slope after 0.6 s, over the speed of the exact flow if the layer flows [m/s].
+/// Speed of a layer 0.1 m deep on a slope after 0.6 s, [m/s]. @param exact set to that of the exact flow
 double sliding_speed(const std::string& pressure, double over_yield, double& exact) {
     Sheared layer;
     layer.drive = 9.81 * std::sin(0.2), layer.steepness = 9.81 * std::cos(0.2);
@@ -82,7 +83,7 @@ double sliding_speed(const std::string& pressure, double over_yield, double& exa
 
 }  // namespace
 
-TEST_CASE("a Bingham film and channel flow keep the exact profile within 4 %, and their plug within a spacing", "[validation][yield]") {
+TEST_CASE("a Bingham film and channel flow keep the exact profile within 3 %, and their plug within a spacing", "[validation][yield]") {
     for (const char* pressure : {"ppe", "coupled"})
         for (const bool channel : {false, true}) {
             Sheared flow;
@@ -100,7 +101,7 @@ TEST_CASE("a Herschel-Bulkley film with n = 0.5 keeps the exact profile within 4
     for (const char* pressure : {"ppe", "coupled"}) {
         Sheared film;
         film.n = 0.5, film.K = 20, film.tau_y = 40;
-        Simulation s = simulation_of(film.scene(pressure, 20, 0.3, 5e-3));
+        Simulation s = simulation_of(film.scene(pressure, 30, 0.3, 5e-3));
         run_until(s, 0.3);
         const Found found = compare(film, s);
         CAPTURE(pressure, found.worst, found.plug);
@@ -112,7 +113,42 @@ TEST_CASE("a layer on a slope creeps at .9 of its yield stress slower than 0.3 m
     for (const char* pressure : {"ppe", "coupled"}) {
         double exact = 0;
         CAPTURE(pressure);
-        CHECK(sliding_speed(pressure, 0.9, exact) < 3e-4);                          // g_0 h 2.3 is 0.23 mm/s
-        CHECK(sliding_speed(pressure, 1.1, exact) == Approx(exact).epsilon(0.25));  // it shears within 4 spacings
+        CHECK(sliding_speed(pressure, 0.9, exact) < 3e-4);  // g_0 h 2.3 is 0.23 mm/s
+        const double speed = sliding_speed(pressure, 1.1, exact);
+        CHECK(speed == Approx(exact).epsilon(0.2));  // it shears within 4 spacings of the plane
     }
+}
+
+TEST_CASE("a heap of cream keeps 99 % of its height for .5 s, and one with a tenth of its yield stress sinks", "[validation][yield]") {
+    const auto height = [](double yield_stress) {  // 38 mm of 1000 kg/m^3: rho g h/2 is 190 Pa
+        Simulation s = simulation_of(text::time(0.5) + text::domain({-0.1, 0}, {0.1, 0.1}) +
+                                     text::fluid(5e-3, 5, fmt::format("yield_stress = {}", yield_stress)) + text::models("coupled") +
+                                     text::block({-0.02, 0}, {0.02, 0.04}) + text::plane({0, 0}, {0, 1}));
+        run_until(s, 0.5);
+        double top = 0;
+        for (const Vec3& x : positions(s)) top = std::max(top, static_cast<double>(x.y()));
+        return top + 2.5e-3;
+    };
+    CHECK(height(260) > 0.99 * 0.04);
+    CHECK(height(26) < 0.7 * 0.04);
+}
+
+TEST_CASE("a cylinder of mud spreads to the radius and height of Roussel and Coussot (2005) within 10 %", "[validation][yield][long]") {
+    // A quarter of it, on a plane that it sticks to. Wide spread: tau_y = 225 rho g V^2/(128 pi^2 R^5), h = sqrt(2 tau_y R/(rho g)).
+    const double d = 6e-3, tau_y = 30, weight = 9810;
+    Simulation s = simulation_of(text::time(2) + text::domain({-0.06, 0, -0.06}, {0.15, 0.1, 0.15}) +
+                                 text::fluid(d, 3, fmt::format("yield_stress = {}", tau_y)) + text::models("coupled") +
+                                 "[[block]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0.05, 0]\nradius = 0.05\n" +
+                                 text::plane({0, 0, 0}, {0, 1, 0}) + text::plane({0, 0, 0}, {1, 0, 0}, "slip = \"free\"") +
+                                 text::plane({0, 0, 0}, {0, 0, 1}, "slip = \"free\""));
+    const double V = 4 * static_cast<double>(positions(s).size()) * d * d * d;
+    run_until(s, 2);
+    double radius = 0, top = 0;
+    for (const Vec3& x : positions(s)) {
+        radius = std::max(radius, std::hypot(static_cast<double>(x.x()), static_cast<double>(x.z())) + d / 2);
+        top = std::max(top, static_cast<double>(x.y()) + d / 2);
+    }
+    const double R = std::pow(225 * weight * V * V / (128 * std::pow(std::numbers::pi, 2) * tau_y), 0.2);
+    CHECK(radius == Approx(R).epsilon(0.1));
+    CHECK(top == Approx(std::sqrt(2 * tau_y * R / weight)).epsilon(0.1));
 }
