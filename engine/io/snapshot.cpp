@@ -68,6 +68,7 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     for (const Solid& solid : world.solids.all) {
         FrameSolid drawn;
         drawn.mesh = std::make_shared<TriangleMesh>(drawn_mesh(solid, world.step.domain, spacing, extent));
+        drawn.container = solid.inside;
         drawn.ground = !solid.shape->bounded();
         solids_.push_back(std::move(drawn));
     }
@@ -100,12 +101,7 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
         drawn.appearance = appearance;
         if (!appearance.show) drawn.mesh.reset();
     };
-    for (std::size_t s = 0; s < k; ++s) {
-        const Appearance& appearance = simulation.scene().solids[s].appearance;
-        const Solid& solid = world.solids.all[s];
-        look_like(frame.solids[s], appearance);
-        frame.solids[s].container = solid.inside || (solid.shape->shell() && appearance.material == "glass");
-    }
+    for (std::size_t s = 0; s < k; ++s) look_like(frame.solids[s], simulation.scene().solids[s].appearance);
     for (std::size_t e = 0; e < simulation.emitters().size(); ++e)
         look_like(frame.solids[k + e], simulation.scene().emitters[e].appearance);
     for (const Emitter& emitter : simulation.emitters()) {

@@ -168,11 +168,11 @@ struct SceneExport::Document {
         const SolidMaterial look = solid.container ? solid_material("glass") : solid_material(solid.appearance);
         Json description{{"name", name},
                          {"pbrMetallicRoughness",
-                          {{"baseColorFactor", {look.colour.x(), look.colour.y(), look.colour.z(), solid.container ? 0.1f : 1.0f}},
+                          {{"baseColorFactor", {look.colour.x(), look.colour.y(), look.colour.z(), look.refraction > 0 ? 0.1f : 1.0f}},
                            {"metallicFactor", look.metal},
                            {"roughnessFactor", look.roughness}}},
                          {"doubleSided", true}};
-        if (solid.container) description["alphaMode"] = "BLEND";
+        if (look.refraction > 0) description["alphaMode"] = "BLEND";
         root["materials"].push_back(description);
         return known->second;
     }

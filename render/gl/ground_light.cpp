@@ -98,6 +98,7 @@ void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, flo
     lowest_program_.set("point_size", 0.5f * spacing * static_cast<float>(ground_size) / area_.z());
     scene.draw_fluid(lowest_program_);
     scene.draw_solids(lowest_program_, false, [](const FrameSolid&) {});
+    scene.draw_glass(lowest_program_, [](const FrameSolid&) {});
     glBlendEquation(GL_FUNC_ADD);
     glDisable(GL_BLEND);
 

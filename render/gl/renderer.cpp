@@ -12,6 +12,7 @@
 #include "render/gl/field_texture.h"
 #include "render/gl/flow_shapes.h"
 #include "render/gl/foam_pass.h"
+#include "render/gl/glass_pass.h"
 #include "render/gl/ground_light.h"
 #include "render/gl/motion_blur.h"
 #include "render/gl/objects.h"
@@ -144,7 +145,10 @@ struct Renderer::Device {
     void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
-    void compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear);
+    void draw_refracted(const Shot& shot, const std::vector<FrameSolid>& solids);
+    void draw_backdrop(const Shot& shot);
+    enum class Light { shown, linear, behind_glass };
+    void compose(const Shot& shot, GLuint target, Light light);
     PictureLayers light_of(const Shot& shot);
     Image read_back() const;
     void set_studio(gl::Program& program, const Shot& shot) const;
@@ -172,7 +176,7 @@ struct Renderer::Device {
     gl::Programs glass_walls{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "glass.frag"}};
     gl::Programs glass_edges{{"edge.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "edge.frag"}};
     gl::Programs behind{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "behind.frag"}};
-    gl::Programs compose{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
+    gl::Programs composing{{"screen.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "compose.frag"}};
 
     gl::Texture depth = gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false);
     gl::Texture solid = gl::texture_2d(GL_RGBA16F, width, height, false);
@@ -191,6 +195,7 @@ struct Renderer::Device {
     std::optional<AovPass> aov_pass;  // created at first use
     std::optional<MotionBlur> motion_blur;
     std::optional<FoamPass> foam_pass;
+    std::optional<GlassPass> glass_pass;
 
     SampleAccumulator samples{width, height, depth};
     Backdrop backdrop{width, height};
@@ -224,7 +229,7 @@ Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const L
     const Shot shot = sum_samples(frame, surface, look, view, range, layout.flow);
     Image image;
     if (is_transparent(look)) image = shown(light_of(shot));
-    else compose_picture(shot, output, false), image = read_back();
+    else compose(shot, output.id(), Light::shown), image = read_back();
     if (shows_field(look)) draw_words(image, layout, look, range, frame.time);
     else draw_words_over(image, look, frame.time);
     return image;
@@ -302,13 +307,15 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
 
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
-    if (scene.any_containers()) {
+    if (scene.any_containers() || scene.any_glass()) {
         glBindFramebuffer(GL_FRAMEBUFFER, glass_target.id());
         glClear(GL_COLOR_BUFFER_BIT);
     }
     for (int i = 0; i < samples.count(); ++i) draw_sample(shot, i);
     if (shot.blurred) blur_motion(shot, view.open);
     if (look.foam > 0 && !shows_field(look)) draw_foam(shot, frame, view.open);
+    draw_backdrop(shot);
+    if (scene.any_glass()) draw_refracted(shot, frame.solids);
     return shot;
 }
 
@@ -544,8 +551,38 @@ void Renderer::Device::draw_glass(const Shot& shot, const Eigen::Matrix4f& matri
     glDisable(GL_DEPTH_TEST);
 }
 
-/// @param linear draws linear light and the shadow, for compositors, instead of an image for screens
-void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& target, bool linear) {
+/// Solids of glass show the finished image, in which the fluid and opaque solids are seen from the frame's camera.
+void Renderer::Device::draw_refracted(const Shot& shot, const std::vector<FrameSolid>& solids) {
+    if (!glass_pass) glass_pass.emplace(width, height, glass.id());
+    compose(shot, glass_pass->seen(), Light::behind_glass);
+    scene.go_to(0);
+    glBindFramebuffer(GL_FRAMEBUFFER, geometry.id());
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    glEnable(GL_DEPTH_TEST);
+    glScissor(0, 0, width, height);
+    draw_faces(shot, shot.camera);
+    if (!scene.any_solids()) {
+        const std::array<float, 4> none{};
+        glBindFramebuffer(GL_FRAMEBUFFER, faces.id());
+        glClearBufferfv(GL_COLOR, 2, none.data());
+    }
+    glDisable(GL_SCISSOR_TEST);
+    glBindFramebuffer(GL_FRAMEBUFFER, geometry.id());
+    const bool flows = shows_field(shot.look);
+    if (!flows) draw_fluid(shot, shot.camera);
+    const float flow_behind = flows ? (scene.bounds().centre() - shot.view.position).norm() : 0;
+    glass_pass->draw(scene, solids,
+                     {shot.camera, samples.count(), shot.lowest() - 1e-4f, geometry.id(), normal.id(), face_distance.id(),
+                      !flows && !field.empty(), flow_behind},
+                     shot.constants, [&](gl::Program& program) {
+                         set_studio(program, shot);
+                         field.bind(program, field_unit);
+                         solid_field.bind(program, solid_unit);
+                     });
+}
+
+void Renderer::Device::draw_backdrop(const Shot& shot) {
     if (!is_transparent(shot.look)) {
         const Backdrop::Key key{shot.to_ray,
                                 studio_axes(shot.view),
@@ -558,7 +595,12 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
                                 shot.look.table == "none" ? Vec3f::UnitZ() : shot.view.target};
         backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
     }
-    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+}
+
+/// @param light an image for screens; linear light and the shadow, for compositors; or the linear light that glass shows
+void Renderer::Device::compose(const Shot& shot, GLuint target, Light light) {
+    const bool linear = light == Light::linear, plain = light == Light::behind_glass;
+    glBindFramebuffer(GL_FRAMEBUFFER, target);
     // Rows above the part of the ground that has a light map need no look-up.
     Bounds area;
     const Vec3f middle = ground_light.area(), corner(middle.z(), 0, middle.z());
@@ -569,9 +611,9 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
     glEnable(GL_SCISSOR_TEST);
     for (const bool has_light : {true, false}) {
         glScissor(0, has_light ? 0 : lit, width, has_light ? lit : height - lit);
-        gl::Program& program =
-            compose.with(shot.constants + gl::constant("linear", linear) + gl::constant("has_glass", scene.any_containers()) +
-                         gl::constant("has_light", has_light) + gl::constant("background_moves", moves));
+        gl::Program& program = composing.with(shot.constants + gl::constant("linear", linear) + gl::constant("plain", plain) +
+                                              gl::constant("has_glass", !plain && (scene.any_containers() || scene.any_glass())) +
+                                              gl::constant("has_light", has_light) + gl::constant("background_moves", moves));
         set_studio(program, shot);
         if (!is_transparent(shot.look)) backdrop.bind(program, 2);
         program.texture("samples", 0, GL_TEXTURE_2D, samples.sum());
@@ -587,7 +629,7 @@ void Renderer::Device::compose_picture(const Shot& shot, const gl::Framebuffer& 
 
 PictureLayers Renderer::Device::light_of(const Shot& shot) {
     if (!aov_pass) aov_pass.emplace(width, height, depth);
-    compose_picture(shot, aov_pass->light_target(), true);
+    compose(shot, aov_pass->light_target().id(), Light::linear);
     return aov_pass->read_light(is_transparent(shot.look));
 }
 

@@ -90,11 +90,12 @@ void SceneGeometry::fill(const Frame& frame, Shape shape, const Bounds& fluid) {
     bounds_ = fluid_bounds_ = fluid;
     solids_.clear();
     containers_.clear();
+    glass_.clear();
     int number = -1;
     for (const FrameSolid& solid : frame.solids) {
         ++number;
         if (!solid.mesh || is_level_ground(solid)) continue;
-        (solid.container ? containers_ : solids_).push_back({solid, &model(solid.mesh), number});
+        (solid.container ? containers_ : is_glass(solid) ? glass_ : solids_).push_back({solid, &model(solid.mesh), number});
         if (solid.container && containers_.back().model->edges.count() == 0)
             fill_edges(models_.at(solid.mesh.get()).edges, sharp_edges(*solid.mesh));
         bounds_.add(bounds_of(solid));
@@ -113,7 +114,16 @@ void SceneGeometry::draw_fluid(gl::Program& program) const {
 
 void SceneGeometry::draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                                 const std::function<bool(const FrameSolid&)>& wanted) const {
-    for (const auto& [solid, model, number] : containers ? containers_ : solids_) {
+    draw(containers ? containers_ : solids_, program, prepare, wanted);
+}
+
+void SceneGeometry::draw_glass(gl::Program& program, const std::function<void(const FrameSolid&)>& prepare) const {
+    draw(glass_, program, prepare, {});
+}
+
+void SceneGeometry::draw(const std::vector<Placed>& placed, gl::Program& program, const std::function<void(const FrameSolid&)>& prepare,
+                         const std::function<bool(const FrameSolid&)>& wanted) const {
+    for (const auto& [solid, model, number] : placed) {
         if (wanted && !wanted(solid)) continue;
         const auto [rotation, translation] = pose_after(solid, moment_);
         program.set("rotation", rotation);
@@ -136,11 +146,12 @@ void SceneGeometry::draw_numbered(gl::Program& program, float interval, float to
     program.set("tolerance", tolerance);
     if (shape_ == Shape::surface) fluid_.draw(GL_TRIANGLES);
     program.set("tolerance", solid_tolerance);
-    for (const Placed& placed : solids_) {
-        place(pose_after(placed.solid, 0), pose_after(placed.solid, interval));
-        program.set("number", static_cast<float>(2 + placed.number));
-        placed.model->vertices.draw(GL_TRIANGLES);
-    }
+    for (const auto* some : {&solids_, &glass_})
+        for (const Placed& placed : *some) {
+            place(pose_after(placed.solid, 0), pose_after(placed.solid, interval));
+            program.set("number", static_cast<float>(2 + placed.number));
+            placed.model->vertices.draw(GL_TRIANGLES);
+        }
 }
 
 void SceneGeometry::draw_edges(gl::Program& program) const {

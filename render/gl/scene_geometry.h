@@ -22,7 +22,7 @@ public:
     /// Draws the fluid with a program of mesh.vert whose view_projection is set; particles are drawn as points.
     void draw_fluid(gl::Program& program) const;
     bool are_particles() const { return shape_ == Shape::particles; }
-    /// Draws the containers or the other solids, those that are `wanted` (default: all). `prepare` sets the program's uniforms for each.
+    /// Draws the containers or the opaque solids, those that are `wanted` (default: all). `prepare` sets the program's uniforms for each.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
                      const std::function<bool(const FrameSolid&)>& wanted = {}) const;
     /// Draws the edges of containers as strips; edge.vert sets their width.
@@ -30,6 +30,9 @@ public:
     /// Draws the surface and the solids with a program of layers.vert, each with its number (render/image/exr.h).
     /// @param interval time until the next image [s] @param tolerance the fluid is cut this far below the ground [m]
     void draw_numbered(gl::Program& program, float interval, float tolerance) const;
+    /// Draws the solids that refract.
+    void draw_glass(gl::Program& program, const std::function<void(const FrameSolid&)>& prepare) const;
+    bool any_glass() const { return !glass_.empty(); }
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
     const Bounds& fluid_bounds() const { return fluid_bounds_; }
@@ -56,7 +59,9 @@ private:
     Shape shape_ = Shape::surface;
     float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;
-    std::vector<Placed> solids_, containers_;
+    void draw(const std::vector<Placed>& placed, gl::Program& program, const std::function<void(const FrameSolid&)>& prepare,
+              const std::function<bool(const FrameSolid&)>& wanted) const;
+    std::vector<Placed> solids_, containers_, glass_;  ///< opaque solids, containers, solids that refract
     Bounds fluid_bounds_, bounds_;
 };
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/look/material.h"
+
 namespace whorl {
 
 Bounds bounds_of(const std::vector<Vec3f>& points) {
@@ -26,6 +28,8 @@ bool is_level_ground(const FrameSolid& solid) {
     const Vec3f size = bounds.high - bounds.low;
     return size.y() < 1e-3f * std::max(size.x(), size.z());
 }
+
+bool is_glass(const FrameSolid& solid) { return !solid.container && !solid.ground && solid_material(solid.appearance).refraction > 0; }
 
 float ground_height(const Frame& frame) {
     bool found = false;

@@ -22,6 +22,8 @@ Bounds bounds_of(const FrameSolid& solid);
 
 /// Whether the solid is a level plane, which the look's ground replaces.
 bool is_level_ground(const FrameSolid& solid);
+/// Whether the solid is drawn by refraction: its material refracts, and it is not a closed container.
+bool is_glass(const FrameSolid& solid);
 /// Height of the ground [m]: the highest level plane; without one, the lowest point of the solids if that is near the domain's floor
 /// (within 15 % of the domain's height); otherwise the domain's floor.
 float ground_height(const Frame& frame);

@@ -11,7 +11,7 @@
 namespace whorl {
 namespace {
 
-constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64;
+constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64, glass_voxels = 128;
 
 /// Edge of a voxel: `usual` voxels along the longest side, and at least four across the thinnest body, as far as `most`^3 voxels in all
 /// allow.
@@ -46,16 +46,19 @@ void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vect
 }
 
 /// Signed distance in the mesh's own coordinates; the band covers the whole volume.
-Volume own_field(const TriangleMesh& mesh) {
+Volume own_field(const TriangleMesh& mesh, int voxels) {
     const Bounds bounds = bounds_of(mesh.position);
     const Vec3f size = bounds.high - bounds.low;
-    const float voxel = voxel_edge(size, size.minCoeff(), own_voxels, world_voxels);
+    const float voxel = voxel_edge(size, size.minCoeff(), voxels, std::max(voxels, world_voxels));
     return distance_volume(mesh, voxel, static_cast<int>(4 * size.maxCoeff() / voxel) + 1);
 }
 
 }  // namespace
 
-SolidField::SolidField(int height) : voxels_(height < 480 ? small_world_voxels : world_voxels) {}
+SolidField::SolidField(int height, bool glass)
+    : glass_(glass), voxels_(glass          ? glass_voxels
+                             : height < 480 ? small_world_voxels
+                                            : world_voxels) {}
 
 Volume SolidField::all_placed(const Vec3f& low, const Vec3f& high, int most) const {
     Volume all;
@@ -82,7 +85,7 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     Bounds bounds;
     float thinnest = std::numeric_limits<float>::max();
     for (const FrameSolid& solid : solids) {
-        if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid)) continue;
+        if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid) || is_glass(solid) != glass_) continue;
         if (now.empty()) turn_ = solid.rotation, move_ = solid.translation;
         FrameSolid seen = solid;  // relative to the first solid
         if (now.empty()) seen.rotation = Mat3f::Identity(), seen.translation = Vec3f::Zero();
@@ -101,7 +104,8 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
         return std::none_of(placed_.begin(), placed_.end(), [&](const Placed& p) { return p.mesh == known.first; });
     });
     for (const Placed& p : placed_)
-        if (const auto [own, is_new] = own_.try_emplace(p.mesh); is_new) own->second = own_field(*p.mesh);
+        if (const auto [own, is_new] = own_.try_emplace(p.mesh); is_new)
+            own->second = own_field(*p.mesh, glass_ ? glass_voxels : own_voxels);
     const Vec3f size = bounds.high - bounds.low;
     const float voxel = voxel_edge(size, thinnest, voxels_ - 5, voxels_);
     const Volume all = all_placed(bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
@@ -111,13 +115,14 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
 }
 
 void SolidField::bind(gl::Program& program, int unit) const {
-    program.set("has_solid_field", empty_ ? 0 : 1);
-    program.texture("solid_field", unit, GL_TEXTURE_3D, texture_.id());
+    const std::string of = glass_ ? "glass" : "solid";
+    program.set(("has_" + of + "_field").c_str(), empty_ ? 0 : 1);
+    program.texture((of + "_field").c_str(), unit, GL_TEXTURE_3D, texture_.id());
     // The position x is voxel solid_turn x + solid_move of the field.
-    program.set("solid_turn", Mat3f(turn_.transpose() / voxel_));
-    program.set("solid_move", Vec3f(-(turn_.transpose() * move_ + origin_) / voxel_));
-    program.set("solid_voxel", voxel_);
-    program.set("solid_size", size_);
+    program.set((of + "_turn").c_str(), Mat3f(turn_.transpose() / voxel_));
+    program.set((of + "_move").c_str(), Vec3f(-(turn_.transpose() * move_ + origin_) / voxel_));
+    program.set((of + "_voxel").c_str(), voxel_);
+    program.set((of + "_size").c_str(), size_);
 }
 
 }  // namespace whorl

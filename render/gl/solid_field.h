@@ -9,8 +9,10 @@ namespace whorl {
 class SolidField {
 public:
     /// @param height of the images [pixels]; below 480 the field has two thirds of the resolution, since a small image shows no more
-    explicit SolidField(int height);
-    /// Fills in all solids except containers and the level ground. The field has the axes of the first solid and moves with it. It is
+    /// @param glass the field is that of the solids that refract, and its uniforms are glass_field, has_glass_field, ...; otherwise that of
+    /// the opaque ones
+    explicit SolidField(int height, bool glass = false);
+    /// Fills in all those solids except containers and the level ground. The field has the axes of the first solid and moves with it. It is
     /// rebuilt only if another solid has moved relative to the first, or if the solids have changed.
     void fill(const std::vector<FrameSolid>& solids);
     /// Sets the uniforms of solids.glsl; uses one texture unit.
@@ -27,6 +29,7 @@ private:
     /// solid's own field the distance to that volume is added, which gives an upper bound of the true distance.
     Volume all_placed(const Vec3f& low, const Vec3f& high, int most) const;
 
+    bool glass_;
     int voxels_;                                                 ///< along a side of a cubic field
     std::vector<Placed> placed_;                                 ///< poses relative to the first solid; equal poses give the same field
     Mat3f turn_ = Mat3f::Identity();                             ///< rotation of the first solid

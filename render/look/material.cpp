@@ -66,10 +66,14 @@ const std::vector<std::pair<std::string, Material>>& fluid_presets() {
 
 const std::vector<std::pair<std::string, SolidMaterial>>& solid_presets() {
     static const std::vector<std::pair<std::string, SolidMaterial>> presets{
-        {"ceramic", {{0.72f, 0.70f, 0.66f}, 0.18f, 0, Pattern::plain}}, {"white", {{0.82f, 0.82f, 0.82f}, 0.5f, 0, Pattern::plain}},
-        {"metal", {{0.78f, 0.77f, 0.75f}, 0.2f, 1, Pattern::plain}},    {"wood", {{0.46f, 0.26f, 0.12f}, 0.5f, 0, Pattern::wood_rings}},
-        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, Pattern::plain}},     {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, Pattern::plain}},
-        {"rock", {{0.10f, 0.09f, 0.085f}, 1.0f, 0, Pattern::rock}},     {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, Pattern::plain}},
+        {"ceramic", {{0.72f, 0.70f, 0.66f}, 0.18f, 0, Pattern::plain}},
+        {"white", {{0.82f, 0.82f, 0.82f}, 0.5f, 0, Pattern::plain}},
+        {"metal", {{0.78f, 0.77f, 0.75f}, 0.2f, 1, Pattern::plain}},
+        {"wood", {{0.46f, 0.26f, 0.12f}, 0.5f, 0, Pattern::wood_rings}},
+        {"clay", {{0.42f, 0.17f, 0.09f}, 0.8f, 0, Pattern::plain}},
+        {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, Pattern::plain}},
+        {"rock", {{0.10f, 0.09f, 0.085f}, 1.0f, 0, Pattern::rock}},
+        {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, Pattern::plain, 1.5f, {4, 1, 2}}},
         {"cloth", {{0.72f, 0.68f, 0.60f}, 1.0f, 0, Pattern::cloth}},
     };
     return presets;

@@ -83,6 +83,8 @@ struct SolidMaterial {
     float roughness = 0.3f;
     float metal = 0;  ///< 0 or 1
     Pattern pattern = Pattern::plain;
+    float refraction = 0;              ///< index of refraction; 0: opaque
+    Vec3f absorption = Vec3f::Zero();  ///< 1/m, of a solid that refracts
 };
 /// ceramic | white | metal | wood | clay | dark | rock | glass | cloth; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);

@@ -1,7 +1,8 @@
 // Lays the samples over the background and converts linear light to an image for screens. Compositors get linear light.
 // constants: bool linear: writes linear light and the shadow
 //            bool transparent: no background is drawn, only the shadow on its ground
-//            bool has_glass: the scene has containers
+//            bool plain: writes linear light before the exposure, for what glass shows
+//            bool has_glass: the scene has containers or glass
 //            bool has_light: the ground has a light map here
 //            bool background_moves: the camera moves while the shutter is open
 in vec2 uv;
@@ -69,6 +70,10 @@ void main() {
         vec4 wall = texelFetch(glass, pixel, 0);
         colour = colour * (1.0 - min(wall.a, 1.0)) + wall.rgb;
         alpha += (1.0 - alpha) * min(wall.a, 1.0);
+    }
+    if (plain) {
+        picture = vec4(colour, alpha);
+        return;
     }
     vec2 off = (uv - 0.5) * vec2(min(aspect, 1.0), 1.0);
     colour *= exposure * (transparent ? 1.0 : 1.0 - 0.35 * dot(off, off));  // vignette; a plate behind a transparent image has its own

@@ -1,0 +1,172 @@
+// A solid of glass: the ray is refracted into it, through its distance field, and out again, also through further walls of glass. What it
+// then meets (fluid, opaque solid, ground) has the colour that the image without glass shows there.
+in vec3 world;
+in vec3 world_normal;
+uniform mat4 to_clip;
+uniform sampler2D seen;             // image without glass, linear light
+uniform sampler2D fluid_distance;   // a: distance of the fluid from the eye [m]; 0: none
+uniform sampler2D opaque_distance;  // r: distance of opaque solids from the eye [m]; 0: none
+uniform sampler3D glass_field;      // signed distance of all glass [m], as in solids.glsl
+uniform mat3 glass_turn;            // 1/m
+uniform vec3 glass_move;
+uniform float glass_voxel;          // m
+uniform vec3 glass_size;            // voxels
+uniform bool has_fluid;             // the fluid has a distance field
+uniform float behind;               // distance behind the glass at which a flow without a distance field is assumed [m]; 0: none
+uniform float refraction;           // refractive index
+uniform vec3 absorption;            // 1/m
+uniform float weight;
+layout(location = 0) out vec4 glass;
+
+const int background = 0, ground = 1, opaque = 2, fluid = 3;
+
+// Fraction of light that a surface reflects. @param facing cosine of the angle in air
+float fresnel(float facing) {
+    float f0 = (refraction - 1.0) / (refraction + 1.0), x = 1.0 - clamp(facing, 0.0, 1.0);
+    f0 *= f0;
+    return f0 + (1.0 - f0) * x * x * x * x * x;
+}
+
+float glass_distance(vec3 place) {
+    vec3 half_size = 0.5 * (glass_size - 1.0);
+    return textureLod(glass_field, (place + 0.5) / glass_size, 0.0).r + glass_voxel * length(max(abs(place - half_size) - half_size, 0.0));
+}
+
+vec3 glass_normal(vec3 x) {
+    vec3 p = glass_turn * x + glass_move;
+    const vec2 h = vec2(1.0, 0.0);
+    vec3 slope = vec3(glass_distance(p + h.xyy) - glass_distance(p - h.xyy), glass_distance(p + h.yxy) - glass_distance(p - h.yxy),
+                      glass_distance(p + h.yyx) - glass_distance(p - h.yyx));
+    return normalize(slope * glass_turn + vec3(0.0, 1e-9, 0.0));
+}
+
+// Distance from x, on the surface, along d through the glass to its surface [m].
+float way_out(vec3 x, vec3 d) {
+    vec3 from = glass_turn * x + glass_move, way = glass_turn * d;
+    float t = 0.6 * glass_voxel, last_t = 0.0, last_f = 0.3 * glass_voxel;
+    for (int i = 0; i < 48; ++i) {
+        float f = -glass_distance(from + t * way);
+        if (f < 0.0) return mix(last_t, t, last_f / (last_f - f));
+        last_t = t;
+        last_f = f;
+        t += max(f, 0.35 * glass_voxel);
+    }
+    return t;
+}
+
+// Interval of the ray in the box from 0 to size - 1, in its units.
+vec2 in_box(vec3 from, vec3 way, vec3 size) {
+    vec3 one = -from / (way + vec3(1e-9)), other = (size - 1.0 - from) / (way + vec3(1e-9)), near = min(one, other), far = max(one, other);
+    return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
+}
+
+// Distance from x, outside the glass, along d to the next glass [m]; -1: none.
+float way_to_glass(vec3 x, vec3 d, float limit) {
+    vec3 from = glass_turn * x + glass_move, way = glass_turn * d;
+    vec2 box = in_box(from, way, glass_size);
+    float t = max(1.5 * glass_voxel, box.x), last_t = t, last_f = 0.0;
+    limit = min(limit, box.y);
+    for (int i = 0; i < 48 && t < limit; ++i) {
+        float f = glass_distance(from + t * way);
+        if (f < 0.0) return last_f > 0.0 ? mix(last_t, t, last_f / (last_f - f)) : t;
+        last_t = t;
+        last_f = f;
+        t += max(f, 0.35 * glass_voxel);
+    }
+    return -1.0;
+}
+
+// Distance from x along d to an opaque solid [m]; -1: none. As in liquid.frag.
+float way_to_opaque(vec3 x, vec3 d, float limit) {
+    vec3 from = solid_turn * x + solid_move, way = solid_turn * d;
+    vec2 box = in_box(from, way, solid_size);
+    float t = max(0.0, box.x), before = 1e6, step = 0.0;
+    limit = min(limit, box.y);
+    for (int i = 0; i < 48 && t < limit; ++i) {
+        float off = distance_of_solid(from + t * way);
+        if (off < 0.25 * solid_voxel && off < before) return step > 0.0 ? t + min(off * step / max(before - off, 1e-9), solid_voxel) : t;
+        before = off;
+        step = max(off, 0.5 * solid_voxel);
+        t += step;
+    }
+    return -1.0;
+}
+
+// Distance from x along d to the fluid [m]; -1: none.
+float way_to_fluid(vec3 x, vec3 d, float limit) {
+    vec3 p = place_of(x);
+    float t = 0.0;
+    for (int i = 0; i < 40 && t * voxel < limit; ++i) {
+        vec3 q = p + t * d;
+        float f = far_distance(q);
+        if (f < 5.0) f = near_distance(q);
+        if (f < 0.05) return t * voxel;
+        t += max(f, 0.5);
+        vec3 outside = abs(q - 0.5 * field_size) - 0.5 * field_size;
+        if (dot(d, q - 0.5 * field_size) > 0.0 && max(outside.x, max(outside.y, outside.z)) > 0.0) return -1.0;
+    }
+    return -1.0;
+}
+
+// Position in the image without glass; false: beyond its edges.
+bool in_image(vec4 clip, out vec2 at) {
+    at = 0.5 * clip.xy / clip.w + 0.5;
+    return clip.w > 0.0 && at == clamp(at, 0.0, 1.0);
+}
+
+// Colour of a ray from x along d that meets an object of this kind after `way` [m].
+vec3 light_from(vec3 x, vec3 d, float way, int kind) {
+    vec3 q = x + way * d;
+    vec2 at;
+    bool shown = in_image(to_clip * (kind == background ? vec4(d, 0.0) : vec4(q, 1.0)), at);
+    float of_fluid = textureLod(fluid_distance, at, 0.0).a, front = of_fluid > 0.0 ? of_fluid : textureLod(opaque_distance, at, 0.0).r;
+    float off = abs(distance(q, eye) - front);
+    if (kind <= ground) shown = shown && front == 0.0;
+    if (kind == opaque) shown = shown && front > 0.0 && off < 3.0 * solid_voxel;
+    if (kind == fluid) shown = shown && (of_fluid > 0.0 || behind > 0.0);
+    return shown ? textureLod(seen, at, 0.0).rgb : surroundings(x, d, 0.02, 1.8);
+}
+
+void main() {
+    vec3 v = normalize(world - eye), n = normalize(world_normal), x = world, through = vec3(1.0);
+    if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
+    float mirror = fresnel(-dot(n, v));
+    vec3 r = reflect(v, n), d = refract(v, n, 1.0 / refraction);
+    vec3 mirrored = min(surroundings(world, r, 0.02) + strip_light(r, 0.02), vec3(1.5));
+    bool inside = true;
+    float way = 0.0;
+    int kind = background;
+    for (int turn = 0; turn < 9; ++turn) {
+        if (inside) {
+            way = way_out(x, d);
+            through *= exp(-absorption * way);
+            x += way * d;
+            n = glass_normal(x);
+            float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
+            if (square < 0.0) {  // total reflection
+                d = reflect(d, n);
+                continue;
+            }
+            through *= 1.0 - fresnel(sqrt(square));
+            d = normalize(refraction * d + (sqrt(square) - refraction * leaving) * n);
+            inside = false;
+            continue;
+        }
+        way = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6;
+        kind = way < 1e6 ? ground : background;
+        float to_opaque = has_solid_field ? way_to_opaque(x, d, way) : -1.0;
+        if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
+        float to_fluid = has_fluid ? way_to_fluid(x, d, way) : -1.0;
+        if (to_fluid >= 0.0) way = to_fluid, kind = fluid;
+        float to_glass = way_to_glass(x, d, way);
+        if (to_glass < 0.0) break;
+        x += to_glass * d;
+        n = glass_normal(x);
+        kind = background;
+        through *= 1.0 - fresnel(-dot(n, d));
+        d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
+        inside = true;
+    }
+    if (behind > 0.0 && kind <= ground) kind = fluid, way = min(way, behind);
+    glass = weight * vec4(mix(through * light_from(x, d, way, kind), mirrored, mirror), 1.0);
+}
