@@ -9,8 +9,8 @@ GlassPass::GlassPass(int width, int height, GLuint glass)
       depth_(gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false)), seen_target_(gl::framebuffer({seen_.id()}, 0)),
       target_(gl::framebuffer({glass}, depth_.id())), field_(height, true) {}
 
-void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& solids, const GlassView& view,
-                     const std::string& constants, const std::function<void(gl::Program&)>& prepare) {
+void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& solids, const GlassView& view, const std::string& constants,
+                     const std::function<void(gl::Program&)>& prepare) {
     field_.fill(solids);
     gl::Program& program = program_.with(constants);
     prepare(program);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/random.h"
+#include "engine/geometry/shape.h"
 #include "render/gl/renderer.h"
 #include "tests/golden/stored.h"
 #include "tests/support/shapes.h"
@@ -104,6 +105,18 @@ TEST_CASE("a wooden bar in a glass half full of water with a drop of ink", "[gol
     add_solid(frame, test::box_mesh(Vec3f(-0.03f, 0.01f, -0.004f), Vec3f(0.005f, 0.055f, 0.004f)), "wood");
     picture.surface = build_surface(frame, {});
     compare(picture, "water_glass");
+}
+
+TEST_CASE("a ball of glass next to an open vessel of glass with water, on a cloth", "[golden]") {
+    Picture picture = picture_of("water", test::pool(0.03f, 0.02f, 0.001f), "white");
+    picture.look.table = "cloth";
+    picture.frame.domain_min.y() = -0.006f;
+    ShapeKeys vessel;
+    vessel.min = {-0.03, 0, -0.03}, vessel.max = {0.03, 0.04, 0.03}, vessel.open = "top", vessel.wall = 0.006;
+    add_solid(picture.frame, make_shape(vessel)->mesh(0, 0), "glass");
+    add_solid(picture.frame, make_sphere({0.065, 0.016, 0.03}, 0.022)->mesh(Real(0.002), 0), "glass");
+    picture.view.target = Vec3f(0.015f, 0.02f, 0);
+    compare(picture, "glass");
 }
 
 TEST_CASE("paint is opaque and glossy, in a dark studio", "[golden]") { compare(picture_of("paint", coil(), "dark"), "paint_dark"); }

@@ -1,0 +1,93 @@
+/// Solids of glass, compared with rays by Snell's law.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/geometry/shape.h"
+#include "render/gl/renderer.h"
+#include "tests/support/shapes.h"
+
+using namespace whorl;
+
+namespace glass_test {
+
+constexpr float tile = 0.02f, radius = 0.05f, refraction = 1.5f;
+constexpr int width = 640, height = 360;
+const Vec3f centre(0, 0.08f, 0);
+const View view{Vec3f(0, 0.3f, 0.5f), Vec3f(0, 0.05f, 0), Vec3f(0, 1, 0), 30};
+
+/// A board of dark and white tiles whose top is at y = 0, and the ball above it.
+Frame board() {
+    Frame frame;
+    frame.spacing = 0.005f;
+    frame.domain_min = Vec3f(-0.2f, -0.01f, -0.2f), frame.domain_max = Vec3f(0.2f, 0.2f, 0.2f);
+    for (const int white : {0, 1}) {
+        TriangleMesh tiles;
+        for (int i = -10; i < 10; ++i)
+            for (int k = -10; k < 10; ++k) {
+                if (((i + k) & 1) != white) continue;
+                const float x = tile * static_cast<float>(i), z = tile * static_cast<float>(k);
+                const TriangleMesh one = test::box_mesh(Vec3f(x, -0.01f, z), Vec3f(x + tile, 0, z + tile));
+                const auto first = static_cast<std::uint32_t>(tiles.position.size());
+                tiles.position.insert(tiles.position.end(), one.position.begin(), one.position.end());
+                tiles.normal.insert(tiles.normal.end(), one.normal.begin(), one.normal.end());
+                for (const auto& t : one.triangle) tiles.triangle.push_back({first + t[0], first + t[1], first + t[2]});
+            }
+        frame.solids.push_back(test::solid_of(std::move(tiles), white != 0 ? "white" : "dark"));
+    }
+    frame.solids.push_back(
+            test::solid_of(make_sphere(centre.cast<double>(), static_cast<double>(radius))->mesh(Real(0.001), 0), "glass"));
+    return frame;
+}
+
+/// Refracts the unit vector d at a surface whose unit normal n faces it. @param ratio of the indices of refraction before and behind
+Vec3f refracted(const Vec3f& d, const Vec3f& n, float ratio) {
+    const float c = -n.dot(d);
+    return ratio * d + (ratio * c - std::sqrt(1 - ratio * ratio * (1 - c * c))) * n;
+}
+
+/// Whether the centre of the pixel shows a white tile (1) or a dark one (0) through the ball; -1: it does not, or near the ball's edge or
+/// at a place that the image does not show.
+int expected(int x, int y) {
+    const Vec3f ahead = (view.target - view.position).normalized(), right = ahead.cross(view.up).normalized(), up = right.cross(ahead);
+    const float tangent = std::tan(view.fov * static_cast<float>(M_PI) / 360), size = tangent * 2 / static_cast<float>(height);
+    const float across = (static_cast<float>(x) + 0.5f - width / 2) * size, down = (static_cast<float>(y) + 0.5f - height / 2) * size;
+    Vec3f d = (ahead + across * right - down * up).normalized();
+    const Vec3f from = view.position - centre;
+    const float b = from.dot(d), inner = b * b - from.squaredNorm() + radius * radius;
+    if (inner < (1 - 0.8f * 0.8f) * radius * radius) return -1;
+    Vec3f at = from + (-b - std::sqrt(inner)) * d;
+    d = refracted(d, at / radius, 1 / refraction);
+    at -= 2 * at.dot(d) * d;
+    d = refracted(d, -at / radius, refraction);
+    if (d.y() > -0.05f) return -1;
+    const Vec3f q = at + centre - (at + centre).y() / d.y() * d, seen = q - view.position;
+    const float away = seen.dot(ahead);
+    if (q.cwiseAbs().maxCoeff() > 0.19f || std::abs(seen.dot(up)) > 0.95f * tangent * away) return -1;
+    return static_cast<int>(std::floor(q.x() / tile) + std::floor(q.z() / tile)) & 1;
+}
+
+TEST_CASE("a glass ball shows the tiles behind it where Snell's law puts them, within 2 pixels", "[render][glass]") {
+    Renderer renderer(width, height);
+    LookOptions look;
+    look.samples = 1;
+    const Image image = renderer.draw(board(), {}, look, view);
+    int shown = 0, wrong = 0;
+    for (int y = 3; y < height - 3; ++y)
+        for (int x = 3; x < width - 3; ++x) {
+            const int white = expected(x, y);
+            if (white < 0) continue;
+            ++shown;
+            // Wrong is a pixel that no pixel up to 2 away should look like.
+            const bool light = image.pixel(x, y)[1] > 110;
+            bool near = false;
+            for (int dy = -2; dy <= 2; ++dy)
+                for (int dx = -2; dx <= 2; ++dx) near = near || expected(x + dx, y + dy) < 0 || (expected(x + dx, y + dy) == 1) == light;
+            wrong += !near;
+        }
+    INFO("pixels that show tiles through the ball: " << shown);
+    CHECK(shown > 3000);
+    CHECK(wrong == 0);
+}
+
+}  // namespace glass_test
