@@ -14,7 +14,7 @@ struct Colour : Vec3f {
 /// Appearance of a solid or a nozzle in images. Negative values: those of the material.
 struct Appearance {
     std::string material = "ceramic";
-    Colour colour{-1, -1, -1};  ///< diffuse colour, or tint of a metal's reflection
+    Colour colour{-1, -1, -1};  ///< diffuse colour; tint of a metal's reflection; transmission of 1 cm of glass
     float roughness = -1;       ///< 0 mirror .. 1 matt
     float metallic = -1;        ///< 0 or 1
     bool show = true;

@@ -152,7 +152,11 @@ float heat_of_crust(float age) { return std::max(std::exp(-1.2f * age), 0.35f * 
 SolidMaterial solid_material(const std::string& name) { return named(solid_presets(), name); }
 SolidMaterial solid_material(const Appearance& appearance) {
     SolidMaterial material = solid_material(appearance.material);
-    if (appearance.colour.minCoeff() >= 0) material.colour = appearance.colour;
+    if (appearance.colour.minCoeff() >= 0) {
+        material.colour = appearance.colour;
+        constexpr float centimetre = 0.01f;
+        if (material.refraction > 0) material.absorption = -material.colour.cwiseMax(1e-3f).array().log().matrix() / centimetre;
+    }
     if (appearance.roughness >= 0) material.roughness = appearance.roughness;
     if (appearance.metallic >= 0) material.metal = appearance.metallic;
     return material;

@@ -35,8 +35,7 @@ Frame board() {
             }
         frame.solids.push_back(test::solid_of(std::move(tiles), white != 0 ? "white" : "dark"));
     }
-    frame.solids.push_back(
-            test::solid_of(make_sphere(centre.cast<double>(), static_cast<double>(radius))->mesh(Real(0.001), 0), "glass"));
+    frame.solids.push_back(test::solid_of(make_sphere(centre.cast<double>(), static_cast<double>(radius))->mesh(Real(0.001), 0), "glass"));
     return frame;
 }
 
