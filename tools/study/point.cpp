@@ -150,9 +150,9 @@ int run_job(const PointRunner& runner, const PointCall& call, const std::vector<
     const Study& study = runner.study;
     constexpr double to_begin = 300;  // s, added to the point's limit before Slurm ends the job
     const fs::path said = output.string() + ".job", script = job_script(runner.folder);
-    std::vector<std::string> words = words_of(fmt::format("sbatch --wait --requeue --parsable --cpus-per-task={} --time={:.0f}",
-                                                          call.threads, std::ceil((study.limit + to_begin) / 60)));
-    words.insert(words.end(), {"--job-name=whorl-" + study.name, "--output=" + fs::absolute(output).string()});
+    std::vector<std::string> words = words_of("sbatch --wait --requeue --parsable --cpus-per-task=" + call.threads);
+    words.insert(words.end(), {"--job-name=whorl-" + study.name, "--output=" + fs::absolute(output).string(),
+                               fmt::format("--time={:.0f}", std::ceil((study.limit + to_begin) / 60))});
     words.insert(words.end(), runner.sbatch.begin(), runner.sbatch.end());
     words.insert(words.end(), {script.string(), "timeout", fmt::format("{:g}", study.limit)});
     words.insert(words.end(), arguments.begin(), arguments.end());

@@ -78,7 +78,7 @@ TEST_CASE("an impossible vortex is refused with the reason", "[sim][vortex]") {
     const auto refused = [](const std::string& scene, const std::string& why) {
         CHECK_THROWS_WITH(simulation_of(scene), Catch::Contains(why));
     };
-    refused(fluid_with(round_line + "core = 0.05"), "thinner than a spacing");
+    refused(fluid_with(round_line + "core = 0.05"), "less than a spacing");
     refused(fluid_with("path = [\"0\", \"0.5*cos(t/2)\", \"0\"]\ncirculation = 1\ncore = 0.2"), "is not closed");
     refused(fluid_with("path = [\"0\", \"1.5*cos(t)\", \"1.5*sin(t)\"]\ncirculation = 1\ncore = 0.2", "periodic = [false, false, false]"),
             "leaves the domain");
