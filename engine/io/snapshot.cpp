@@ -60,6 +60,23 @@ FrameEmitter drawn_opening(const Emitter& emitter) {
             static_cast<float>(wide),     static_cast<float>(thick),       opening.slot};
 }
 
+/// Removes the fluid in nozzles that are not shown.
+void hide_pipes(const Simulation& simulation, Frame& frame) {
+    const auto& emitters = simulation.scene().emitters;
+    if (std::all_of(emitters.begin(), emitters.end(), [](const EmitterKeys& e) { return e.appearance.show; })) return;
+    const auto role = simulation.world().fluid.column<field::role>();
+    const auto keep = [&](auto& values) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (role[i] >= 0 || emitters[static_cast<std::size_t>(-role[i]) - 1].appearance.show) values[kept++] = values[i];
+        values.resize(kept);
+    };
+    keep(frame.position), keep(frame.velocity);
+    for (auto& [name, values] : frame.scalar) keep(values);
+    for (auto& [name, values] : frame.vector) keep(values);
+    for (auto& [name, values] : frame.whole) keep(values);
+}
+
 }  // namespace
 
 Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fields) : fields_(std::move(fields)) {
@@ -111,6 +128,7 @@ Frame Snapshots::take(const Simulation& simulation, int number) const {
         nozzle.rotation = pose.rotation.cast<float>(), nozzle.translation = pose.translation.cast<float>();
         nozzle.velocity = pose.velocity.cast<float>(), nozzle.spin = pose.angular_velocity.cast<float>();
     }
+    hide_pipes(simulation, frame);
     return frame;
 }
 

@@ -1,5 +1,6 @@
 #include "render/look/material.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "engine/io/snapshot.h"
@@ -16,7 +17,7 @@ TEST_CASE("a scene file accepts exactly the solid materials that can be drawn", 
 }
 
 TEST_CASE("colour, roughness and metallic of a solid override its material, and what is not shown has no mesh", "[look]") {
-    const Simulation run = test::simulation_of(R"(
+    Simulation run = test::simulation_of(R"(
 time.end = 0.1
 fluid.spacing = 0.01
 [[emitter]]
@@ -42,6 +43,11 @@ show = false
     CHECK(frame.solids[0].mesh);
     CHECK_FALSE(frame.solids[1].mesh);
     CHECK_FALSE(frame.solids[2].mesh);  // the nozzle
+    test::run_until(run, 0.02);
+    const auto role = run.world().fluid.column<field::role>();
+    REQUIRE(role.size() > 0);
+    CHECK(Snapshots(run, {}).take(run, 2).position.size() ==
+          static_cast<std::size_t>(std::count(role.begin(), role.end(), 0)));  // not the fluid in the nozzle
     const SolidMaterial board = solid_material(frame.solids[0].appearance), wood = solid_material("wood");
     CHECK((board.colour - Vec3f(0.5029f, 0, 0)).norm() < 1e-3f);  // sRGB 188/255 is 0.503 in linear light (IEC 61966-2-1)
     CHECK(board.metal == 1);
