@@ -104,6 +104,13 @@ public:
     Revolved(const Vec3d& middle, const Vec3d& axis, Section section)
         : middle_(middle), axis_(axis.normalized()), section_(std::move(section)) {
         frame_of(axis_, u_, v_);
+        constexpr int parts = 256;
+        Vec3d reach = Vec3d::Zero();
+        for (const OutlinePoint& point : section_.outline(parts))
+            for (int k = 0; k < 3; ++k)
+                reach[k] = std::max(reach[k],
+                                    std::abs(point.at.x() * axis_[k]) + point.at.y() * std::sqrt(std::max(0.0, 1 - axis_[k] * axis_[k])));
+        min_ = (middle_ - reach).template cast<Real>(), max_ = (middle_ + reach).template cast<Real>();
     }
 
     Real distance(const Vec3& x) const override {
@@ -117,15 +124,7 @@ public:
         section_.distance(in_section(x, radial), gradient);
         return gradient.x() * axis_.cast<Real>() + gradient.y() * radial;
     }
-    void bounds(Vec3& min, Vec3& max) const override {
-        constexpr int parts = 256;
-        Vec3d reach = Vec3d::Zero();
-        for (const OutlinePoint& point : section_.outline(parts))
-            for (int k = 0; k < 3; ++k)
-                reach[k] = std::max(reach[k],
-                                    std::abs(point.at.x() * axis_[k]) + point.at.y() * std::sqrt(std::max(0.0, 1 - axis_[k] * axis_[k])));
-        min = (middle_ - reach).cast<Real>(), max = (middle_ + reach).cast<Real>();
-    }
+    void bounds(Vec3& min, Vec3& max) const override { min = min_, max = max_; }
     /// Integrals over rings: with s = reach sin(a) the midpoint rule in a is accurate although round ends are steep.
     MassProperties bulk() const override {
         constexpr int parts = 4096;
@@ -181,6 +180,7 @@ private:
 
     Vec3d middle_, axis_, u_, v_;
     Section section_;
+    Vec3 min_, max_;  ///< bounds; the pivot of a solid, and so its velocity, reads them
 };
 
 }  // namespace

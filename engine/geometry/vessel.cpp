@@ -37,8 +37,6 @@ struct VesselAxes {
     Vec3 back(const Vec3& own) const { return own.x() * u.cast<Real>() + own.y() * v.cast<Real>() + own.z() * n.cast<Real>(); }
 };
 
-Vec3d lower(const Vec3d& a, const Vec3d& b) { return a.cwiseMin(b); }
-
 /// A box or cylinder without one face. The origin is the middle of the rim, the floor is at h = -depth.
 class PrismVessel final : public Shape {
 public:
@@ -137,7 +135,7 @@ private:
         const Vec3d half =
             (section_.a + more) * axes_.u.cwiseAbs() + (plane() ? Vec3d::Zero() : Vec3d((section_.b + more) * axes_.v.cwiseAbs()));
         ShapeKeys box;
-        box.min = lower(from, to) - half, box.max = from + to - box.min, box.cut = plane();
+        box.min = from.cwiseMin(to) - half, box.max = from + to - box.min, box.cut = plane();
         return make_shape(box);
     }
 

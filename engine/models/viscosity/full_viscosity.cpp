@@ -22,9 +22,13 @@ void YieldingViscosity::operator()(const InteractionContext& context, StepReport
         set_up_coarse(context.pairs, context.step, role, x, aggregate.values, true);
         const ImplicitSolution solution = find_solution(operator_, options_.limits, s);
         operator_.shear_rates(solution.u, flow.solved);
-        if (!flow.again(solves)) return take_solution(operator_, s, solution);
+        if (!flow.again(solves)) {
+            take_solution(operator_, s, solution);
+            break;
+        }
         flow.update();
     }
+    operator_.limit_penalty({});
 }
 
 void FullViscosity::set_up_coarse(const FluidPairs& pairs, const StepContext& step, Read<field::role> role, Read<field::position> x,
