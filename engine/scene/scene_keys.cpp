@@ -6,15 +6,18 @@
 namespace whorl {
 namespace {
 
-/// Adds the keys of a shape to the table of a struct with a member `shape`.
+/// Adds the keys of a shape to the table of a struct with a member `shape`. @param solid planes are allowed, and the key "position" is left
+/// to the solid's motion
 template <class S>
-void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, bool with_position) {
+void add_shape_keys(KeyTableOf<S>& t, bool solid) {
+    std::vector<std::string> kinds{"box", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"};
+    if (solid) kinds.insert(kinds.begin() + 1, "plane");
     const auto shape = [](auto member) { return inside(&S::shape, member); };
     using Keys = ShapeKeys;
     t.key("shape", shape(&Keys::kind), "", "kind of shape").required().one_of(kinds);
     t.key("min", shape(&Keys::min), "m", "lowest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
     t.key("max", shape(&Keys::max), "m", "highest corner").required().only_with("shape", {"box"}).in(InPlane::cut);
-    if (with_position)
+    if (!solid)
         t.key("position", shape(&Keys::centre), "m", "centre of a sphere or torus; origin of a mesh")
             .only_with("shape", {"sphere", "torus", "mesh"})
             .in(InPlane::cut);
@@ -28,8 +31,7 @@ void add_shape_keys(KeyTableOf<S>& t, const std::vector<std::string>& kinds, boo
     t.key("end_radius", shape(&Keys::end_radius), "m", "radius of the cone at `to`; 0: a tip").at_least(0).only_with("shape", {"cone"});
     t.key("axis", shape(&Keys::axis), "", "axis of the torus, of any length").only_with("shape", {"torus"});
     t.key("tube", shape(&Keys::tube), "m", "radius of the tube of the torus").required().above(0).only_with("shape", {"torus"});
-    if (std::find(kinds.begin(), kinds.end(), "plane") != kinds.end())
-        t.key("normal", shape(&Keys::normal), "", "normal, from the solid into the fluid").only_with("shape", {"plane"});
+    if (solid) t.key("normal", shape(&Keys::normal), "", "normal, from the solid into the fluid").only_with("shape", {"plane"});
     t.key("file", shape(&Keys::file), "", "OBJ, PLY, STL or glTF file, relative to the scene file's folder")
         .required()
         .only_with("shape", {"mesh"});
@@ -311,7 +313,7 @@ KeyTable boundary_keys() {
 
 KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
-    add_shape_keys(t, {"box", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"}, true);
+    add_shape_keys(t, false);
     t.key("velocity", &BlockKeys::velocity, "m/s", "initial velocity").of("xyz");
     t.key("spin", &BlockKeys::spin, "1/s", "initial spin; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
@@ -365,7 +367,7 @@ KeyTable emitter_keys() {
 
 KeyTable solid_keys() {
     KeyTableOf<SolidKeys> t("a solid: a wall, a vessel, an obstacle or a free body");
-    add_shape_keys(t, {"box", "plane", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"}, false);
+    add_shape_keys(t, true);
     t.key("position", &SolidKeys::position, "m", "displacement of the shape from the position that the keys of the shape define")
         .of("t")
         .live();
@@ -375,9 +377,8 @@ KeyTable solid_keys() {
     const auto shape = [](auto member) { return inside(&SolidKeys::shape, member); };
     std::vector<std::string> sides = openings();
     t.key("open", shape(&ShapeKeys::open), "",
-          "side at which a container is open, in its own axes; then it is a wall with an outside, and not closed all round (top is +y, "
-          "right "
-          "+x, front +z)")
+          "side at which a container is open, in its own axes; then it is a wall with an outside, and not closed all round (top is "
+          "+y, right +x, front +z)")
         .one_of([&] {
             std::vector<std::string> all{"none"};
             all.insert(all.end(), sides.begin(), sides.end());
@@ -426,7 +427,7 @@ KeyTable solid_keys() {
 
 KeyTable drain_keys() {
     KeyTableOf<DrainKeys> t("a region in which fluid is removed");
-    add_shape_keys(t, {"box", "sphere", "cylinder", "capsule", "cone", "torus", "mesh"}, true);
+    add_shape_keys(t, false);
     t.key("delay", &DrainKeys::delay, "s", "time after which fluid inside the drain is removed").at_least(0);
     return t;
 }

@@ -43,13 +43,14 @@ double max_age_of(const Scene& scene, std::size_t source) {
     return std::max(0.0, scene.time.end - (source > 0 ? std::max(0.0, scene.emitters[source - 1].start) : 0));
 }
 
+double opening_speed(const EmitterKeys& e, double t, double dt) {
+    return e.moves() && dt > 0 ? (e.position(t + dt) - e.position(t)).norm() / dt : 0;
+}
+
 double max_speed_of(const EmitterKeys& e, double end) {
     double most = 0;
     const double stop = std::max(e.start, std::min(e.stop, end)), dt = 1e-4 * stop;
-    for (const double t : sample_times(e.start, stop)) {
-        const double own = e.moves() && dt > 0 ? (e.position(t + dt) - e.position(t)).norm() / dt : 0;
-        most = std::max(most, e.speed(t) + own);
-    }
+    for (const double t : sample_times(e.start, stop)) most = std::max(most, e.speed(t) + opening_speed(e, t, dt));
     return most;
 }
 

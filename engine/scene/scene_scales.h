@@ -43,6 +43,8 @@ std::vector<double> sample_times(double from, double to);
 /// Largest age of fluid of a block (source 0) or of emitter source - 1 during the run [s].
 double max_age_of(const Scene& scene, std::size_t source);
 
+/// Speed of the opening itself [m/s]: the mean over the time dt [s] from t on; 0 if it does not move.
+double opening_speed(const EmitterKeys& emitter, double t, double dt);
 /// Largest speed [m/s]: of fluid from an emitter, as the mean over its opening; of a block's fluid at the start, between two corners; of a
 /// solid's surface by its expressions.
 double max_speed_of(const EmitterKeys& emitter, double end);

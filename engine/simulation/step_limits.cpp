@@ -10,6 +10,7 @@
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/surface_tension/surface_tension.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/scene/scene_scales.h"
 
 namespace whorl {
 namespace {
@@ -51,8 +52,7 @@ struct LimitMaker {
             double speed = 0;
             for (const EmitterKeys& e : emitters) {
                 const double t = w.step.time;
-                speed = std::max(speed, 2 * std::abs(e.speed(t)));
-                if (e.moves()) speed = std::max(speed, 2 * (e.position(t + dt) - e.position(t)).norm() / dt);
+                speed = std::max({speed, 2 * std::abs(e.speed(t)), 2 * opening_speed(e, t, dt)});
             }
             return speed > 0 ? 2 * cfl * d / speed : never;
         });
