@@ -5,7 +5,7 @@ set -euo pipefail
 packages=(g++ cmake ninja-build pkg-config ccache
   libeigen3-dev libopenvdb-dev libboost-dev libboost-iostreams-dev libtbb-dev
   libegl-dev libgl-dev libepoxy-dev libgl1-mesa-dri libegl1 libegl-mesa0
-  libstb-dev zlib1g-dev libcairo2-dev libopenexr-dev libassimp-dev fonts-dejavu-core libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev libmuparser-dev
+  libstb-dev zlib1g-dev libcairo2-dev libopenexr-dev libassimp-dev libtinygltf-dev fonts-dejavu-core libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev libmuparser-dev
   nlohmann-json3-dev libcpp-httplib-dev catch2 libbenchmark-dev ffmpeg python3 python3-numpy python3-matplotlib "$@")
 
 missing=()

@@ -19,9 +19,11 @@ Mat3d turned_over(const Mat3d& R, const VectorExpression& spin, double t, double
     return R * turn_by(h / 2 * (w1 + w2) + std::sqrt(3.0) / 12 * h * h * w1.cross(w2)).toRotationMatrix();
 }
 
-/// The rotation at time t. @param turned (in, out) cache of the rotation after the last whole interval
-Mat3d rotation_at(const VectorExpression& spin, double t, Turned& turned) {
+/// The rotation since t = 0 at time t. @param turned (in, out) cache of the rotation after the last whole interval
+Mat3d rotation_at(const Solid& solid, double t, Turned& turned) {
+    const VectorExpression& spin = solid.spin;
     if (spin.is_zero()) return Mat3d::Identity();
+    if (solid.motion) return (solid.motion(0).turn.conjugate() * solid.motion(t).turn).toRotationMatrix();
     if (!spin.depends_on_time()) return turn_by(t * spin(0)).toRotationMatrix();
     const long whole = static_cast<long>(std::floor(std::max(t, 0.0) / interval));
     if (whole < turned.intervals) turned = {};
@@ -86,12 +88,12 @@ bool Solid::moves() const { return body || position.depends_on_time() || !spin.i
 // If A(t) is the rotation by the spin w since t = 0, R(t) = turn A(t) solves dR/dt = R [w]x for any constant `turn`.
 void Solid::go_on_as(VectorExpression new_position, VectorExpression new_spin, double t) {
     const Vec3d moved = position(t) + shift;
-    const Mat3d R = turn * rotation_at(spin, t, turned);
+    const Mat3d R = turn * rotation_at(*this, t, turned);
     position = std::move(new_position);
     spin = std::move(new_spin);
     turned = {};
     shift = moved - position(t);
-    turn = R * rotation_at(spin, t, turned).transpose();
+    turn = R * rotation_at(*this, t, turned).transpose();
 }
 
 Vec3d Solid::centre() const {
@@ -110,14 +112,14 @@ void Solids::set_time(double t, double dt) {
         if (solid.body) continue;
         // The solid turns about its pivot c, so x_world = R (x_own - c) + c + displacement.
         const Vec3d c = solid.pivot(), moved = solid.position(t) + solid.shift;
-        const Mat3d R = solid.turn * rotation_at(solid.spin, t, solid.turned);
+        const Mat3d R = solid.turn * rotation_at(solid, t, solid.turned);
         solid.pose.rotation = R.cast<Real>();
         solid.pose.translation = (c - R * c + moved).cast<Real>();
         solid.pose.velocity = solid.pose.angular_velocity = Vec3::Zero();
         if (!solid.moves()) continue;
         const double step = dt > 0 ? dt : 1e-6;
         Turned ahead = solid.turned;
-        const Eigen::AngleAxisd turn(solid.turn * rotation_at(solid.spin, t + step, ahead) * R.transpose());
+        const Eigen::AngleAxisd turn(solid.turn * rotation_at(solid, t + step, ahead) * R.transpose());
         const Vec3d w = turn.angle() / step * turn.axis(), u = (solid.position(t + step) + solid.shift - moved) / step;
         solid.pose.angular_velocity = w.cast<Real>();
         solid.pose.velocity = (u - w.cross(R * c)).cast<Real>();  // velocity of the own origin, for which the centre moves with u

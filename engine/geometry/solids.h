@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/column.h"
+#include "engine/geometry/motion.h"
 #include "engine/geometry/repeats.h"
 #include "engine/geometry/rigid_body.h"
 #include "engine/math/expression.h"
@@ -28,8 +29,9 @@ Domain in_own_axes(const Domain& domain, const Pose& pose);
 
 struct Solid {
     std::shared_ptr<const Shape> shape;
-    VectorExpression position;       ///< displacement from the shape's initial position [m], a function of t
-    VectorExpression spin;           ///< angular velocity about the own axes through the pivot [rad/s], a function of t
+    VectorExpression position;                    ///< displacement from the shape's initial position [m], a function of t
+    VectorExpression spin;                        ///< angular velocity about the own axes through the pivot [rad/s], a function of t
+    std::function<MotionState(double t)> motion;  ///< if set, gives the rotation, of which `spin` is the rate
     std::optional<Vec3d> own_pivot;  ///< the point about which the solid turns, at the shape's initial position [m]; empty: turning_point()
     bool inside = false;             ///< the fluid is inside the shape
     double slip_length = 0;          ///< m, in u - u_wall = slip_length du/dn on the surface; 0: no slip, infinite: free slip

@@ -15,6 +15,7 @@ namespace whorl {
 
 struct Expression::Compiled {
     mu::Parser parser;
+    std::function<double(double t)> function;  ///< replaces the parser if set
     double t = 0, x = 0, y = 0, z = 0;
     std::string uses;
 };
@@ -104,8 +105,16 @@ Expression::Expression(const std::string& text) : text_(text) {
     } catch (const mu::Parser::exception_type& e) { throw described(text, p, e); }
 }
 
+Expression::Expression(std::function<double(double t)> function, std::string text) : text_(std::move(text)) {
+    auto compiled = std::make_shared<Compiled>();
+    compiled->function = std::move(function);
+    compiled->uses = "t";
+    compiled_ = std::move(compiled);
+}
+
 double Expression::operator()(double t, double x, double y, double z) const {
     if (!compiled_) return constant_;
+    if (compiled_->function) return compiled_->function(t);
     compiled_->t = t;
     compiled_->x = x;
     compiled_->y = y;

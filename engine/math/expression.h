@@ -1,6 +1,7 @@
 #pragma once
 /// Numbers that the scene file gives as expressions of t, x, y, z or age.
 #include <array>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -24,6 +25,8 @@ public:
     Expression(double constant);  // NOLINT: a number is an expression
     /// @throws ExpressionError with muParser's message and the column in the text
     explicit Expression(const std::string& text);
+    /// A function of t that no text defines. @param text that of the expression that it replaces, for text()
+    Expression(std::function<double(double t)> function, std::string text);
 
     double operator()(double t, double x = 0, double y = 0, double z = 0) const;
     double operator()(double t, const Vec3d& x) const { return (*this)(t, x.x(), x.y(), x.z()); }

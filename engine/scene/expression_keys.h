@@ -30,7 +30,7 @@ struct KeyCodec<Expression> : ExpressionQueries<KeyCodec<Expression>, Expression
     static Value write(const Expression& e) {
         char* end = nullptr;
         const double number = std::strtod(e.text().c_str(), &end);
-        const bool plain = e.is_constant() && end && *end == 0 && !e.text().empty() && std::isfinite(number);
+        const bool plain = end && *end == 0 && !e.text().empty() && std::isfinite(number);
         return plain ? Value(number) : Value(e.text());
     }
     static Expression read(const Value& v) {

@@ -9,6 +9,7 @@
 #include "engine/core/utf8.h"
 #include "engine/geometry/vessel.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
+#include "engine/scene/motions.h"
 #include "engine/scene/names.h"
 #include "engine/scene/reader.h"
 
@@ -48,6 +49,11 @@ public:
             if (!scene_.blocks[i].spin.is_zero() && !traits_of(scene_.models.micropolar).spins)
                 reader_.disagree({name + ".spin", "models.micropolar"}, name + ".spin needs a micropolar model", "set models.micropolar");
         }
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+            if (!scene_.emitters[i].animation.empty()) find_file(entry_name("emitter", i) + ".animation", scene_.emitters[i].animation);
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i)
+            if (!scene_.solids[i].animation.empty()) find_file(entry_name("solid", i) + ".animation", scene_.solids[i].animation);
+        add_motions(scene_, reader_);
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
             shape(entry_name("solid", i), scene_.solids[i].shape);

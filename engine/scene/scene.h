@@ -10,6 +10,7 @@
 
 #include "engine/core/colour.h"
 #include "engine/core/keys.h"
+#include "engine/geometry/motion.h"
 #include "engine/geometry/shape.h"
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
@@ -145,6 +146,13 @@ struct BlockKeys {
     Sampling sampling = Sampling::lattice;
 };
 
+/// An opening at one time.
+struct EmitterKey {
+    double time = 0;                 ///< s
+    Vec3d position = Vec3d::Zero();  ///< m
+    std::optional<Vec3d> direction;  ///< empty: that of the emitter
+};
+
 struct EmitterKeys {
     std::string shape = "disc";                    ///< disc | box (a rectangular slot)
     VectorExpression position;                     ///< m, of t: centre of the opening
@@ -157,6 +165,9 @@ struct EmitterKeys {
     std::optional<Expression> viscosity;  ///< Pa s, a function of the initial x, y, z and of age; empty: fluid.viscosity
     Inks ink;                             ///< of t, x, y, z where fluid enters the nozzle
     Appearance appearance{.material = "metal"};
+    std::vector<EmitterKey> keys;     ///< keys or a node move position and direction, which then contain this motion (scene/motions.h)
+    std::filesystem::path animation;  ///< glTF file; empty: none
+    std::string node;
     bool moves() const { return position.depends_on_time() || direction.depends_on_time(); }
 };
 
@@ -164,7 +175,11 @@ struct SolidKeys {
     ShapeKeys shape;
     VectorExpression position, rotation;  ///< m; rad/s about the solid's own axes; of t
     std::optional<Vec3d> pivot;           ///< m, before `position` moves it; empty: turning_point()
-    bool container = false;               ///< the fluid is inside the shape
+    std::vector<MotionKey> keys;      ///< keys or a node move the solid; position and rotation then contain this motion (scene/motions.h)
+    std::filesystem::path animation;  ///< glTF file; empty: none
+    std::string node;
+    std::function<MotionState(double t)> motion;  ///< that motion; not a key
+    bool container = false;                       ///< the fluid is inside the shape
     bool closed() const { return container && !shape.is_open(); }
     Slip slip = Slip::no;
     double slip_length = 0;  ///< m, navier

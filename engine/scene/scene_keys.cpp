@@ -339,13 +339,39 @@ void add_appearance_keys(KeyTableOf<S>& t, const char* material) {
     add("show", &Appearance::show, "whether it is drawn").live();
 }
 
+template <class S>
+void add_animation_keys(KeyTableOf<S>& t, const char* moved) {
+    t.key("animation", &S::animation, "", std::string("glTF file (.glb, .gltf), in metres with y up, whose animation moves ") + moved);
+    t.key("node", &S::node, "", "node of that file; neither it nor its parents may be scaled or mirrored");
+}
+
+KeyTable emitter_key_keys() {
+    KeyTableOf<EmitterKey> t("the opening at one time; it moves smoothly between these times, without overshoot");
+    t.key("time", &EmitterKey::time, "s", "simulated time").required().at_least(0);
+    t.key("position", &EmitterKey::position, "m", "middle of the opening, to which the emitter's position is added").required();
+    t.key("direction", &EmitterKey::direction, "", "direction of flow, of any length; auto: the emitter's");
+    return t;
+}
+
+KeyTable solid_key_keys() {
+    KeyTableOf<MotionKey> t("the solid at one time; it moves smoothly between these times, without overshoot");
+    t.key("time", &MotionKey::time, "s", "simulated time").required().at_least(0);
+    t.key("position", &MotionKey::position, "m", "displacement of the shape, to which the solid's position is added");
+    t.key("tilt", &MotionKey::tilt, "degrees", "rotation: a vector along the axis through the pivot, whose length is the angle")
+        .in(InPlane::axis);
+    return t;
+}
+
 KeyTable emitter_keys() {
     KeyTableOf<EmitterKeys> t("an opening through which fluid enters");
     t.key("shape", &EmitterKeys::shape, "", "a round opening, or a slot").one_of({"disc", "box"});
-    t.key("position", &EmitterKeys::position, "m", "middle of the opening; the fluid leaves with the velocity of the opening added")
-        .required()
+    t.key(
+         "position", &EmitterKeys::position, "m",
+         "middle of the opening (required), or if keys or an animation move it, an addition to that; the fluid leaves with the velocity of "
+         "the opening added")
         .of("t");
-    t.key("direction", &EmitterKeys::direction, "", "direction of flow, of any length").of("t");
+    t.key("direction", &EmitterKeys::direction, "", "direction of flow, of any length; with an animation in the node's axes").of("t");
+    add_animation_keys(t, "the middle of the opening with its origin, and turns the direction");
     t.key("radius", &EmitterKeys::radius, "m", "radius of the round opening").required().above(0).only_with("shape", {"disc"});
     t.key("width", &EmitterKeys::width, "m", "long side of the slot").required().above(0).only_with("shape", {"box"});
     t.key("thickness", &EmitterKeys::thickness, "m", "short side of the slot").required().above(0).only_with("shape", {"box"});
@@ -362,6 +388,7 @@ KeyTable emitter_keys() {
         .at_most(1)
         .of("txyz");
     add_appearance_keys(t, "appearance of the nozzle in images, which the keys below override");
+    t.list("key", &EmitterKeys::keys, emitter_key_keys());
     return t;
 }
 
@@ -373,6 +400,7 @@ KeyTable solid_keys() {
         .live();
     t.key("rotation", &SolidKeys::rotation, "rad/s", "angular velocity about the solid's own axes").of("t").in(InPlane::axis).live();
     t.key("pivot", &SolidKeys::pivot, "m", "point on the axis of rotation, before position displaces it; auto: the middle of the shape");
+    add_animation_keys(t, "the solid, whose shape is then given in the axes of the node");
     t.key("container", &SolidKeys::container, "", "the fluid is inside the shape");
     const auto shape = [](auto member) { return inside(&SolidKeys::shape, member); };
     std::vector<std::string> sides = openings();
@@ -422,6 +450,7 @@ KeyTable solid_keys() {
         .at_most(1)
         .live();
     add_appearance_keys(t, "appearance in images, which the keys below override; of an open container, if not set: glass");
+    t.list("key", &SolidKeys::keys, solid_key_keys());
     return t;
 }
 

@@ -87,7 +87,8 @@ Solid solid_of(const SolidKeys& keys, std::shared_ptr<const Shape> shape) {
     solid.spin = keys.rotation;
     solid.own_pivot = keys.pivot;
     solid.inside = keys.closed();
-    solid.turn = turned_by(keys.tilt);
+    solid.turn = keys.motion ? keys.motion(0).turn.toRotationMatrix() : turned_by(keys.tilt);
+    solid.motion = keys.motion;
     solid.slip_length = slip_length_of(keys);
     solid.contact = {keys.friction, keys.bounce};
     if (keys.density > 0 && solid.shape && solid.shape->bounded()) solid.body = body_of(keys, *solid.shape);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/smooth_keys.h"
+
 namespace whorl {
 namespace {
 
@@ -32,35 +34,13 @@ View framed(const CameraOptions& camera, const Vec3f& low, const Vec3f& high, co
     return {target + std::max(far_for_width, far_for_height) * away, target, camera.up, camera.fov};
 }
 
-/// The cubic from key 1 to key 2 of four. The slopes are those of Catmull and Rom for unevenly spaced times, limited so that the cubic
-/// does not overshoot a key (Fritsch and Carlson 1980). So the value is constant between equal keys.
-float through(const std::array<double, 4>& x, const std::array<double, 4>& time, double now) {
-    const double span = time[2] - time[1], rise = (x[2] - x[1]) / span, s = (now - time[1]) / span;
-    const auto slope_at = [&](std::size_t key, std::size_t from) {  // from, from + 1: the span on the other side of the key
-        if (!(time[from] < time[from + 1])) return rise;            // the first or last key, or a cut (two keys at one time)
-        const double other = (x[from + 1] - x[from]) / (time[from + 1] - time[from]), most = 3 * std::min(std::abs(rise), std::abs(other));
-        if (std::signbit(rise) != std::signbit(other)) return 0.0;
-        return std::clamp((x[key + 1] - x[key - 1]) / (time[key + 1] - time[key - 1]), -most, most);
-    };
-    const double out = slope_at(1, 0) * span, in = slope_at(2, 2) * span, s2 = s * s, s3 = s2 * s;
-    return static_cast<float>(x[1] + (3 * s2 - 2 * s3) * (x[2] - x[1]) + (s3 - 2 * s2 + s) * out + (s3 - s2) * in);
-}
-
 View between_keys(const CameraOptions& camera, double time) {
-    std::vector<CameraKey> keys = camera.keys;
-    std::stable_sort(keys.begin(), keys.end(), [](const CameraKey& a, const CameraKey& b) { return a.time < b.time; });
-    const auto view = [&](const CameraKey& key) { return View{key.position, key.target, camera.up, key.fov}; };
-    if (time <= keys.front().time) return view(keys.front());
-    if (time >= keys.back().time) return view(keys.back());
-    std::size_t i = 0;
-    while (keys[i + 1].time <= time) ++i;
-    const CameraKey &a = keys[i > 0 ? i - 1 : 0], &b = keys[i], &c = keys[i + 1], &d = keys[std::min(i + 2, keys.size() - 1)];
-    const std::array<double, 4> times{a.time, b.time, c.time, d.time};
-    const auto between = [&](const auto& number) { return through({number(a), number(b), number(c), number(d)}, times, time); };
-    View found{Vec3f::Zero(), Vec3f::Zero(), camera.up, between([](const CameraKey& key) { return key.fov; })};
+    const std::vector<CameraKey> keys = by_time(camera.keys);
+    const auto at = [&](const auto& number) { return static_cast<float>(smooth_between(keys, time, number).value); };
+    View found{Vec3f::Zero(), Vec3f::Zero(), camera.up, at([](const CameraKey& key) { return key.fov; })};
     for (int axis = 0; axis < 3; ++axis) {
-        found.position[axis] = between([axis](const CameraKey& key) { return key.position[axis]; });
-        found.target[axis] = between([axis](const CameraKey& key) { return key.target[axis]; });
+        found.position[axis] = at([axis](const CameraKey& key) { return key.position[axis]; });
+        found.target[axis] = at([axis](const CameraKey& key) { return key.target[axis]; });
     }
     return found;
 }
@@ -68,6 +48,7 @@ View between_keys(const CameraOptions& camera, double time) {
 View pose_at(const CameraOptions& camera, double time, const Vec3f& domain_min, const Vec3f& domain_max) {
     if (camera.kind == "fixed") return {camera.position, camera.target, camera.up, camera.fov};
     if (camera.kind == "keys" && !camera.keys.empty()) return between_keys(camera, time);
+    if (camera.kind == "animation" && camera.path) return camera.path(time);
     if (camera.kind == "orbit") {
         const float angle = radians(camera.start_angle + camera.degrees_per_second * static_cast<float>(time));
         const Vec3f offset(camera.distance * std::sin(angle), camera.height, camera.distance * std::cos(angle));

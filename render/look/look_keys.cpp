@@ -34,11 +34,14 @@ KeyTable make_camera_keys() {
     KeyTableOf<CameraOptions> t("camera of the images");
     const std::vector<std::string> orbit{"orbit"};
     t.key("kind", &CameraOptions::kind, "", "auto: shows all fluid and moving solids of the whole run")
-        .one_of({"auto", "fixed", "orbit", "keys"});
+        .one_of({"auto", "fixed", "orbit", "keys", "animation"});
     t.key("position", &CameraOptions::position, "m", "position of the camera").required().only_with("kind", {"fixed"});
     t.key("target", &CameraOptions::target, "m", "point that the camera looks at").only_with("kind", {"fixed", "orbit"});
     t.key("up", &CameraOptions::up, "", "direction that is up in the image").only_with("kind", {"fixed", "orbit", "keys"});
-    t.key("fov", &CameraOptions::fov, "degrees", "vertical angle of view").above(0).at_most(150).only_with("kind", {"fixed", "orbit"});
+    t.key("fov", &CameraOptions::fov, "degrees", "vertical angle of view; with an animation: if the node has no camera")
+        .above(0)
+        .at_most(150)
+        .only_with("kind", {"fixed", "orbit", "animation"});
     t.key("distance", &CameraOptions::distance, "m", "horizontal distance from the target").above(0).only_with("kind", orbit);
     t.key("height", &CameraOptions::height, "m", "height above the target").only_with("kind", orbit);
     t.key("start_angle", &CameraOptions::start_angle, "degrees", "angle of the orbit at time 0; 0: along +z").only_with("kind", orbit);
@@ -56,6 +59,13 @@ KeyTable make_camera_keys() {
           "motion blur: share of the time between two images with an open shutter; 360: all of it; 180: as in cinema; 0: no blur")
         .at_least(0)
         .at_most(360);
+    const std::vector<std::string> animated{"animation"};
+    t.key("animation", &CameraOptions::animation, "", "glTF file (.glb, .gltf), in metres with y up; the camera looks along -z of the node")
+        .required()
+        .only_with("kind", animated);
+    t.key("node", &CameraOptions::node, "", "node of that file, whose camera gives the angle of view")
+        .required()
+        .only_with("kind", animated);
     t.list("key", &CameraOptions::keys, make_camera_key_keys());
     return t;
 }

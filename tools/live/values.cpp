@@ -29,7 +29,7 @@ Json bound(double v) { return std::isfinite(v) && std::abs(v) < 2e9 ? Json(v) : 
 /// Whether the page does not show a key: names, files, output.
 bool hidden(const UsedKey& k) {
     for (const char* part : {"output.", "probe[", "camera.key"})
-        if (k.path.rfind(part, 0) == 0) return true;
+        if (k.path.rfind(part, 0) == 0 || k.path.find("].key[") != std::string::npos) return true;
     return k.path == "name" || k.path == "seed" || (type_of(*k.key) == "text" && !k.key->may_change);
 }
 

@@ -163,6 +163,32 @@ bool tells_particles_apart(const SceneFile& file) {
            });
 }
 
+/// Lets the camera follow its node. @throws InputError if file or node are not usable
+void follow_node(SceneFile& file) {
+    CameraOptions& camera = file.camera;
+    camera.path = {};
+    if (camera.kind != "animation") return;
+    if (camera.animation.is_relative())
+        camera.animation = fs::absolute(fs::path(file.scene.directory) / camera.animation).lexically_normal();
+    std::string key = "camera.animation";
+    try {
+        if (!fs::is_regular_file(camera.animation)) throw InputError({}, "no file \"" + camera.animation.string() + "\"");
+        if (!is_utf8(camera.animation.native())) throw InputError({}, "the path is not UTF-8, but the settings of a run must be");
+        const AnimationFile animation(camera.animation);
+        key = "camera.node";
+        const AnimationFile::Node node = animation.node(camera.node);
+        camera.path = [at = node.motion.at, fov = node.fov ? static_cast<float>(*node.fov) : camera.fov](double time) {
+            const MotionState now = at(time);
+            const Mat3f axes = now.turn.cast<float>().toRotationMatrix();
+            const Vec3f eye = now.position.cast<float>();
+            return View{eye, eye - axes.col(2), axes.col(1), fov};
+        };
+    } catch (const InputError& e) {
+        const Problem& p = e.problems().front();
+        throw InputError(file.scene.place(key), key + ": " + p.what, p.hint, p.allowed);
+    }
+}
+
 /// Sets values that have no key but follow from the keys.
 void follow(SceneFile& file) {
     file.scene.grains = tells_particles_apart(file);
@@ -175,6 +201,7 @@ void follow(SceneFile& file) {
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
     file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
+    follow_node(file);
 }
 
 SceneFile read(const fs::path& path, ReadRequest request) {
@@ -261,7 +288,9 @@ std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file) {
         if (!input.empty()) sums[input.string()] = checksum(read_whole(input));
     };
     for (const BlockKeys& block : file.scene.blocks) add(block.shape.file);
-    for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file);
+    for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file), add(solid.animation);
+    for (const EmitterKeys& emitter : file.scene.emitters) add(emitter.animation);
+    if (file.camera.path) add(file.camera.animation);
     for (const DrainKeys& drain : file.scene.drains) add(drain.shape.file);
     for (const ProbeKeys& probe : file.scene.probes) add(probe.compare);
     add(file.look.environment);
