@@ -48,8 +48,8 @@ void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& 
         begin(program, matrix);
         scene.draw_glass(program, [&](const FrameSolid& solid) {
             const SolidMaterial material = solid_material(solid.appearance);
-            program.set("refraction", material.refraction);
-            program.set("absorption", material.absorption);
+            program.set("glass_refraction", material.refraction);
+            program.set("glass_absorption", material.absorption);
         });
         glDisable(GL_BLEND);
         glDepthFunc(GL_LESS);

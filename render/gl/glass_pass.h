@@ -31,7 +31,9 @@ public:
 
 private:
     int width_, height_;
-    gl::Programs program_{{"mesh.vert"}, {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "refract.frag"}};
+    gl::Programs program_{
+        {"mesh.vert"},
+        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "body.glsl", "refract.frag"}};
     gl::Program depth_only_{{"mesh.vert"}, {"depth.frag"}};
     gl::Texture seen_, depth_;
     gl::Framebuffer seen_target_, target_;

@@ -145,6 +145,7 @@ struct Renderer::Device {
     void shade_sample(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
     void draw_glass(const Shot& shot, const Eigen::Matrix4f& matrix, float weight);
+    void set_body(gl::Program& program, const Material& material) const;
     void draw_refracted(const Shot& shot, const std::vector<FrameSolid>& solids);
     void draw_backdrop(const Shot& shot);
     enum class Light { shown, linear, behind_glass };
@@ -167,9 +168,9 @@ struct Renderer::Device {
     gl::Programs solid_light_program{{"screen.vert"},
                                      {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "shadow.glsl",
                                       "solid_light.glsl", "octahedral.glsl", "faces.glsl", "solid_light.frag"}};
-    gl::Programs liquid{
-        {"screen.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "octahedral.glsl", "liquid.frag"}};
+    gl::Programs liquid{{"screen.vert"},
+                        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "body.glsl",
+                         "octahedral.glsl", "liquid.frag"}};
     gl::Programs opaque{{"screen.vert"},
                         {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "crust.glsl",
                          "octahedral.glsl", "opaque.frag"}};
@@ -502,13 +503,22 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
     glDisable(GL_STENCIL_TEST);
 }
 
+/// Sets the uniforms of the inside of a transparent fluid (body.glsl).
+void Renderer::Device::set_body(gl::Program& program, const Material& material) const {
+    inks.bind(program, ink_unit, field.voxel());
+    program.set("roughness", material.roughness);
+    program.set("refraction", material.refraction);
+    program.set("absorption", Vec3f(material.absorption * field.voxel()));
+    program.set("scatter", material.scatter);
+    program.set("haze", material.haze * field.voxel());
+}
+
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
     const Material& material = shot.material;
     gl::Program& program = (refracts(material) ? liquid : opaque).with(shot.constants + gl::constant("scatters", material.scattering > 0));
     set_studio(program, shot);
     if (material.scattering > 0) set_scattering(program, material, field.voxel());
     field.bind(program, field_unit);
-    inks.bind(program, ink_unit, field.voxel());
     solid_field.bind(program, solid_unit);
     program.texture("normal_buffer", 1, GL_TEXTURE_2D, normal.id());
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
@@ -519,11 +529,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
     program.set("weight", weight);
-    program.set("roughness", material.roughness);
-    program.set("refraction", material.refraction);
-    program.set("absorption", Vec3f(material.absorption * field.voxel()));
-    program.set("scatter", material.scatter);
-    program.set("haze", material.haze * field.voxel());
+    set_body(program, material);
     program.set("body_colour", body_colour(material));
     program.set("emission", material.emission);
     program.set("cooling", shot.has_age ? material.cooling : 0.0f);
@@ -575,8 +581,9 @@ void Renderer::Device::draw_refracted(const Shot& shot, const std::vector<FrameS
     glass_pass->draw(scene, solids,
                      {shot.camera, samples.count(), shot.lowest() - 1e-4f, geometry.id(), normal.id(), face_distance.id(),
                       !flows && !field.empty(), flow_behind},
-                     shot.constants, [&](gl::Program& program) {
+                     shot.constants + gl::constant("clear_fluid", !flows && refracts(shot.material)), [&](gl::Program& program) {
                          set_studio(program, shot);
+                         set_body(program, shot.material);
                          field.bind(program, field_unit);
                          solid_field.bind(program, solid_unit);
                      });

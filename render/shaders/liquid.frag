@@ -7,36 +7,7 @@ uniform mat4 to_clip;
 uniform float weight;        // weight of this sample in the pixel
 uniform bool has_motion;     // the surface has moved since the moment of the distance field
 uniform sampler2D motion_buffer;  // displacement [m]
-uniform float refraction;    // refractive index
-uniform float roughness;
-uniform vec3 absorption;     // 1/voxel
-uniform vec3 scatter;
-uniform float haze;          // 1/voxel
 layout(location = 0) out vec4 colour;
-
-float fresnel(float facing) {
-    float f0 = (refraction - 1.0) / (refraction + 1.0);
-    f0 *= f0;
-    float x = 1.0 - clamp(facing, 0.0, 1.0), x2 = x * x;
-    return f0 + (1.0 - f0) * x2 * x2 * x;
-}
-
-// Distance from p, inside the fluid, along d to the surface [voxels].
-float way_out(vec3 p, vec3 d, float limit) {
-    float t = 0.6, last_t = 0.0, last_f = 0.3;
-    for (int i = 0; i < 28; ++i) {
-        float f = -near_distance(p + t * d);
-        if (f < 0.0) {
-            float middle = mix(last_t, t, last_f / (last_f - f)), g = -near_distance(p + middle * d);
-            return g < 0.0 ? mix(last_t, middle, last_f / (last_f - g)) : mix(middle, t, g / (g - f));
-        }
-        last_t = t;
-        last_f = f;
-        t += max(f, 0.4);
-        if (t > limit) return limit;
-    }
-    return t;
-}
 
 // Distance from p, outside the fluid, along d to the next fluid [voxels]; -1: none.
 float way_in(vec3 p, vec3 d, float limit) {
@@ -105,26 +76,6 @@ vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, float blur, out f
     return (through - clear) * (s.a > 0.5 ? min(s.rgb, vec3(1.8)) : surroundings(p, d, blur, 1.8));
 }
 
-// Light of the lamp that inks along a path of length `way` [voxels] scatter back. Multiplies `through` by the transmitted fraction. Inks
-// replace the fluid, so thick inks look like paint. The inks and the fluid contribute to the colour in proportion to their scattering;
-// clear water has none.
-vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
-    const int parts = 8;
-    vec3 light = vec3(0.0);
-    float from = 0.0;
-    for (int i = 0; i < parts; ++i) {
-        // Steps are finer near p, where the light comes out.
-        float to = way * pow(float(i + 1) / float(parts), 2.0), length_of = to - from;
-        vec3 at = p + 0.5 * (from + to) * d, c = inks_at(world_of(at));
-        float amount = min(c.r + c.g + c.b, 1.0), cloud = haze * (1.0 - amount) + ink_haze * amount, milk = 1.0 - exp(-cloud * length_of);
-        vec3 clear = absorption * (1.0 - amount);
-        light += through * milk * lamp * inked(scatter, ink_haze / max(cloud, 1e-9) * c) * exp(-clear * 1.2 * max(-far_distance(at), 0.0));
-        through *= exp(-(clear + 0.3 * ink_absorption * c) * length_of) * (1.0 - milk);
-        from = to;
-    }
-    return light;
-}
-
 // Light that comes to p from the direction d inside the fluid. @param lamp light that falls on the body @param clear as in seen_through()
 vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     vec3 through = vec3(1.0), light = vec3(0.0);
@@ -138,16 +89,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         float to_solid = has_solid_field ? way_to_solid(world_of(p), d, (way + 1.5) * voxel) / voxel : -1.0;
         at_solid = to_solid >= 0.0;
         if (at_solid) way = min(way, to_solid);
-        if (has_inks) {
-            light += through_inks(p, d, way, lamp, through);
-        } else {
-            // The glow comes from a depth that light of every colour can leave, not from the middle of a thick body.
-            vec3 middle = p + min(0.5 * way, 0.5 / max(absorption.g, 1e-4)) * d;
-            float depth = max(-far_distance(middle), 0.0);
-            float milk = 1.0 - exp(-haze * way);
-            light += through * milk * lamp * scatter * exp(-absorption * 1.2 * depth);
-            through *= exp(-absorption * way) * (1.0 - milk);
-        }
+        light += through_body(p, d, way, lamp, through);
         p += way * d;
         // The path ends at a solid, at the ground, or if the remaining light is less than a step of 8 bits.
         if (at_solid || way >= to_floor || max(through.r, max(through.g, through.b)) < 0.003) break;
@@ -156,7 +98,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
-        float inner = square > 0.0 ? fresnel(sqrt(square)) : 1.0;
+        float inner = square > 0.0 ? fresnel(sqrt(square), refraction) : 1.0;
         if (square < 0.0) {   // total reflection
             d = reflect(d, -n);
             blur += 0.4;
@@ -185,12 +127,10 @@ void main() {
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 p = place_of(has_motion ? x - texture(motion_buffer, uv).xyz : x);
     vec3 r = reflect(v, n);
-    float mirror = fresnel(-dot(n, v));
+    float mirror = fresnel(-dot(n, v), refraction);
     float open = openness(p + n, r, 30.0);
     vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r, roughness) + strip_light(r, roughness), open);
-    // More light falls on the body from above, and from the window behind the scene.
-    vec3 lamp = sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42)));
     float clear;
-    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp, clear);
+    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp_on(n), clear);
     colour = weight * vec4(held(mix(body, mirrored, mirror)), 1.0 - clear * (1.0 - mirror));
 }

@@ -1,5 +1,7 @@
-// A solid of glass: the ray is refracted into it, through its distance field, and out again, also through further walls of glass. What it
-// then meets (fluid, opaque solid, ground) has the colour that the image without glass shows there.
+// A solid of glass: the ray is refracted into it, through its distance field, and out again, also through fluid that touches the glass and
+// through further walls of glass. What it meets in the air (fluid, opaque solid, ground) has the colour that the image without glass shows
+// there.
+// constant: bool clear_fluid: light passes through the fluid
 in vec3 world;
 in vec3 world_normal;
 uniform mat4 to_clip;
@@ -13,19 +15,12 @@ uniform float glass_voxel;          // m
 uniform vec3 glass_size;            // voxels
 uniform bool has_fluid;             // the fluid has a distance field
 uniform float behind;               // distance behind the glass at which a flow without a distance field is assumed [m]; 0: none
-uniform float refraction;           // refractive index
-uniform vec3 absorption;            // 1/m
+uniform float glass_refraction;     // refractive index
+uniform vec3 glass_absorption;      // 1/m
 uniform float weight;
 layout(location = 0) out vec4 glass;
 
 const int background = 0, ground = 1, opaque = 2, fluid = 3;
-
-// Fraction of light that a surface reflects. @param facing cosine of the angle in air
-float fresnel(float facing) {
-    float f0 = (refraction - 1.0) / (refraction + 1.0), x = 1.0 - clamp(facing, 0.0, 1.0);
-    f0 *= f0;
-    return f0 + (1.0 - f0) * x * x * x * x * x;
-}
 
 float glass_distance(vec3 place) {
     vec3 half_size = 0.5 * (glass_size - 1.0);
@@ -41,7 +36,7 @@ vec3 glass_normal(vec3 x) {
 }
 
 // Distance from x, on the surface, along d through the glass to its surface [m].
-float way_out(vec3 x, vec3 d) {
+float way_in_glass(vec3 x, vec3 d) {
     vec3 from = glass_turn * x + glass_move, way = glass_turn * d;
     float t = 0.6 * glass_voxel, last_t = 0.0, last_f = 0.3 * glass_voxel;
     for (int i = 0; i < 48; ++i) {
@@ -127,46 +122,96 @@ vec3 light_from(vec3 x, vec3 d, float way, int kind) {
     return shown ? textureLod(seen, at, 0.0).rgb : surroundings(x, d, 0.02, 1.8);
 }
 
+// Whether the fluid touches the glass at x, on its surface.
+bool touches_fluid(vec3 x) { return has_fluid && near_distance(place_of(x)) < 0.5 + 0.1 * glass_voxel / voxel; }
+
+// Where a ray from x along d through air ends, if it does not meet glass: moves x to the glass, and returns whether there is any.
+// @param way output: m @param kind output: object that it meets
+bool meets_glass(inout vec3 x, vec3 d, out float way, out int kind) {
+    way = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6;
+    kind = way < 1e6 ? ground : background;
+    float to_opaque = has_solid_field ? way_to_opaque(x, d, way) : -1.0;
+    if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
+    float to_fluid = has_fluid ? way_to_fluid(x, d, way) : -1.0;
+    if (to_fluid >= 0.0) way = to_fluid, kind = fluid;
+    float to_glass = way_to_glass(x, d, way);
+    x += max(to_glass, 0.0) * d;
+    return to_glass >= 0.0;
+}
+
+// Moves x along d through the fluid to its surface. @return light that the fluid scatters back, as through_body()
+// @param kind output: ground or opaque, if the fluid lies on it there
+vec3 cross_fluid(inout vec3 x, vec3 d, vec3 lamp, inout vec3 through, out int kind) {
+    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6, way = voxel * way_out(place_of(x), d, to_floor / voxel);
+    kind = way >= to_floor ? ground : background;
+    float to_opaque = has_solid_field ? way_to_opaque(x, d, way + 1.5 * voxel) : -1.0;
+    if (to_opaque >= 0.0) way = min(way, to_opaque), kind = opaque;
+    vec3 light = through_body(place_of(x), d, way / voxel, lamp, through);
+    x += way * d;
+    return light;
+}
+
+const int in_air = 0, in_glass = 1, in_fluid = 2;
+
+float index_of(int medium) { return medium == in_air ? 1.0 : medium == in_glass ? glass_refraction : refraction; }
+
 void main() {
-    vec3 v = normalize(world - eye), n = normalize(world_normal), x = world, through = vec3(1.0);
+    vec3 v = normalize(world - eye), n = normalize(world_normal), x = world, through = vec3(1.0), light = vec3(0.0), lamp = vec3(0.0);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
-    float mirror = fresnel(-dot(n, v));
-    vec3 r = reflect(v, n), d = refract(v, n, 1.0 / refraction);
+    float mirror = fresnel(-dot(n, v), glass_refraction);
+    vec3 r = reflect(v, n), d = refract(v, n, 1.0 / glass_refraction);
     vec3 mirrored = min(surroundings(world, r, 0.02) + strip_light(r, 0.02), vec3(1.5));
-    bool inside = true;
+    int medium = in_glass, kind = background;
     float way = 0.0;
-    int kind = background;
-    for (int turn = 0; turn < 9; ++turn) {
-        if (inside) {
-            way = way_out(x, d);
-            through *= exp(-absorption * way);
-            x += way * d;
+    for (int turn = 0; turn < 12; ++turn) {
+        int beyond = in_air;   // medium on the other side of the surface that the ray meets, of normal n
+        if (medium == in_air) {
+            if (!meets_glass(x, d, way, kind)) break;
+            kind = background;
             n = glass_normal(x);
-            float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
-            if (square < 0.0) {  // total reflection
-                d = reflect(d, n);
-                continue;
-            }
-            through *= 1.0 - fresnel(sqrt(square));
-            d = normalize(refraction * d + (sqrt(square) - refraction * leaving) * n);
-            inside = false;
+            if (dot(n, d) > 0.0) n = -n;
+            through *= 1.0 - fresnel(-dot(n, d), glass_refraction);
+            d = refract(d, n, 1.0 / glass_refraction);
+            medium = in_glass;
             continue;
         }
-        way = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6;
-        kind = way < 1e6 ? ground : background;
-        float to_opaque = has_solid_field ? way_to_opaque(x, d, way) : -1.0;
-        if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
-        float to_fluid = has_fluid ? way_to_fluid(x, d, way) : -1.0;
-        if (to_fluid >= 0.0) way = to_fluid, kind = fluid;
-        float to_glass = way_to_glass(x, d, way);
-        if (to_glass < 0.0) break;
-        x += to_glass * d;
-        n = glass_normal(x);
-        kind = background;
-        through *= 1.0 - fresnel(-dot(n, d));
-        d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
-        inside = true;
+        if (medium == in_glass) {
+            way = way_in_glass(x, d);
+            through *= exp(-glass_absorption * way);
+            x += way * d;
+            n = glass_normal(x);
+            if (touches_fluid(x)) {
+                beyond = in_fluid;
+                if (!clear_fluid) {
+                    kind = fluid;
+                    way = 0.0;
+                    break;
+                }
+                lamp = lamp_on(-n);
+            }
+        } else {
+            light += cross_fluid(x, d, lamp, through, kind);
+            way = 0.0;
+            if (kind != background || max(through.r, max(through.g, through.b)) < 0.003) break;
+            bool at_glass = glass_distance(glass_turn * x + glass_move) < 0.5 * voxel + 0.1 * glass_voxel;
+            if (at_glass) beyond = in_glass;
+            n = at_glass ? -glass_normal(x) : field_normal(place_of(x));
+        }
+        float ratio = index_of(medium) / index_of(beyond), leaving = dot(d, n), square = 1.0 - ratio * ratio * (1.0 - leaving * leaving);
+        float inner = square > 0.0 ? fresnel(ratio > 1.0 ? sqrt(square) : leaving, ratio) : 1.0;
+        if (medium == in_fluid) light += inner * through * lamp * scatter * 0.7;
+        if (square < 0.0) {   // total reflection
+            d = reflect(d, n);
+        } else {
+            through *= 1.0 - inner;
+            d = normalize(ratio * d + (sqrt(square) - ratio * leaving) * n);
+            medium = beyond;
+        }
+        if (square < 0.0) n = -n;
+        // Into the medium, or a grazing ray would leave it at once.
+        if (medium == in_fluid) x += (near_distance(place_of(x)) + 0.4) * voxel * n;
+        if (medium == in_glass) x += (glass_distance(glass_turn * x + glass_move) + 0.4 * glass_voxel) * n;
     }
     if (behind > 0.0 && kind <= ground) kind = fluid, way = min(way, behind);
-    glass = weight * vec4(mix(through * light_from(x, d, way, kind), mirrored, mirror), 1.0);
+    glass = weight * vec4(mix(light + through * light_from(x, d, way, kind), mirrored, mirror), 1.0);
 }

@@ -83,10 +83,11 @@ ColourField::ColourField(Span<const Vec3f> position, double spacing, double radi
     });
 }
 
-void LocalField::gather(const ColourField& field, const Vec3f& low, const Vec3f& high) {
+void LocalField::gather(const ColourField& field, const Vec3f& low, const Vec3f& high, bool at_glass) {
     const ParticleRows& p = field.particles();
     reach = field.reach();
-    const Vec3f from = low.array() - reach, to = high.array() + reach;
+    const float margin = reach + (at_glass ? 1.5f * wetting() : 0);
+    const Vec3f from = low.array() - margin, to = high.array() + margin;
     x.clear(), y.clear(), z.clear(), height.clear(), inverse_R2.clear();
     p.runs(from, to, [&](Index begin, Index end) {
         for (Index j = begin; j < end; ++j) {
@@ -116,6 +117,23 @@ LocalField::Sample LocalField::at(const Vec3f& at) const {
         gz += slope * dz;
     }
     return {c, -6 * Vec3f(gx, gy, gz), company};
+}
+
+LocalField::Sample LocalField::at(const Vec3f& here, const Cut& near, float iso) const {
+    Sample sample = at(here);
+    if (!near.any()) return sample;
+    if (near.any_glass()) {
+        const Vec3f away = near.off_glass(here, wetting()), way = away - here;
+        if (way.squaredNorm() > 0) {
+            Sample wet = at(away);
+            wet.gradient -= wet.gradient.dot(way) / way.squaredNorm() * way;
+            if (wet.colour > sample.colour) sample = wet;
+        }
+    }
+    const Cut::Side side = near.at(here);
+    const float most = cut_colour(side.inside(here), iso, reach);
+    if (most < sample.colour) sample = {most, side.inward / reach, sample.company};
+    return sample;
 }
 
 }  // namespace whorl

@@ -14,6 +14,7 @@
 /// of 1.1 d. So R_j is 2 d if a particle has many neighbours, and grows to 2.4 d if it has few. A single file of particles then stays in
 /// one piece up to distances of 2.5 d, droplets of a few particles keep their size, and thick threads stay apart down to 1 d. A lone
 /// particle is drawn smaller the farther it is from all others, because real spray is finer than the spacing.
+#include "render/surface/ghosts.h"
 #include "render/surface/particle_rows.h"
 
 namespace whorl {
@@ -39,7 +40,8 @@ private:
 /// Copy of the particles that the field needs within a box, for many fast evaluations there.
 class LocalField {
 public:
-    void gather(const ColourField& field, const Vec3f& low, const Vec3f& high);
+    /// @param at_glass for points that Cut::off_glass() moves, too
+    void gather(const ColourField& field, const Vec3f& low, const Vec3f& high, bool at_glass = false);
 
     struct Sample {
         float colour;
@@ -47,6 +49,11 @@ public:
         float company;   ///< sum of kernels of the largest R: 4.3 at a flat surface, 3.9 at a thread of radius 2.5 d, 1.6 at a single file
     };
     Sample at(const Vec3f& x) const;
+    /// The field at x near the cut: no more than cut_colour(), and at glass no less than half a kernel's radius away from it, because fluid
+    /// wets glass but its particles keep a distance.
+    Sample at(const Vec3f& x, const Cut& near, float iso) const;
+    /// Distance from glass over which the field is constant [m].
+    float wetting() const { return 0.42f * reach; }
 
     std::vector<float> x, y, z, height, inverse_R2;
     float reach = 0;

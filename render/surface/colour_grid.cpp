@@ -69,10 +69,12 @@ bool is_deep(const LocalField& local, const Vec3f& low, float voxel) {
     return true;
 }
 
-void cut_off(const Cut& cut, const Vec3f& low, float voxel, float iso, float reach, ColourBlock& block) {
+void cut_off(const Cut& cut, const LocalField& local, const Vec3f& low, float voxel, float iso, ColourBlock& block) {
     for (int n = 0; n < block_nodes; ++n) {
         const Vec3f x = low + voxel * ColourBlock::node(n);
-        block.value[n] = std::min(block.value[n], cut_colour(cut.at(x).inside(x), iso, reach));
+        const float inside = cut.at(x).inside(x);
+        if (cut.any_glass() && std::abs(inside) < local.wetting()) block.value[n] = local.at(x, cut, iso).colour;
+        else block.value[n] = std::min(block.value[n], cut_colour(inside, iso, local.reach));
     }
     block.least = *std::min_element(block.value, block.value + block_nodes);
     block.most = *std::max_element(block.value, block.value + block_nodes);
@@ -121,14 +123,14 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
             block.least = block.most = 0;
             return;
         }
-        local.gather(field, low, low.array() + voxel * (block_edge - 1));
+        local.gather(field, low, low.array() + voxel * (block_edge - 1), near.any_glass());
         if (voxel * 2 < 0.6f * local.reach && is_deep(local, low, voxel)) {
             std::fill(block.value, block.value + block_nodes, 1.0f);
             block.least = block.most = 1;
         } else {
             fill(local, voxel, block);
         }
-        if (near.any()) cut_off(near, low, voxel, iso, field.reach(), block);
+        if (near.any()) cut_off(near, local, low, voxel, iso, block);
     });
 }
 

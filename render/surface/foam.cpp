@@ -80,7 +80,7 @@ std::vector<FoamPoint> foam_points(const Frame& frame, float amount) {
             p.radius = d * (0.022f + 0.045f * size * size);
             p.opacity = spray ? opacity : bubble_opacity * opacity;
             for (int corner = 0; corner < 3 && cut.any(); ++corner)  // a corner has three walls
-                if (const Cut::Side& side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)
+                if (const Cut::Side side = cut.at(p.position); side.is_wall && side.inside(p.position) < p.radius)
                     p.position += (p.radius - side.inside(p.position)) * side.inward;
         }
     });

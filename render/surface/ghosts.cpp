@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "engine/core/parallel.h"
 
@@ -65,7 +67,10 @@ Cut::Cut(const Frame& frame) {
             for (const float way : {1.0f, -1.0f})
                 sides_.push_back({way * Vec3f::Unit(a), way > 0 ? frame.domain_min[a] : -frame.domain_max[a], false});
     for (const FrameSolid& solid : frame.solids) {
-        if (!solid.container || !solid.mesh) continue;
+        if (!solid.mesh) continue;
+        if (!solid.container && !solid.ground && solid.appearance.material == "glass" && !solid.mesh->triangle.empty())
+            glass_.push_back(std::make_shared<WallField>(solid, frame.spacing));
+        if (!solid.container) continue;
         for (Side side : walls_of(*solid.mesh, 0.03f * static_cast<float>(frame.spacing))) {
             side.inward = solid.rotation * side.inward;
             side.offset += side.inward.dot(solid.translation);
@@ -74,12 +79,27 @@ Cut::Cut(const Frame& frame) {
     }
 }
 
-const Cut::Side& Cut::at(const Vec3f& x) const {
-    const Side* nearest = &sides_.front();
-    float least = nearest->inside(x);
+Cut::Side Cut::at(const Vec3f& x) const {
+    const Side* nearest = nullptr;
+    float least = std::numeric_limits<float>::max();
     for (const Side& side : sides_)
         if (const float inside = side.inside(x); inside < least) nearest = &side, least = inside;
-    return *nearest;
+    const WallField* glass = nullptr;
+    for (const auto& wall : glass_)
+        if (const float inside = wall->distance(x); inside < least) glass = wall.get(), least = inside;
+    return glass != nullptr ? glass->side(x) : *nearest;
+}
+
+bool Cut::is_in_glass(const Vec3f& x, float depth) const {
+    return std::any_of(glass_.begin(), glass_.end(), [&](const auto& wall) { return wall->distance(x) < -depth; });
+}
+
+Vec3f Cut::off_glass(const Vec3f& x, float least) const {
+    Vec3f away = x;
+    for (int corner = 0; corner < 3; ++corner)  // a corner has three walls
+        for (const auto& wall : glass_)
+            if (const CutSide side = wall->side(away); side.inside(away) < least) away += (least - side.inside(away)) * side.inward;
+    return away;
 }
 
 Cut Cut::near(const Vec3f& x, float radius, float reach) const {
@@ -95,23 +115,29 @@ Cut Cut::near(const Vec3f& x, float radius, float reach) const {
         });
         if (!is_hidden) some.sides_.push_back(*side);
     }
+    std::copy_if(glass_.begin(), glass_.end(), std::back_inserter(some.glass_),
+                 [&](const auto& wall) { return wall->distance(x) < radius + reach; });
     return some;
 }
 
 Cut::Corner Cut::corner_at(const Vec3f& x, float reach) const {
     Corner corner;
+    std::vector<Side> of_glass;
+    for (const auto& wall : glass_) wall->add_sides(x, reach, of_glass);
+    corner.is_at_glass = !of_glass.empty();
     while (corner.count < 3) {
         const Side* nearest = nullptr;
         float least = reach;
-        for (const Side& side : sides_) {
-            const float inside = side.inside(x);
-            if (inside >= least) continue;
-            const bool across = std::all_of(corner.side.begin(), corner.side.begin() + corner.count,
-                                            [&](const Side* other) { return are_across(*other, side); });
-            if (across) nearest = &side, least = inside;
-        }
+        for (const std::vector<Side>* sides : {&sides_, &std::as_const(of_glass)})
+            for (const Side& side : *sides) {
+                const float inside = side.inside(x);
+                if (inside >= least) continue;
+                const bool across = std::all_of(corner.side.begin(), corner.side.begin() + corner.count,
+                                                [&](const Side& other) { return are_across(other, side); });
+                if (across) nearest = &side, least = inside;
+            }
         if (nearest == nullptr) break;
-        corner.side[corner.count++] = nearest;
+        corner.side[corner.count++] = *nearest;
     }
     return corner;
 }
@@ -119,6 +145,7 @@ Cut::Corner Cut::corner_at(const Vec3f& x, float reach) const {
 std::vector<Vec3f> Cut::images(const std::vector<Vec3f>& position, float margin) const {
     Cut walls;
     std::copy_if(sides_.begin(), sides_.end(), std::back_inserter(walls.sides_), [](const Side& side) { return side.is_wall; });
+    walls.glass_ = glass_;
     std::vector<Vec3f> image;
     if (!walls.any()) return image;
     const auto count = static_cast<Index>(position.size());
@@ -131,8 +158,9 @@ std::vector<Vec3f> Cut::images(const std::vector<Vec3f>& position, float margin)
             for (int some = 1; some < 1 << corner.count; ++some) {
                 Vec3f copy = x;
                 for (int k = 0; k < corner.count; ++k)
-                    if ((some >> k & 1) != 0) copy -= 2 * corner.side[k]->inside(x) * corner.side[k]->inward;
-                part[begin / block].push_back(copy);
+                    if ((some >> k & 1) != 0) copy -= 2 * corner.side[k].inside(x) * corner.side[k].inward;
+                // An image beyond the middle of a thin wall would appear on its other side.
+                if (!corner.is_at_glass || is_in_glass(copy, 0.4f * (copy - x).norm())) part[begin / block].push_back(copy);
             }
         }
     });
@@ -144,7 +172,7 @@ Vec3f Cut::onto_walls(const Vec3f& x, float reach) const {
     Vec3f moved = x;
     const Corner corner = corner_at(x, reach);
     for (int k = 0; k < corner.count; ++k)
-        if (corner.side[k]->is_wall) moved -= corner.side[k]->inside(moved) * corner.side[k]->inward;
+        if (corner.side[k].is_wall) moved -= corner.side[k].inside(moved) * corner.side[k].inward;
     return moved;
 }
 
@@ -152,8 +180,8 @@ Vec3f Cut::held(const Vec3f& original, const Vec3f& moved, float tolerance) cons
     Vec3f x = moved;
     const Corner corner = corner_at(original, tolerance);
     for (int k = 0; k < corner.count; ++k) {
-        if (!corner.side[k]->is_wall) return original;
-        x -= corner.side[k]->inside(x) * corner.side[k]->inward;
+        if (!corner.side[k].is_wall) return original;
+        x -= corner.side[k].inside(x) * corner.side[k].inward;
     }
     return x;
 }

@@ -178,16 +178,11 @@ void project(const ColourField& field, float iso, float voxel, const ColourGrid&
         thread_local LocalField local;
         const ColourBlock& block = grid.blocks()[marched.block[n]];
         const Vec3f low = block.low(voxel);
-        local.gather(field, low, low.array() + voxel * block_edge);
         const Cut near = cut.near(block.middle(voxel), ColourBlock::radius(voxel), field.reach());
+        local.gather(field, low, low.array() + voxel * block_edge, near.any_glass());
         for (Index v = marched.block_begin[n]; v < marched.block_begin[n + 1]; ++v) {
-            LocalField::Sample sample = local.at(mesh.position[v]);
+            const LocalField::Sample sample = local.at(mesh.position[v], near, iso);
             marched.bulk[v] = std::clamp((sample.company - lone_company) / (bulk_company - lone_company), 0.0f, 1.0f);
-            if (near.any()) {
-                const Cut::Side& side = near.at(mesh.position[v]);
-                const float most = cut_colour(side.inside(mesh.position[v]), iso, field.reach());
-                if (most < sample.colour) sample = {most, side.inward / field.reach(), 0};
-            }
             const float slope = sample.gradient.norm();
             if (slope * voxel < 1e-3f) {  // a saddle: the vertex is not moved
                 mesh.normal[v] = Vec3f::UnitY();

@@ -21,7 +21,7 @@ constexpr float edge_reach = 6;  // distance from an edge between walls within w
 /// Normals that differ little stay, so that the facets of a round wall are not visible.
 /// @return whether the vertex is on a wall and near such an edge
 bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal) {
-    const Cut::Side& side = cut.at(x);
+    const Cut::Side side = cut.at(x);
     if (!side.is_wall || side.inside(x) > touch * voxel || cut.count_at(x, edge_reach * voxel) < 2) return false;
     const Vec3f outward = -side.inward;
     const float kept = std::clamp((outward.dot(normal) - 0.95f) / 0.04f, 0.0f, 1.0f);  // from 18 to 8 degrees
@@ -112,7 +112,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
             Vec3f& x = surface.mesh.position[v];
             x = near.held(sharp[v], x, touch * voxel);
             // A vertex that slid along a facet of a round wall may be beyond the next facet.
-            if (const Cut::Side& side = near.at(x); side.is_wall && side.inside(x) < 0) x -= side.inside(x) * side.inward;
+            if (const Cut::Side side = near.at(x); side.is_wall && side.inside(x) < 0) x -= side.inside(x) * side.inward;
         });
         set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk, sides);
         std::vector<char> on_wall(sharp.size(), 0);

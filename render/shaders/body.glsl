@@ -1,0 +1,66 @@
+// The inside of a transparent fluid.
+uniform float refraction;    // refractive index
+uniform float roughness;
+uniform vec3 absorption;     // 1/voxel
+uniform vec3 scatter;
+uniform float haze;          // 1/voxel
+
+// Fraction of light that a surface reflects. @param facing cosine of the angle on the side of the smaller index @param ratio of the indices
+float fresnel(float facing, float ratio) {
+    float f0 = (ratio - 1.0) / (ratio + 1.0);
+    f0 *= f0;
+    float x = 1.0 - clamp(facing, 0.0, 1.0), x2 = x * x;
+    return f0 + (1.0 - f0) * x2 * x2 * x;
+}
+
+// Distance from p, inside the fluid, along d to the surface [voxels].
+float way_out(vec3 p, vec3 d, float limit) {
+    float t = 0.6, last_t = 0.0, last_f = 0.3;
+    for (int i = 0; i < 28; ++i) {
+        float f = -near_distance(p + t * d);
+        if (f < 0.0) {
+            float middle = mix(last_t, t, last_f / (last_f - f)), g = -near_distance(p + middle * d);
+            return g < 0.0 ? mix(last_t, middle, last_f / (last_f - g)) : mix(middle, t, g / (g - f));
+        }
+        last_t = t;
+        last_f = f;
+        t += max(f, 0.4);
+        if (t > limit) return limit;
+    }
+    return t;
+}
+
+// Light of the lamp that inks along a path of length `way` [voxels] scatter back. Multiplies `through` by the transmitted fraction. Inks
+// replace the fluid, so thick inks look like paint. The inks and the fluid contribute to the colour in proportion to their scattering;
+// clear water has none.
+vec3 through_inks(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
+    const int parts = 8;
+    vec3 light = vec3(0.0);
+    float from = 0.0;
+    for (int i = 0; i < parts; ++i) {
+        // Steps are finer near p, where the light comes out.
+        float to = way * pow(float(i + 1) / float(parts), 2.0), length_of = to - from;
+        vec3 at = p + 0.5 * (from + to) * d, c = inks_at(world_of(at));
+        float amount = min(c.r + c.g + c.b, 1.0), cloud = haze * (1.0 - amount) + ink_haze * amount, milk = 1.0 - exp(-cloud * length_of);
+        vec3 clear = absorption * (1.0 - amount);
+        light += through * milk * lamp * inked(scatter, ink_haze / max(cloud, 1e-9) * c) * exp(-clear * 1.2 * max(-far_distance(at), 0.0));
+        through *= exp(-(clear + 0.3 * ink_absorption * c) * length_of) * (1.0 - milk);
+        from = to;
+    }
+    return light;
+}
+
+// Light of the lamp that the fluid along a path of length `way` [voxels] scatters back. Multiplies `through` by the transmitted fraction.
+vec3 through_body(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
+    if (has_inks) return through_inks(p, d, way, lamp, through);
+    // The glow comes from a depth that light of every colour can leave, not from the middle of a thick body.
+    vec3 middle = p + min(0.5 * way, 0.5 / max(absorption.g, 1e-4)) * d;
+    float depth = max(-far_distance(middle), 0.0);
+    float milk = 1.0 - exp(-haze * way);
+    vec3 light = through * milk * lamp * scatter * exp(-absorption * 1.2 * depth);
+    through *= exp(-absorption * way) * (1.0 - milk);
+    return light;
+}
+
+// Light that falls on the body where its outward normal is n: more from above, and from the window behind the scene.
+vec3 lamp_on(vec3 n) { return sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42))); }
