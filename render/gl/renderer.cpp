@@ -49,7 +49,7 @@ struct Shot {
     float aspect = 1;
     bool blurred = false;    ///< the sum of the samples is blurred along the motion
     bool has_age = false;    ///< the fluid's surface has ages
-    bool has_crust = false;  ///< the fluid's surface has positions on crust plates
+    bool has_crust = false;  ///< the fluid's surface has plates of crust
     std::vector<EmissivePatch> patches;
     std::set<Pattern> patterns;  ///< textures of the solids
     std::string constants;       ///< GLSL constants of all programs
@@ -297,7 +297,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
               aspect,
               seen.open < view.open && !shows_field(look),
               !surface.age.empty(),
-              !surface.crust.empty() && !shows_field(look),
+              !surface.crust.nearest.empty() && !shows_field(look),
               {},
               {},
               lighting.constants(look) + gl::constant("draws_behind", seen.blurs()) + gl::constant("transparent", is_transparent(look))};
@@ -353,7 +353,7 @@ void Renderer::Device::draw_from(const Shot& shot, int sample) {
 
     const bool keeps_more = shot.has_crust || shot.keeps_motion();
     if (keeps_more && crust.id() == 0) {
-        crust = gl::texture_2d(GL_RGBA16F, width, height, false);
+        crust = gl::texture_2d(GL_RGBA32F, width, height, false);
         crusted_geometry = gl::framebuffer({solid.id(), normal.id(), crust.id()}, depth.id());
     }
     const gl::Framebuffer& things = keeps_more ? crusted_geometry : geometry;
@@ -515,7 +515,10 @@ void Renderer::Device::set_body(gl::Program& program, const Material& material) 
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
     const Material& material = shot.material;
-    gl::Program& program = (refracts(material) ? liquid : opaque).with(shot.constants + gl::constant("scatters", material.scattering > 0));
+    const bool crusted = shot.has_crust && material.cooling > 0 && !refracts(material);
+    gl::Program& program =
+        (refracts(material) ? liquid : opaque)
+            .with(shot.constants + gl::constant("scatters", material.scattering > 0) + gl::constant("has_crust", crusted));
     set_studio(program, shot);
     if (material.scattering > 0) set_scattering(program, material, field.voxel());
     field.bind(program, field_unit);
@@ -525,7 +528,7 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.texture("crust_buffer", 3, GL_TEXTURE_2D, crust.id());
     program.texture("motion_buffer", 3, GL_TEXTURE_2D, crust.id());
     program.set("has_motion", shot.keeps_motion() ? 1 : 0);
-    program.set("has_crust", shot.has_crust && material.cooling > 0 ? 1 : 0);
+    if (crusted) scene.bind_crust(program, 0);
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("to_clip", matrix);
     program.set("weight", weight);

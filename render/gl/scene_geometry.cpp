@@ -14,7 +14,7 @@ constexpr float solid_tolerance = 1e-4f;  // m: solids are cut this far below th
 /// Fills in a mesh with the surface's values per vertex; missing values are 0.
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, const Surface& surface) {
     std::vector<float> age = surface.age;
-    std::vector<CrustPlace> crust = surface.crust;
+    std::vector<std::array<float, 4>> crust = surface.crust.nearest;
     std::vector<Vec3f> velocity = surface.velocity;
     const std::size_t n = mesh.position.size();
     age.resize(n);
@@ -26,6 +26,18 @@ void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, const Surfa
                    {n > 0 ? crust[0].data() : nullptr, 4 * n},
                    gl::numbers(velocity)},
                   n > 0 ? mesh.triangle[0].data() : nullptr, 3 * mesh.triangle.size());
+}
+
+constexpr int plates_per_row = 256;
+static_assert(sizeof(CrustPlate) == 8 * sizeof(float));
+
+/// Stores CrustPlate's eight numbers in two texels.
+gl::Texture texture_of(std::vector<CrustPlate> plates) {
+    const int rows = static_cast<int>((plates.size() + plates_per_row - 1) / plates_per_row);
+    plates.resize(static_cast<std::size_t>(rows) * plates_per_row);
+    gl::Texture texture = gl::texture_2d(GL_RGBA32F, 2 * plates_per_row, rows, false);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 2 * plates_per_row, rows, GL_RGBA, GL_FLOAT, plates.data());
+    return texture;
 }
 
 /// Pose after t [s] at constant velocity u and spin w: R' = exp([phi]x) R, T' = T + J(phi) u t, with phi = w t and J the left Jacobian of
@@ -77,7 +89,16 @@ void SceneGeometry::fill(const Frame& frame, const Surface& surface) {
         for (const Index v : surface.edge) sided.normal[v] *= 0.02f;
         fill_vertices(fluid_, sided, surface);
     }
+    if (!surface.crust.plate.empty()) plates_ = texture_of(surface.crust.plate);
+    spacing_ = frame.spacing;
     fill(frame, Shape::surface, bounds_of(surface.mesh.position));
+}
+
+void SceneGeometry::bind_crust(gl::Program& program, int unit) const {
+    program.texture("plates", unit, GL_TEXTURE_2D, plates_.id());
+    program.set("plates_per_row", plates_per_row);
+    program.set("spacing", spacing_);
+    program.set("moment", moment_);
 }
 
 void SceneGeometry::fill(const Frame& frame, const std::vector<Vec3f>& colour, const Bounds& fluid) {

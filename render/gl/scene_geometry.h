@@ -21,6 +21,8 @@ public:
     void go_to(float moment) { moment_ = moment; }
     /// Draws the fluid with a program of mesh.vert whose view_projection is set; particles are drawn as points.
     void draw_fluid(gl::Program& program) const;
+    /// Sets the uniforms of crust.glsl; uses one texture unit.
+    void bind_crust(gl::Program& program, int unit) const;
     bool are_particles() const { return shape_ == Shape::particles; }
     /// Draws the containers or the opaque solids, those that are `wanted` (default: all). `prepare` sets the program's uniforms for each.
     void draw_solids(gl::Program& program, bool containers, const std::function<void(const FrameSolid&)>& prepare,
@@ -56,6 +58,8 @@ private:
     const Model& model(const std::shared_ptr<const TriangleMesh>& mesh);
 
     gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}};
+    gl::Texture plates_;  // two texels per plate: middle and radius; velocity and random number
+    float spacing_ = 0;   ///< m
     Shape shape_ = Shape::surface;
     float moment_ = 0;  ///< s
     std::map<const TriangleMesh*, Model> models_;

@@ -34,7 +34,7 @@ const std::vector<std::pair<std::string, Material>>& fluid_presets() {
         chocolate.softness = 0.35f;
         Material lava;
         lava.refracts = false;
-        lava.colour = {0.04f, 0.022f, 0.016f};
+        lava.colour = {0.034f, 0.027f, 0.023f};
         lava.emission = {3.2f, 0.70f, 0.05f};
         lava.roughness = 1;
         lava.cooling = 1.5f;

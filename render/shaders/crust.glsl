@@ -1,34 +1,92 @@
-// The crust of a cooling fluid: plates that separate and show hot fluid between them (render/surface/vertex_values.h).
+// The crust of a cooling fluid: plates that separate and show hot fluid between them (Crust in render/surface/vertex_values.h).
+// constant: bool has_crust
 uniform vec3 emission;
-uniform float cooling;       // s in which hot fluid loses most of its glow; 0: the fluid has no ages
-uniform bool has_crust;      // crust_buffer has the positions on the plates
-uniform sampler2D crust_buffer;
+uniform float cooling;           // s in which hot fluid loses most of its glow; 0: the fluid has no ages
+uniform sampler2D crust_buffer;  // the four nearest plates
+uniform sampler2D plates;        // two texels per plate: middle and radius [m]; velocity [m/s] and random number
+uniform int plates_per_row;
+uniform float spacing;           // m
+uniform float moment;            // s after the frame's time
 
 struct Crust {
     float cold;     // 0 liquid .. 1 crust
-    float outside;  // heat of the surface, 0 .. 1
-    float inside;   // heat inside cracks, 0 .. 1
-    float crack;    // 0 closed .. 1 open
+    float heat;     // of the surface, 0 .. 1
     float shade;    // factor of the colour
-    float height;   // relief [spacings]
+    float height;   // relief [m]
+};
+
+struct Plate {
+    vec3 place;    // position relative to its middle [spacings]
+    float away;    // distance of which the plate's is the smallest [spacings]
+    float number;  // random, 0 to 1
 };
 
 // Radiance of a glowing body, yellower if it is hotter. Duplicated in render/look/material.cpp.
 vec3 glow_of(float heat) { return emission * vec3(0.5, 1.0, 2.0) * pow(vec3(clamp(heat, 0.0, 1.0)), vec3(1.2, 2.4, 4.0)); }
 
-// @param place distances from the edges of the large and the small plate [spacings], random number of the large plate, a number that varies
-// from particle to particle (both 0 to 1) @param age s
-Crust crust_at(vec4 place, float age) {
+// @param width of a pixel [spacings]
+Plate plate_at(float index, vec3 x, float width) {
+    if (index < 0.0) return Plate(vec3(0.0), 1e3, 0.0);
+    int i = int(index);
+    ivec2 texel = ivec2(2 * (i % plates_per_row), i / plates_per_row);
+    vec4 middle = texelFetch(plates, texel, 0), motion = texelFetch(plates, texel + ivec2(1, 0), 0);
+    vec3 place = (x - middle.xyz - moment * motion.xyz) / spacing;
+    // Ragged edges.
+    float ragged = 0.7 * noise(0.4 * place + 37.0 * motion.w, 0.4 * width) + 0.6 * noise(1.7 * place + 53.0 * motion.w, 1.7 * width);
+    return Plate(place, length(place) - middle.w / spacing + ragged, motion.w);
+}
+
+struct Crack {
+    float edge;   // distance from the line where two plates met [spacings]
+    float gape;   // half of the width [spacings]
+    float heat;   // of the fluid in it, 0 .. 1
+};
+
+// A pair of plates breaks apart at its own age. The crack gapes, then darkens and heals. @param old age/cooling
+Crack crack_between(Plate own, Plate other, float old) {
+    float apart = distance(normalize(own.place + 1e-4), normalize(other.place + 1e-4));
+    float pair = fract(own.number + other.number), strength = fract(7.0 * pair + 0.3);
+    float since = old - (pair < 0.5 ? 0.3 : 0.5 + 9.0 * (pair - 0.5)), healing = max(since, 0.0);
+    Crack c;
+    c.edge = other.away < 1e3 ? (other.away - own.away) / max(apart, 0.25) : 1e3;
+    c.gape = max((0.15 + 1.5 * strength * strength) * smoothstep(0.0, 0.6, since) * exp(-0.28 * healing) - 0.06, 0.0);
+    c.gape *= smoothstep(0.15, 0.5, apart);  // the line is undetermined between two middles in the same direction
+    c.heat = exp(-0.16 * healing) * smoothstep(-0.05, 0.3, since);
+    return c;
+}
+
+// @param x position [m] @param age s @param width of a pixel [m]
+Crust crust_at(vec4 nearest, vec3 x, float age, float width) {
+    width /= spacing;
+    Plate own = plate_at(nearest[0], x, width), other[3];
+    for (int k = 0; k < 3; ++k) {
+        other[k] = plate_at(nearest[k + 1], x, width);
+        if (other[k].away < own.away) {
+            Plate nearer = other[k];
+            other[k] = own;
+            own = nearer;
+        }
+    }
+    vec3 at = own.place + 91.0 * own.number;
+    float rough = layers(0.8 * at, 0.8 * width), grain = layers(4.0 * at, 4.0 * width);
+    float old = age / cooling, groove = 1e3, fire = 0.0, rim = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        Crack crack = crack_between(own, other[k], old);
+        float beside = crack.edge - crack.gape;
+        // The middle is the hottest. A crack thinner than a pixel is faint.
+        float inside = 1.0 - smoothstep(-0.5 * width, 0.5 * width + 0.02, beside), thin = clamp(2.0 * crack.gape / width, 0.0, 1.0);
+        fire = max(fire, inside * thin * crack.heat * (1.0 - 0.45 * clamp(crack.edge / max(crack.gape, 1e-3), 0.0, 1.0)));
+        rim = max(rim, crack.heat * smoothstep(0.0, 0.4, crack.gape) * exp(-4.0 * max(beside, 0.0)));
+        groove = min(groove, beside);
+    }
     Crust c;
-    float old = age / cooling, rough = place.w - 0.5;
-    c.cold = smoothstep(0.4, 1.5, old + 1.2 * rough + 0.5 * (place.z - 0.5));
-    c.outside = exp(-1.2 * old) * (1.0 - 0.8 * c.cold);
-    c.inside = (0.5 + 0.5 * place.w) * exp(-0.2 * old);
-    // Cracks are ragged, wide at some points and closed at others, and close with age.
-    float wide = 1.0 - smoothstep(0.0, 0.15 + 0.75 * place.w * place.w * exp(-0.1 * old), place.x + 0.5 * rough);
-    float narrow = 1.0 - smoothstep(0.0, 0.1 + 0.4 * place.w, place.y + 0.4 * rough);
-    c.crack = c.cold * max(wide, 0.6 * narrow * smoothstep(0.4, 0.9, place.z));
-    c.shade = (0.6 + 0.8 * place.z) * (0.7 + 0.6 * place.w);
-    c.height = c.cold * (0.4 * smoothstep(0.0, 1.6, place.x) + 0.2 * smoothstep(0.0, 0.9, place.y) + 0.6 * place.w);
+    c.cold = smoothstep(0.7, 1.5, old + 0.9 * (rough - 0.5) + 0.15 * min(groove, 3.0));
+    c.heat = max(exp(-1.2 * old) * (1.0 - 0.85 * c.cold), c.cold * max(fire * (0.8 + 0.4 * rough), 0.25 * rim));
+    c.shade = (0.55 + 0.9 * own.number) * (0.5 + 0.6 * rough + 0.4 * grain);
+    // Ropes: folds along lines of equal age, across the flow.
+    float rope = 0.2 * smoothstep(0.3, 0.8, fract(5.0 * own.number)) * sin(32.0 * age + 9.0 * rough);
+    vec3 tilt = fract(vec3(17.0, 29.0, 43.0) * own.number) - 0.5;
+    float relief = 0.5 + 0.5 * clamp(dot(own.place, tilt), -2.0, 2.0) + 0.9 * rough + 0.2 * grain + rope;
+    c.height = spacing * relief * smoothstep(0.3, 0.9, c.cold) * smoothstep(0.0, 0.7, groove);
     return c;
 }

@@ -2,7 +2,7 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float age;     // age of the fluid [s]; 0 if unknown
-layout(location = 3) in vec4 crust;    // position on the fluid's crust (CrustPlace in render/surface/vertex_values.h)
+layout(location = 3) in vec4 crust;    // plates of the fluid's crust (Crust::nearest in render/surface/vertex_values.h)
 layout(location = 4) in vec3 velocity;  // velocity of the fluid [m/s]
 uniform float moment;       // s after the frame's time
 uniform mat4 view_projection;
@@ -16,7 +16,7 @@ out vec3 world_normal;
 out vec3 own;
 out vec3 own_normal;
 out float fluid_age;
-out vec4 fluid_crust;
+flat out vec4 fluid_crust;  // of one corner
 out vec3 moved;             // displacement since the frame's time [m]
 out float gl_ClipDistance[1];
 invariant gl_Position;  // passes compare depths

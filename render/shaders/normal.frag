@@ -2,7 +2,7 @@
 in vec3 world;
 in vec3 world_normal;
 in float fluid_age;
-in vec4 fluid_crust;
+flat in vec4 fluid_crust;
 in vec3 moved;
 uniform vec3 eye;
 uniform bool keeps_motion;

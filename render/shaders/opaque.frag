@@ -86,14 +86,14 @@ void main() {
     vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = octahedral_decode(g.xy);
     Crust crust;
     if (has_crust) {
-        crust = crust_at(texture(crust_buffer, uv), g.z);
-        n = in_relief(n, x, 2.0 * voxel * crust.height);
+        crust = crust_at(texelFetch(crust_buffer, ivec2(gl_FragCoord.xy), 0), x, g.z, pixel_angle * g.a / max(-dot(n, v), 0.1));
+        n = normalize(mix(n, in_relief(n, x, crust.height), smoothstep(0.05, 0.35, -dot(n, v))));
     }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);
     vec3 body = has_inks ? inks_at(x) : body_colour;
     float matt = roughness;
-    if (has_crust) body *= crust.shade, matt = mix(0.5, 1.0, crust.cold);
+    if (has_crust) body *= crust.shade, matt = mix(0.8, 1.0, smoothstep(0.0, 0.3, crust.cold));
     vec3 l = front_light * studio;  // from studio axes to the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {
@@ -109,11 +109,12 @@ void main() {
     vec3 diffuse = scatters && has_field ? scattered(x, n, l, body, around, sky_on(-n)) : body * (around + 1.5 * key_colour * wrapped * lit * bled);
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
+    if (has_crust) mirror *= 1.0 - smoothstep(0.0, 0.3, crust.cold);
     // A rough body spreads its reflection over more directions, so that each gets less.
     vec3 mirrored = (surroundings(x, r, matt) + (1.0 - matt) * strip_light(r, matt)) * seen * (1.0 - 0.75 * matt) * (1.0 - 0.85 * smoothstep(0.75, 1.0, matt));
-    // The fluid is hot in folds, away from the cold air, and crusted in the open. New fluid is hot everywhere. Hotter fluid is yellower.
+    // A fluid without a crust is hot in folds, away from the cold air. New fluid is hot everywhere. Hotter fluid is yellower.
     vec3 glow = emission * pow(1.0 - 0.9 * open, 2.0);
-    if (has_crust) glow = glow_of(max(crust.outside, crust.inside * max(crust.crack, pow(1.0 - 0.9 * open, 2.0))));
+    if (has_crust) glow = glow_of(crust.heat);
     else if (cooling > 0.0) glow = glow * exp(-0.5 * (g.z) / cooling) + 0.45 * emission * exp(-(g.z) / cooling * vec3(1.0, 1.6, 2.4));
     colour = weight * vec4(held(diffuse + glow + mirror * mirrored), 1.0);
 }

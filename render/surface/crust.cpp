@@ -9,77 +9,56 @@
 namespace whorl {
 namespace {
 
-constexpr float large_plate = 7, small_plate = 3;  // widths [spacings]
-constexpr float beyond = 10;                       // edge distance if no edge is found [spacings]
+constexpr float plate_distance = 4.5f;  // mean distance of the middles of plates [spacings]
+constexpr float largest_plate = 6;      // radius of a plate [spacings]
+constexpr float plate_reach = largest_plate + 1.6f * plate_distance;
 
-struct Plate {
-    float edge = beyond;  ///< spacings
-    Index middle = -1;    ///< index among the middles; -1: none
-};
+/// Plates in ascending order of their distance.
+struct Nearest {
+    std::array<float, 4> plate{-1, -1, -1, -1}, away{plate_reach, plate_reach, plate_reach, plate_reach};
 
-/// The particles that are middles of plates of a given width.
-struct Middles {
-    Middles(Span<const Vec3f> particle, Span<const float> grain, float width, float spacing)
-        : reach(2.5f * width * spacing), position(chosen(particle, grain, width)), rows(position, reach) {}
-
-    /// Plate of the nearest middle. The bisecting plane to another middle bounds it; `edge` is the distance to the nearest such plane.
-    Plate at(const Vec3f& x) const {
-        Plate plate;
-        float nearest = reach * reach;
-        visit(x, [&](Index i, float d2) {
-            if (d2 < nearest) nearest = d2, plate.middle = i;
-        });
-        if (plate.middle < 0) return plate;
-        plate.edge = reach;
-        const Vec3f own = position[plate.middle];
-        visit(x, [&](Index i, float d2) {
-            if (i == plate.middle) return;
-            // (|x - b|^2 - |x - a|^2) / (2 |b - a|): the distance to the plane, linear in x.
-            plate.edge = std::min(plate.edge, 0.5f * (d2 - nearest) / std::max((position[i] - own).norm(), 1e-9f));
-        });
-        return plate;
-    }
-
-    const float reach;  ///< m
-    const std::vector<Vec3f> position;
-
-private:
-    const ParticleRows rows;
-
-    static std::vector<Vec3f> chosen(Span<const Vec3f> particle, Span<const float> grain, float width) {
-        const float share = 1 / (width * width * width);
-        std::vector<Vec3f> middles;
-        for (std::size_t i = 0; i < particle.size(); ++i)
-            if (grain[i] < share) middles.push_back(particle[i]);
-        return middles;
-    }
-
-    template <class F>
-    void visit(const Vec3f& x, F&& f) const {
-        rows.near(x, reach, [&](Index i, const Vec3f& r) { f(rows.original[i], r.squaredNorm()); });
+    void add(Index i, float distance) {
+        for (std::size_t k = 0; k < plate.size(); ++k) {
+            if (!(distance < away[k])) continue;
+            std::copy_backward(plate.begin() + k, plate.end() - 1, plate.end());
+            std::copy_backward(away.begin() + k, away.end() - 1, away.end());
+            plate[k] = static_cast<float>(i), away[k] = distance;
+            return;
+        }
     }
 };
-
-/// Derives another number between 0 and 1 from the later digits of one.
-float further(float number, float factor) { return number * factor - std::floor(number * factor); }
 
 }  // namespace
 
-std::vector<CrustPlace> crust_places(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const float> grain, float spacing) {
-    std::vector<float> other(grain.size()), of_large;
+Crust crust_of(Span<const Vec3f> vertex, const Frame& frame, Span<const float> grain) {
+    constexpr float share = 1 / (plate_distance * plate_distance * plate_distance);
+    Crust crust;
+    std::vector<Vec3f> middle;
     for (std::size_t i = 0; i < grain.size(); ++i) {
-        other[i] = further(grain[i], 97);
-        if (grain[i] < 1 / (large_plate * large_plate * large_plate)) of_large.push_back(further(grain[i], 5501));
+        if (!(grain[i] < share)) continue;
+        const float number = grain[i] / share;
+        crust.plate.push_back({frame.position[i], largest_plate * std::pow(number, 4.0f) * frame.spacing, frame.velocity[i], number});
+        middle.push_back(frame.position[i]);
     }
-    const std::vector<float> varied = values_at(vertex, particle, other, 1.5f * spacing);
-    const Middles large(particle, grain, large_plate, spacing), small(particle, other, small_plate, spacing);
-    std::vector<CrustPlace> places(vertex.size());
+    const ParticleRows rows(middle, plate_reach * frame.spacing);
+    // Of two middles close together the larger plate swallows the other: the line between them would be undetermined.
+    const float close = 0.8f * plate_distance * frame.spacing;
+    std::vector<float> shrinks(middle.size(), 0);
+    for (std::size_t k = 0; k < middle.size(); ++k)
+        rows.near(middle[k], close, [&](Index i, const Vec3f& r) {
+            if (crust.plate[rows.original[i]].number > crust.plate[k].number) shrinks[k] = std::max(shrinks[k], close - r.norm());
+        });
+    for (std::size_t k = 0; k < middle.size(); ++k) crust.plate[k].radius -= shrinks[k];
+    crust.nearest.resize(vertex.size());
     parallel_for(static_cast<Index>(vertex.size()), [&](Index v) {
-        const Plate a = large.at(vertex[v]), b = small.at(vertex[v]);
-        const float number = a.middle < 0 ? 0.5f : of_large[a.middle];
-        places[v] = {a.edge / spacing, b.edge / spacing, number, std::clamp(0.5f + 2 * (varied[v] - 0.5f), 0.0f, 1.0f)};
+        Nearest nearest;
+        rows.near(vertex[v], plate_reach * frame.spacing, [&](Index i, const Vec3f& r) {
+            const Index plate = rows.original[i];
+            nearest.add(plate, (r.norm() - crust.plate[plate].radius) / frame.spacing);
+        });
+        crust.nearest[v] = nearest.plate;
     });
-    return places;
+    return crust;
 }
 
 }  // namespace whorl

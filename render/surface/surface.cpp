@@ -124,7 +124,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
         if (const auto grain = frame.scalar.find("grain"); grain != frame.scalar.end())
-            surface.crust = crust_places(surface.mesh.position, frame.position, grain->second, frame.spacing);
+            surface.crust = crust_of(surface.mesh.position, frame, grain->second);
     }
     if (options.velocity)
         surface.velocity =

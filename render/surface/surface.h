@@ -36,12 +36,12 @@ struct Volume {
 };
 
 struct Surface {
-    TriangleMesh mesh;              ///< closed, manifold, outward normals
-    std::vector<Index> edge;        ///< vertices without a unique normal, where two walls or surface and wall meet; ascending
-    std::vector<float> age;         ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
-    std::vector<Vec3f> velocity;    ///< m/s, one per vertex; empty if not requested
-    std::vector<CrustPlace> crust;  ///< one per vertex; empty if the frame has no ages or no particle identities
-    Volume distance;                ///< signed distance to the surface [m], negative inside, clamped to a narrow band
+    TriangleMesh mesh;            ///< closed, manifold, outward normals
+    std::vector<Index> edge;      ///< vertices without a unique normal, where two walls or surface and wall meet; ascending
+    std::vector<float> age;       ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
+    std::vector<Vec3f> velocity;  ///< m/s, one per vertex; empty if not requested
+    Crust crust;                  ///< empty if the frame has no ages or no particle identities
+    Volume distance;              ///< signed distance to the surface [m], negative inside, clamped to a narrow band
 };
 
 /// Builds the surface of the frame's fluid, bit-identical for any number of threads. An empty frame gives an empty surface.

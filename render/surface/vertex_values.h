@@ -26,14 +26,22 @@ struct VertexFields {
 /// particle is within reach. Bit-identical for any number of threads.
 VertexFields carried_at(Span<const Vec3f> point, const Frame& frame, float reach);
 
-/// At a vertex: distance from the nearest edge of its large plate and of its small plate [spacings], the large plate's random number,
-/// and a number that varies from particle to particle (both 0 to 1).
-using CrustPlace = std::array<float, 4>;
+/// A plate of the crust on cooling fluid. It moves with the particle at its middle.
+struct CrustPlate {
+    Vec3f middle;    ///< m
+    float radius;    ///< m; negative if a larger plate is close
+    Vec3f velocity;  ///< m/s
+    float number;    ///< random, 0 to 1
+};
 
-/// Place of each vertex in the plates of the crust. Some particles, chosen by their grain, are the middles of plates. A vertex belongs to
-/// the plate of the nearest middle (Voronoi cells, about seven spacings wide for large plates and three for small ones). The same particles
-/// are chosen in every frame, so a plate moves and deforms with the fluid.
-/// @param vertex, particle positions [m] @param grain random number per particle, 0 to 1 @param spacing m
-std::vector<CrustPlace> crust_places(Span<const Vec3f> vertex, Span<const Vec3f> particle, Span<const float> grain, float spacing);
+/// Plates of the crust. A point x belongs to the plate with the smallest |x - middle| - radius, so plates are of unequal size, and one that
+/// is inside a larger one appears when the two move apart. The same particles, chosen by their grain, are the middles in every frame.
+struct Crust {
+    std::vector<CrustPlate> plate;
+    std::vector<std::array<float, 4>> nearest;  ///< per vertex: the four nearest plates, in ascending order of that distance; -1: none
+};
+
+/// @param vertex m @param grain random number of each particle, 0 to 1
+Crust crust_of(Span<const Vec3f> vertex, const Frame& frame, Span<const float> grain);
 
 }  // namespace whorl

@@ -151,13 +151,17 @@ TEST_CASE("a cloth of checks on a box, on a slab of stone", "[golden]") {
 TEST_CASE("lava of all ages with a crust on it, over rock that it lights", "[golden]") {
     Picture picture = picture_of("lava", coil(), "dark");
     std::vector<float> grain;
-    std::vector<Vec3f> inside;
+    Frame inside;
+    inside.spacing = picture.frame.spacing;
     RandomNumbers random(1);
-    for (Vec3f x(-0.03f, 0, 0); x.x() < 0.03f; x.x() += 0.004f)
-        for (x.y() = 0; x.y() < 0.13f; x.y() += 0.004f)
-            for (x.z() = -0.03f; x.z() < 0.03f; x.z() += 0.004f) inside.push_back(x), grain.push_back(static_cast<float>(random()));
+    for (Vec3f x(-0.03f, 0, 0); x.x() < 0.03f; x.x() += inside.spacing)
+        for (x.y() = 0; x.y() < 0.13f; x.y() += inside.spacing)
+            for (x.z() = -0.03f; x.z() < 0.03f; x.z() += inside.spacing) {
+                inside.position.push_back(x), inside.velocity.push_back(Vec3f::Zero());
+                grain.push_back(static_cast<float>(random()));
+            }
     for (const Vec3f& x : picture.surface.mesh.position) picture.surface.age.push_back(4 - 40 * x.y());
-    picture.surface.crust = crust_places(picture.surface.mesh.position, inside, grain, 0.004f);
+    picture.surface.crust = crust_of(picture.surface.mesh.position, inside, grain);
     add_solid(picture.frame, test::box_mesh(Vec3f(-0.1f, -0.02f, -0.1f), Vec3f(0.1f, 0, 0.1f)), "rock");
     compare(picture, "lava_crust");
 }
