@@ -75,7 +75,7 @@ gallery_scenes = {
     "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
     "chocolate_cake": ("Chocolate over a ring cake on a turning plate.", 2.9, "standard"),
     "honey_dipper": ("Honey runs off a dipper.", 2.5, "standard"),
-    "marbled_paint": ("A comb is drawn through stripes of paint.", 4.3, "standard"),
+    "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "standard"),
     "lava": ("Lava flows around boulders: its crust cracks.", 4.5, "standard"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
     "rotating_drop": ("Two drops with a neck between them rotate in weightlessness until the neck breaks. At a third of the speed.", 0.85, "standard"),
