@@ -28,7 +28,7 @@
 
 namespace whorl {
 
-inline std::string variable_name(char letter) { return letter == 'a' ? "age" : std::string(1, letter); }
+inline std::string variable_name(char letter) { return letter == 'a' ? "age" : letter == 'T' ? "temperature" : std::string(1, letter); }
 
 /// "x, y, z, age"
 inline std::string variable_names(const std::string& letters) {
@@ -114,7 +114,7 @@ struct Key {
     double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
     bool least_open = false;  ///< `least` itself is not allowed
     bool single = false;      ///< stored in single precision
-    std::string variables;    ///< letters of "txyz" (and 'a', age) that an expression may use
+    std::string variables;    ///< letters of "txyz" (and 'a', age; 'T', temperature) that an expression may use
     bool is_required = false;
     bool decides = true;      ///< the simulation's result depends on this key
     bool may_change = false;  ///< may be changed during a run

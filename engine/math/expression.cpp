@@ -16,7 +16,7 @@ namespace whorl {
 struct Expression::Compiled {
     mu::Parser parser;
     std::function<double(double t)> function;  ///< replaces the parser if set
-    double t = 0, x = 0, y = 0, z = 0;
+    double t = 0, x = 0, y = 0, z = 0, temperature = 0;
     std::string uses;
 };
 
@@ -79,6 +79,7 @@ Expression::Expression(const std::string& text) : text_(text) {
         p.DefineVar("y", &compiled->y);
         p.DefineVar("z", &compiled->z);
         p.DefineVar("age", &compiled->t);  // an expression of an age is evaluated with t = age
+        p.DefineVar("temperature", &compiled->temperature);
         p.DefineConst("pi", std::numbers::pi);
         p.DefineOprt(
             "and", [](double a, double b) { return double(a != 0 && b != 0); }, mu::prLAND);
@@ -100,6 +101,7 @@ Expression::Expression(const std::string& text) : text_(text) {
         } else {
             for (const char* name : {"t", "x", "y", "z", "age"})
                 if (used.count(name) > 0) compiled->uses += name[0];
+            if (used.count("temperature") > 0) compiled->uses += 'T';
             compiled_ = std::move(compiled);
         }
     } catch (const mu::Parser::exception_type& e) { throw described(text, p, e); }
@@ -112,13 +114,14 @@ Expression::Expression(std::function<double(double t)> function, std::string tex
     compiled_ = std::move(compiled);
 }
 
-double Expression::operator()(double t, double x, double y, double z) const {
+double Expression::operator()(double t, double x, double y, double z, double temperature) const {
     if (!compiled_) return constant_;
     if (compiled_->function) return compiled_->function(t);
     compiled_->t = t;
     compiled_->x = x;
     compiled_->y = y;
     compiled_->z = z;
+    compiled_->temperature = temperature;
     return compiled_->parser.Eval();
 }
 

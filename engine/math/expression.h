@@ -16,9 +16,9 @@ struct ExpressionError : std::invalid_argument {
     int column;  ///< column of the error in the text, from 1; 0: unknown
 };
 
-/// An expression of t [s], x, y, z [m] (or `age` [s], which is passed as t), with the constant pi and the functions of muParser (sin, exp,
-/// sqrt, "a ? b : c", ...). && and || may be written and, or. `not a` is 1 if a is 0; it binds less tightly than a comparison. Copies are
-/// cheap. Evaluation is not thread-safe.
+/// An expression of t [s], x, y, z [m] (or `age` [s], which is passed as t) and `temperature` [K], with the constant pi and the functions
+/// of muParser (sin, exp, sqrt, "a ? b : c", ...). && and || may be written and, or. `not a` is 1 if a is 0; it binds less tightly than a
+/// comparison. Copies are cheap. Evaluation is not thread-safe.
 class Expression {
 public:
     Expression() : Expression(0.0) {}
@@ -28,11 +28,11 @@ public:
     /// A function of t that no text defines. @param text that of the expression that it replaces, for text()
     Expression(std::function<double(double t)> function, std::string text);
 
-    double operator()(double t, double x = 0, double y = 0, double z = 0) const;
-    double operator()(double t, const Vec3d& x) const { return (*this)(t, x.x(), x.y(), x.z()); }
+    double operator()(double t, double x = 0, double y = 0, double z = 0, double temperature = 0) const;
+    double operator()(double t, const Vec3d& x, double temperature = 0) const { return (*this)(t, x.x(), x.y(), x.z(), temperature); }
     bool is_constant() const;
     bool depends_on_time() const;
-    /// The variables that the expression uses: "", "t", "xz", ... ('a' for age).
+    /// The variables that the expression uses: "", "t", "xz", ... ('a' for age, 'T' for temperature).
     std::string variables() const;
     /// The text that the user wrote; for a number, its shortest decimal.
     const std::string& text() const { return text_; }
