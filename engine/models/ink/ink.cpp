@@ -4,6 +4,7 @@
 #include "engine/core/parallel.h"
 #include "engine/models/ink/ink_markers.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
+#include "engine/sph/laplacian_moment.h"
 
 namespace whorl {
 
@@ -14,14 +15,7 @@ void InkDiffusion::operator()(const InteractionContext& context, Write<field::in
     const Real share = static_cast<Real>(diffusion) * step.dt / static_cast<Real>(parts), V = step.volume;
     std::vector<Real> n(c.size());
     with_kernel(step.kernel, step.support, [&](const auto& W) {
-        parallel_for(c.size(), [&](Index i) {
-            Real moment = 0;
-            context.pairs.groups_of(i, [&](const Pairs::Group& group) {
-                for (Index l = 0; l < group.padded(); ++l) moment -= W.slope(group.distance[l]) * group.distance[l] * group.distance[l];
-            });
-            // The moment of a nearly isolated particle is about 0; the lower bound keeps it from giving more ink than it has.
-            n[i] = static_cast<Real>(step.dimensions()) / std::max(V * moment, Real(0.5));
-        });
+        parallel_for(c.size(), [&](Index i) { n[i] = laplacian_factor(laplacian_moment(W, context.pairs, i, V), step.dimensions()); });
         for (int part = 0; part < parts; ++part) {
             parallel_for(c.size(), [&](Index i) {
                 Real sum[3] = {0, 0, 0};
