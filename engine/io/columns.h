@@ -30,7 +30,8 @@ inline NumberColumn number_column(const ParticleStore::Entry& entry) {
 
 /// Names of quantities in files (scene file, probes, exports).
 inline const std::vector<std::string>& quantity_names() {
-    static const std::vector<std::string> names{"position", "velocity", "density", "pressure", "spin", "vorticity", "viscosity", "ink"};
+    static const std::vector<std::string> names{"position",  "velocity",  "density", "pressure",   "spin",
+                                                "vorticity", "viscosity", "ink",     "temperature"};
     return names;
 }
 

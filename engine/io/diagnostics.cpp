@@ -9,6 +9,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/io/csv.h"
+#include "engine/models/temperature/temperature.h"
 #include "engine/models/viscosity/coupled/coupled_system.h"
 
 namespace whorl {
@@ -123,6 +124,24 @@ Measures measure(const World& world, const Vec3d& gravity, double micro_inertia)
     return all;
 }
 
+std::optional<HeatMeasures> measure_heat(const World& world, const HeatLaw& law) {
+    const ParticleStore& fluid = world.fluid;
+    if (!fluid.has<field::temperature>()) return {};
+    const auto T = fluid.column<field::temperature>();
+    const auto role = fluid.column<field::role>();
+    const Span<const Real> rest = fluid.has<field::temperature_rest>() ? fluid.column<field::temperature_rest>() : Span<const Real>();
+    const auto at = [&](Index i) { return static_cast<double>(T[i]) + (rest.empty() ? 0 : static_cast<double>(rest[i])); };
+    const auto sum = [&](const auto& f) { return parallel_sum(fluid.size(), [&](Index i) { return role[i] >= 0 ? f(i) : 0.0; }); };
+    const auto most = [&](double sign) {
+        return sign * parallel_max(fluid.size(), -std::numeric_limits<double>::infinity(),
+                                   [&](Index i) { return role[i] >= 0 ? sign * at(i) : -std::numeric_limits<double>::infinity(); });
+    };
+    const double count = sum([](Index) { return 1.0; });
+    if (!(count > 0)) return HeatMeasures{0, NAN, NAN, NAN};
+    return HeatMeasures{static_cast<double>(world.step.mass) * sum([&](Index i) { return law.enthalpy(at(i)); }), sum(at) / count, most(-1),
+                        most(1)};
+}
+
 double coupled_volume(const World& world) {
     if (!world.fluid.has<field::held>()) return 0;
     const auto x = world.fluid.column<field::position>();
@@ -170,6 +189,8 @@ NamedRow diagnostics(int frame, double time, const Measures& m, const RunTotals&
     row.add({{"emitted_energy", known(work.emitted)}, {"drained_energy", known(-work.drained)}});
     row.add({{"energy_error", known(work.error(m.energy()))}, {"emitted_particles", now.emitted_particles}});
     row.add({{"drained_particles", now.drained_particles}, {"volume", m.volume > 0 ? m.volume : NAN}});
+    if (m.heat) row.add({{"heat", m.heat->total}, {"temperature_mean", m.heat->mean}});
+    if (m.heat) row.add({{"temperature_min", m.heat->coldest}, {"temperature_max", m.heat->hottest}});
     return row;
 }
 
@@ -190,7 +211,11 @@ NamedRow body_row(int frame, double time, std::size_t solid, const RigidBody& b,
 
 }  // namespace
 
-std::string diagnostics_header() { return csv_header(diagnostics(0, 0, {}, {}, {}, 0, 0).names); }
+std::string diagnostics_header(bool heat) {
+    Measures measures;
+    if (heat) measures.heat.emplace();
+    return csv_header(diagnostics(0, 0, measures, {}, {}, 0, 0).names);
+}
 
 std::string diagnostics_row(int frame, double time, const Measures& m, const RunTotals& before, const RunTotals& now, double wall,
                             double cpu) {

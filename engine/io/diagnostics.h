@@ -1,11 +1,21 @@
 #pragma once
 /// diagnostics.csv: conserved quantities, bounded quantities and costs, one row per frame.
+#include <optional>
 #include <string>
 
+#include "engine/models/temperature/heat_options.h"
 #include "engine/simulation/energy_count.h"
 #include "engine/simulation/simulation.h"
 
 namespace whorl {
+
+/// Heat of the particles outside nozzles.
+struct HeatMeasures {
+    double total = 0;                           ///< enthalpy, 0 for solid material at 0 K [J]
+    double mean = 0, coldest = 0, hottest = 0;  ///< temperature [K]
+};
+/// Empty if the particles carry no temperature.
+std::optional<HeatMeasures> measure_heat(const World& world, const HeatLaw& law);
 
 /// Sums over the particles outside nozzles (role >= 0), in double precision, bit-identical for any number of threads.
 struct Measures : Energies {
@@ -15,6 +25,7 @@ struct Measures : Energies {
     Vec3d angular_momentum = Vec3d::Zero();                ///< kg m^2/s about the origin, sum m (x cross u + theta w)
     double density_error_mean = 0, density_error_max = 0;  ///< compression, max(0, rho/rho_0 - 1); 0 if the model has no density
     double volume = 0;                                     ///< coupled_volume() if it was computed, else 0
+    std::optional<HeatMeasures> heat = {};                 ///< measure_heat() if it was computed
 };
 
 /// Estimates the fluid's volume divided by the volume n d^3 (2D: n d^2) of its n particles. V(r) is the volume of the points outside
@@ -30,8 +41,8 @@ double coupled_volume(const World& world);
 /// @param gravity at the row's time [m/s^2] @param micro_inertia theta [m^2] (1 if the scene is dimensionless)
 Measures measure(const World& world, const Vec3d& gravity, double micro_inertia);
 
-/// Header line of diagnostics.csv. New columns must go at the end.
-std::string diagnostics_header();
+/// Header line of diagnostics.csv. New columns must go at the end. @param heat whether the rows have HeatMeasures
+std::string diagnostics_header(bool heat = false);
 
 /// One row with its newline. Iterations are means per step between `before` (the totals at the last row) and `now`.
 std::string diagnostics_row(int frame, double time, const Measures& measures, const RunTotals& before, const RunTotals& now, double wall,

@@ -68,12 +68,13 @@ struct EnergyBudget : EnergyWork {
 };
 
 /// The linear solves of a step, and `crowding`: particles that remained too dense (models/pressure/crowding.h).
-enum class SolveKind { pressure, viscosity, coupled, crowding };
+enum class SolveKind { pressure, viscosity, coupled, heat, crowding };
 inline const char* name_of(SolveKind kind) {
     switch (kind) {
         case SolveKind::pressure: return "pressure";
         case SolveKind::viscosity: return "viscosity";
         case SolveKind::coupled: return "coupled";
+        case SolveKind::heat: return "heat";
         default: return "crowding";
     }
 }

@@ -102,15 +102,16 @@ private:
         thin_in_its_box(name, e);
         const double thinnest = (e.max - e.min).head(plan_.dimensions()).minCoeff();
         if (thinnest < 0.999 * plan_.spacing) too_coarse(name, thinnest);
-        viscosity("fluid.viscosity", scene_.fluid.viscosity, max_age_of(scene_, 0), 0.5 * (e.min + e.max), name);
+        viscosity("fluid.viscosity", scene_.fluid.viscosity, max_age_of(scene_, 0), 0.5 * (e.min + e.max),
+                  scene_.start_temperature(0, 0.5 * (e.min + e.max), i), name);
     }
 
     /// Checks all ages up to `oldest` [s]. @param x a point in the fluid of the block or emitter `name`; other points are checked when
-    /// particles are there
-    void viscosity(const std::string& key, const Expression& mu, double oldest, const Vec3d& x, const std::string& name) {
-        if (!depends_on_age(mu) || !is_viscosity(mu(0, x))) return;
+    /// particles are there @param T its temperature at the start [K]
+    void viscosity(const std::string& key, const Expression& mu, double oldest, const Vec3d& x, double T, const std::string& name) {
+        if (!depends_on_age(mu) || !is_viscosity(mu(0, x, T))) return;
         for (const double age : sample_times(0, oldest))
-            if (const double value = mu(age, x); !is_viscosity(value))
+            if (const double value = mu(age, x, T); !is_viscosity(value))
                 return report(key, fmt::format("{} is {:.4g} Pa s at {} at the age of {:.4g} s", key, value, name, age), "",
                               allowed_instead_of(value));
     }
@@ -196,7 +197,7 @@ private:
             }
         const std::string key = e.viscosity ? name + ".viscosity" : "fluid.viscosity";
         const Expression& mu = e.viscosity ? *e.viscosity : scene_.fluid.viscosity;
-        viscosity(key, mu, max_age_of(scene_, i + 1), at, name);
+        viscosity(key, mu, max_age_of(scene_, i + 1), at, scene_.start_temperature(i + 1, at), name);
     }
 
     /// Checks that a moving opening has a direction and stays in the domain.

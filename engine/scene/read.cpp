@@ -41,6 +41,7 @@ public:
         longest_step();
         frames();
         flow_law();
+        heat();
         if (!file_name(scene_.name)) reader_.disagree({"name"}, "name = \"" + scene_.name + "\" cannot name a folder", "", allowed_names);
         ordered("domain.min", scene_.domain.min, "domain.max", scene_.domain.max, scene_.domain.dimensions);
         for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
@@ -106,6 +107,35 @@ private:
         if (fluid.yield_stress > 0 && !thick)
             reader_.disagree({"fluid.yield_stress"}, "fluid with a yield stress needs a viscosity for its flow",
                              "set fluid.viscosity, the plastic viscosity of a Bingham fluid [Pa s], or fluid.consistency [Pa s^n]");
+    }
+    void heat() {
+        const auto& [solidus, liquidus] = scene_.heat.melting_range;
+        if ((scene_.heat.latent_heat > 0 || reader_.places.count("heat.melting_range") > 0) && !(solidus > 0 && solidus < liquidus))
+            reader_.disagree(
+                {"heat.melting_range", "heat.latent_heat"}, fmt::format("heat.melting_range goes from {:g} to {:g} K", solidus, liquidus),
+                "give the temperatures [K] at which melting begins and ends", "allowed: more than 0, the second above the first");
+        for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
+            const std::string name = entry_name("solid", i);
+            const SolidHeat& solid = scene_.solids[i].heat;
+            if (solid.temperature && solid.flux)
+                reader_.disagree({name + ".heat_flux", name + ".temperature"}, name + " has both a temperature and a heat_flux",
+                                 "remove one of the two");
+            if (solid.film && !solid.temperature)
+                reader_.disagree({name + ".film"}, name + ".film is for solids with a temperature", "set " + name + ".temperature [K]");
+        }
+        if (scene_.any_temperature()) return;
+        const std::string fix = "give a [[block]], [[emitter]] or [[solid]] a temperature [K]";
+        for (const auto& [key, place] : reader_.places)
+            if (key.rfind("heat.", 0) == 0) {
+                reader_.disagree({key}, key + " has no effect: the scene has no temperature", fix);
+                break;
+            }
+        for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) {
+            const bool own = k > 0 && scene_.emitters[k - 1].viscosity;
+            if ((k > 0 && !own) || !depends_on_temperature(scene_.viscosity_of_source(k))) continue;
+            const std::string key = own ? entry_name("emitter", k - 1) + ".viscosity" : "fluid.viscosity";
+            reader_.disagree({key}, key + " depends on temperature, and the scene has none", fix);
+        }
     }
     void frames() {
         constexpr double most = 1e6, longest = 1e30;  // s; images know times in single precision
@@ -313,6 +343,23 @@ Scene read_scene(const std::string& file, const ReadRequest& request) { return r
 
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request) {
     return read_root(parse_toml(text, file), file, request);
+}
+
+bool Scene::any_temperature() const {
+    const auto warm = [](const auto& one) { return one.temperature.has_value(); };
+    return std::any_of(blocks.begin(), blocks.end(), warm) || std::any_of(emitters.begin(), emitters.end(), warm) ||
+           std::any_of(solids.begin(), solids.end(), [](const SolidKeys& solid) { return solid.heat.acts(); });
+}
+
+double Scene::start_temperature(std::size_t k, const Vec3d& x, std::size_t block, double t) const {
+    const std::optional<Expression>& own = k > 0 ? emitters[k - 1].temperature : blocks[block].temperature;
+    return own ? (*own)(t, x) : heat.air;
+}
+
+bool Scene::viscosity_melts() const {
+    for (std::size_t k = 0; k <= emitters.size(); ++k)
+        if (depends_on_temperature(viscosity_of_source(k))) return true;
+    return false;
 }
 
 bool Scene::viscosity_ages() const {

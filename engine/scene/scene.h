@@ -15,6 +15,7 @@
 #include "engine/math/expression.h"
 #include "engine/math/kernel.h"
 #include "engine/models/pressure/pressure_options.h"
+#include "engine/models/temperature/heat_options.h"
 #include "engine/models/viscosity/flow_law.h"
 #include "engine/models/viscosity/viscosity_options.h"
 #include "engine/particles/sample.h"
@@ -95,7 +96,7 @@ struct DomainKeys {
 struct FluidKeys {
     double spacing = 0;                 ///< m
     double density = 1000;              ///< kg/m^3
-    Expression viscosity{0.0};          ///< Pa s, a function of the initial x, y, z and of age
+    Expression viscosity{0.0};          ///< Pa s, a function of the initial x, y, z, of age and of temperature
     double yield_stress = 0;            ///< Pa
     std::optional<double> consistency;  ///< Pa s^n; if set, also the value of viscosity
     double flow_index = 1;              ///< n
@@ -141,8 +142,9 @@ struct BoundaryKeys {
 
 struct BlockKeys {
     ShapeKeys shape;
-    VectorExpression velocity, spin;  ///< of x, y, z
-    Inks ink;                         ///< of x, y, z
+    VectorExpression velocity, spin;        ///< of x, y, z
+    Inks ink;                               ///< of x, y, z
+    std::optional<Expression> temperature;  ///< K, of x, y, z; empty: heat.air
     Sampling sampling = Sampling::lattice;
 };
 
@@ -162,8 +164,9 @@ struct EmitterKeys {
     Expression speed{0.0};                         ///< m/s, of t; mean over the opening
     double start = 0, stop = 1e300;                ///< s
     Profile profile = Profile::plug;
-    std::optional<Expression> viscosity;  ///< Pa s, a function of the initial x, y, z and of age; empty: fluid.viscosity
-    Inks ink;                             ///< of t, x, y, z where fluid enters the nozzle
+    std::optional<Expression> viscosity;    ///< Pa s, as fluid.viscosity; empty: fluid.viscosity
+    Inks ink;                               ///< of t, x, y, z where fluid enters the nozzle
+    std::optional<Expression> temperature;  ///< K, likewise; empty: heat.air
     Appearance appearance{.material = "metal"};
     std::vector<EmitterKey> keys;     ///< keys or a node move position and direction, which then contain this motion (scene/motions.h)
     std::filesystem::path animation;  ///< glTF file; empty: none
@@ -183,7 +186,8 @@ struct SolidKeys {
     bool closed() const { return container && !shape.is_open(); }
     Slip slip = Slip::no;
     double slip_length = 0;  ///< m, navier
-    double wetting = 0.5;    ///< with surface tension: (attraction between solid and fluid)/(attraction within the fluid)
+    SolidHeat heat;
+    double wetting = 0.5;  ///< with surface tension: (attraction between solid and fluid)/(attraction within the fluid)
     Appearance appearance;
     double density = 0;                 ///< kg/m^3; if > 0, the solid is a free body
     Vec3d velocity = Vec3d::Zero();     ///< m/s, initial velocity of a free body
@@ -272,6 +276,7 @@ struct Scene {
     ViscosityOptions viscosity;
     MicropolarKeys micropolar;
     BoundaryKeys boundary;
+    HeatOptions heat;
     std::vector<BlockKeys> blocks;
     std::vector<EmitterKeys> emitters;
     std::vector<SolidKeys> solids;
@@ -316,6 +321,12 @@ struct Scene {
                std::any_of(streams.begin(), streams.end(), inked) || std::any_of(vortices.begin(), vortices.end(), inked);
     }
     bool marks_ink() const { return fluid.ink_markers > 0 && any_ink(); }
+    /// Whether any key names a temperature or a heat flux, so that particles carry a temperature.
+    bool any_temperature() const;
+    /// Temperature of fluid from a source, as above, when it starts at x [K]. @param block index of its block, for k = 0
+    double start_temperature(std::size_t k, const Vec3d& x, std::size_t block = 0, double t = 0) const;
+    /// Whether any viscosity depends on temperature.
+    bool viscosity_melts() const;
     /// Whether any viscosity depends on age; and whether any also depends on position.
     bool viscosity_ages() const;
     bool viscosity_ages_by_place() const;

@@ -74,9 +74,9 @@ KeyTable fluid_keys() {
     t.key("spacing", &FluidKeys::spacing, "m", "initial distance between particles").required().at_least(1e-9);
     t.key("density", &FluidKeys::density, "kg/m^3", "density at rest").above(0);
     t.key("viscosity", &FluidKeys::viscosity, "Pa s",
-          "dynamic viscosity, a function of the particle's initial position and of its age in s")
+          "dynamic viscosity, a function of the particle's initial position, of its age in s and of its temperature in K")
         .at_least(0)
-        .of("xyza")
+        .of("xyzaT")
         .live();
     t.key("yield_stress", &FluidKeys::yield_stress, "Pa",
           "shear stress up to which the fluid does not flow, so that it stands and flows as a plug: cream, paste, mud; needs coupled "
@@ -311,12 +311,35 @@ KeyTable boundary_keys() {
     return t;
 }
 
+KeyTable heat_keys() {
+    KeyTableOf<HeatOptions> t("heat in the fluid, if a [[block]], [[emitter]] or [[solid]] has a temperature; all temperatures are in K");
+    t.key("conductivity", &HeatOptions::conductivity, "W/(m K)", "thermal conductivity of the fluid (default: water)").above(0).live();
+    t.key("capacity", &HeatOptions::capacity, "J/(kg K)", "specific heat capacity of the fluid (default: water)").above(0).live();
+    t.key("latent_heat", &HeatOptions::latent_heat, "J/kg", "heat that melting takes, spread over melting_range; 0: none").at_least(0);
+    t.key("melting_range", &HeatOptions::melting_range, "K",
+          "temperatures at which melting begins and ends; they act on the heat, and viscosity = \"...temperature...\" on the flow")
+        .at_least(0);
+    t.key("air", &HeatOptions::air, "K", "temperature of air and surroundings, and of fluid whose block or emitter names none")
+        .above(0)
+        .live();
+    t.key("film", &HeatOptions::film, "W/(m^2 K)",
+          "heat transfer coefficient from the free surface to the air (still air 5 to 25); 0: none")
+        .at_least(0)
+        .live();
+    t.key("emissivity", &HeatOptions::emissivity, "", "thermal radiation from the free surface: 0 none, 1 a black body")
+        .at_least(0)
+        .at_most(1)
+        .live();
+    return t;
+}
+
 KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
     add_shape_keys(t, false);
     t.key("velocity", &BlockKeys::velocity, "m/s", "initial velocity").of("xyz");
     t.key("spin", &BlockKeys::spin, "1/s", "initial spin; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
+    t.key("temperature", &BlockKeys::temperature, "K", "temperature at the start; auto: heat.air").above(0).of("xyz");
     t.key("sampling", &BlockKeys::sampling, "", "arrangement of the particles");
     return t;
 }
@@ -381,11 +404,15 @@ KeyTable emitter_keys() {
     t.key("profile", &EmitterKeys::profile, "", "distribution of the speed over the opening");
     t.key("viscosity", &EmitterKeys::viscosity, "Pa s", "viscosity of the fluid from this emitter; auto: fluid.viscosity")
         .at_least(0)
-        .of("xyza");
+        .of("xyzaT");
     t.key("ink", &EmitterKeys::ink, "",
           "concentrations of up to three inks, 0 to 1, functions of the time and position at which fluid enters the nozzle")
         .at_least(0)
         .at_most(1)
+        .of("txyz");
+    t.key("temperature", &EmitterKeys::temperature, "K",
+          "temperature, a function of the time and position at which fluid enters the nozzle; auto: heat.air")
+        .above(0)
         .of("txyz");
     add_appearance_keys(t, "appearance of the nozzle in images, which the keys below override");
     t.list("key", &EmitterKeys::keys, emitter_key_keys());
@@ -442,6 +469,18 @@ KeyTable solid_keys() {
           "share of its speed that a free body keeps when it hits a solid; a contact uses the larger value of the two solids")
         .at_least(0)
         .at_most(1);
+    const auto heat = [](auto member) { return inside(&SolidKeys::heat, member); };
+    t.key("temperature", heat(&SolidHeat::temperature), "K",
+          "temperature of the surface, a function of the time and of the position in the world; auto: no heat passes, or heat_flux does")
+        .above(0)
+        .of("txyz")
+        .live();
+    t.key("film", heat(&SolidHeat::film), "W/(m^2 K)", "heat transfer coefficient between surface and fluid; auto: perfect contact")
+        .above(0)
+        .live();
+    t.key("heat_flux", heat(&SolidHeat::flux), "W/m^2", "heat that the surface gives the fluid that touches it; auto: none")
+        .of("txyz")
+        .live();
     t.key("wetting", &SolidKeys::wetting, "",
           "with surface tension: attraction of the fluid by the solid, relative to that by fluid in the solid's place; the cosine of the "
           "contact angle is 2 wetting - 1: 1 wets, 0.5 gives 90 degrees, 0 repels; ppe allows all values, coupled up to 0.5 if the fluid "
@@ -606,6 +645,7 @@ KeyTable root_keys() {
     t.part("viscosity", &Scene::viscosity, viscosity_keys());
     t.part("micropolar", &Scene::micropolar, micropolar_keys());
     t.part("boundary", &Scene::boundary, boundary_keys());
+    t.part("heat", &Scene::heat, heat_keys());
     t.list("block", &Scene::blocks, block_keys());
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());

@@ -33,6 +33,21 @@ void over_box(const Vec3d& min, const Vec3d& max, F&& f) {
 
 }  // namespace
 
+std::array<double, 2> temperature_range(const Scene& scene) {
+    double coldest = scene.heat.air, warmest = coldest;
+    const auto add = [&](const std::optional<Expression>& T) {
+        for (const double t : {0.0, scene.time.end})
+            over_box(scene.domain.min, scene.domain.max, [&](const Vec3d& x) {
+                if (const double value = T ? (*T)(t, x) : coldest; std::isfinite(value))
+                    coldest = std::min(coldest, value), warmest = std::max(warmest, value);
+            });
+    };
+    for (const BlockKeys& block : scene.blocks) add(block.temperature);
+    for (const EmitterKeys& emitter : scene.emitters) add(emitter.temperature);
+    for (const SolidKeys& solid : scene.solids) add(solid.heat.temperature);
+    return {coldest, warmest};
+}
+
 std::vector<double> sample_times(double from, double to) {
     std::vector<double> times;
     for (int k = 0; k <= 256; ++k) times.push_back(from + (to - from) * k / 256);
@@ -219,15 +234,16 @@ private:
     /// spacing inside. If all points are in solids, samples all of them.
     void viscosity_in(std::size_t i, const Vec3d& low, const Vec3d& high) {
         const Expression& mu = scene_.fluid.viscosity;
-        if (!depends_on_place(mu)) return viscosity(0, low);
+        if (!depends_on_place(mu) && !depends_on_temperature(mu)) return viscosity(0, low);
         bool counted = false;
         const auto count = [&](bool everywhere) {
             over_box(low, high, [&](const Vec3d& x) {
                 const Vec3 at = x.cast<Real>();
-                if (!is_viscosity(mu(0, x)) ||
+                const double T = scene_.start_temperature(0, x, i);
+                if (!is_viscosity(mu(0, x, T)) ||
                     !(everywhere || (shapes_.blocks[i]->distance(at) <= Real(d_ / 2) && !in_solids(shapes_, at, -1e-3 * d_))))
                     return;
-                viscosity(0, x), counted = true;
+                viscosity(0, x, T), counted = true;
             });
         };
         count(false);
@@ -238,7 +254,7 @@ private:
         const EmitterKeys& e = scene_.emitters[i];
         const double peak = e.profile == Profile::parabolic ? (e.shape == "disc" ? 2 : 2.25) : 1;
         faster(peak * max_speed_of(e, scene_.time.end));
-        viscosity(i + 1, e.position(0));
+        viscosity(i + 1, e.position(0), scene_.start_temperature(i + 1, e.position(0)));
         n_.particles += emitted_volume(e, scene_.time.end, scene_.domain.dimensions) / power_of(d_, scene_.domain.dimensions);
         for (const double t : sample_times(0, e.moves() ? scene_.time.end : 0)) falls_from(e.position(t), e.position(t));
         thickness(narrowest_of(e, scene_.domain.dimensions), entry_name("emitter", i));
@@ -293,16 +309,21 @@ private:
     void thickness(double length, const std::string& name) {
         if (length / d_ < n_.across) n_.across = length / d_, n_.narrowest = name;
     }
-    void viscosity(std::size_t source, const Vec3d& x) {
+    /// @param T temperature at the start [K]
+    void viscosity(std::size_t source, const Vec3d& x, double T = 0) {
         const Expression& mu = scene_.viscosity_of_source(source);
-        n_.viscosity = std::max(n_.viscosity, mu(0, x));
-        if (mu(0, x) < n_.least_viscosity) {
-            n_.least_viscosity = mu(0, x);
+        n_.viscosity = std::max(n_.viscosity, mu(0, x, T));
+        if (mu(0, x, T) < n_.least_viscosity) {
+            n_.least_viscosity = mu(0, x, T);
             n_.least_viscosity_key =
                 source > 0 && scene_.emitters[source - 1].viscosity ? entry_name("emitter", source - 1) + ".viscosity" : "fluid.viscosity";
         }
         if (depends_on_age(mu))
-            for (const double age : sample_times(0, max_age_of(scene_, source))) n_.viscosity = std::max(n_.viscosity, mu(age, x));
+            for (const double age : sample_times(0, max_age_of(scene_, source))) n_.viscosity = std::max(n_.viscosity, mu(age, x, T));
+        if (!depends_on_temperature(mu)) return;
+        if (!warmth_) warmth_ = temperature_range(scene_);
+        const auto [coldest, warmest] = *warmth_;
+        for (int k = 0; k <= 32; ++k) n_.viscosity = std::max(n_.viscosity, mu(0, x, coldest + (warmest - coldest) * k / 32));
     }
     /// Accounts for a free fall of fluid between two corners along gravity, to the domain's lowest corner.
     void falls_from(const Vec3d& low, const Vec3d& high) {
@@ -318,7 +339,8 @@ private:
     const Scene& scene_;
     const SceneShapes& shapes_;
     double d_;
-    Vec3d up_ = Vec3d::Zero();  ///< opposite to the largest gravity
+    std::optional<std::array<double, 2>> warmth_;  ///< temperature_range()
+    Vec3d up_ = Vec3d::Zero();                     ///< opposite to the largest gravity
     SceneScales n_;
 };
 

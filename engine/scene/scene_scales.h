@@ -1,5 +1,7 @@
 #pragma once
 /// Dimensionless numbers of a scene, which decide the models, and the lengths and speeds behind them.
+#include <array>
+
 #include "engine/scene/scene_shapes.h"
 
 namespace whorl {
@@ -37,6 +39,9 @@ struct SceneScales {
 
 /// @param support kernel radius [m]
 SceneScales scene_scales(const Scene& scene, const SceneShapes& shapes, double support);
+
+/// Least and greatest temperature [K] that the scene names, sampled in the domain at the start and the end of the run.
+std::array<double, 2> temperature_range(const Scene& scene);
 
 /// Times in the run at which expressions are sampled.
 std::vector<double> sample_times(double from, double to);

@@ -14,6 +14,7 @@ constexpr double fastest_fluid = 100;                       // m/s; a free fall 
 constexpr double lightest = 100, heaviest = 25'000;         // kg/m^3; liquids have 70 (hydrogen) to 13,500 (mercury)
 constexpr double lightest_body = 10;                        // kg/m^3; foams have 15 and more
 constexpr double strongest_tension = 4;                     // N/m; molten metals have up to 2.7
+constexpr double coldest = 150;                             // K; liquids of that temperature are liquefied gases
 constexpr double strongest_gravity = 300;                   // m/s^2; the sun's is 274
 
 /// The key that determines the size of a shape.
@@ -49,8 +50,15 @@ std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShape
                 add(entry_name("solid", i) + ".density",
                     fmt::format(" = {:g}: solids have {:g} to {:g} kg/m^3 (cork 200, steel 7800)", body, lightest_body, heaviest));
     }
+    const auto cold = [&](const std::string& name, const std::optional<Expression>& T) {
+        if (T && T->is_constant() && (*T)(0) < coldest && has_units(scene))
+            add(name + ".temperature", fmt::format(" = {:g} is {:.4g} degrees C; temperatures are in K", (*T)(0), (*T)(0) - 273.15));
+    };
+    for (std::size_t i = 0; i < scene.blocks.size(); ++i) cold(entry_name("block", i), scene.blocks[i].temperature);
+    for (std::size_t i = 0; i < scene.solids.size(); ++i) cold(entry_name("solid", i), scene.solids[i].heat.temperature);
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
         const std::string name = entry_name("emitter", i);
+        cold(name, scene.emitters[i].temperature);
         if (const double across = widest_of(scene.emitters[i], dimensions); across > widest_opening)
             add(name + (scene.emitters[i].shape == "disc" ? ".radius" : ".width"),
                 fmt::format(": the nozzle is {:.3g} m across; lengths are in metres", across));

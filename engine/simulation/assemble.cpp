@@ -22,6 +22,7 @@
 #include "engine/models/pressure/projection/surface_pressure.h"
 #include "engine/models/pressure/wcsph.h"
 #include "engine/models/surface_tension/surface_tension.h"
+#include "engine/models/temperature/heat.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/models/viscosity/coupled/coupled_solve.h"
@@ -121,6 +122,12 @@ private:
     void ink_diffusion() {
         if (scene_.fluid.ink_diffusion > 0) stage("ink diffusion", "ink", InkDiffusion{scene_.fluid.ink_diffusion});
     }
+    void heat() {
+        if (!scene_.any_temperature()) return;
+        std::vector<SolidHeat> solids;
+        for (const SolidKeys& solid : scene_.solids) solids.push_back(solid.heat);
+        stage("heat", "heat", Heat(scene_.heat, std::move(solids)));
+    }
     void ink_sources() {
         InkSources all;
         for (const StreamKeys& stream : scene_.streams)
@@ -137,8 +144,9 @@ private:
         options.vessel = plan_.turning_vessel;
         const FlowLaw law = scene_.fluid.flow_law();
         auto system = std::make_shared<CoupledSystem>(options);
-        if (scene_.fluid.ink_diffusion > 0 || scene_.foam) stages_.push_back(neighbours());
+        if (scene_.fluid.ink_diffusion > 0 || scene_.foam || scene_.any_temperature()) stages_.push_back(neighbours());
         ink_diffusion();
+        heat();
         stage("coupled neighbourhood", "neighbours", CoupledNeighbourhood{system});
         stage("coupled gradient", "viscosity", CoupledGradient{system});
         if (scene_.fluid.surface_tension > 0) surface_tension(system->known_pressure);
@@ -184,6 +192,7 @@ private:
         if (!scene_.solids.empty()) stages_.push_back(move_solids());
         stages_.push_back(neighbours());
         ink_diffusion();
+        heat();
         stage("geometry", "density", ProjectionGeometry{system});
         if (options.tension > 0) stage("surface pressure", "surface tension", SurfacePressure{system, options.tension});
         push("gravity", "move", Gravity{}, &EnergyBudget::gravity);
@@ -214,6 +223,7 @@ private:
     void separate() {
         stages_.push_back(neighbours());
         ink_diffusion();
+        heat();
         if (traits_.needs_density()) stage("density", "density", Density{solid_factor_, gate_});
         if (traits_.pressure.has_sound) sound_pressure();
         if (traits_.viscosity.implicit) stage("velocity gradient", "viscosity", VelocityGradient{solid_factor_, gate_});
@@ -333,13 +343,14 @@ private:
 
     void ageing() {
         const bool viscous = traits_.viscous() || traits_.viscosity.smooths || traits_.micropolar.spins;
-        if (!viscous || !scene_.viscosity_ages()) {
+        if (!viscous || !(scene_.viscosity_ages() || scene_.viscosity_melts())) {
             if (scene_.ages) stage("age", "move", AdvanceAge{});
             return;
         }
         std::vector<Expression> of_source;
         for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) of_source.push_back(scene_.viscosity_of_source(k));
-        if (scene_.viscosity_ages_by_place()) stage("ageing", "viscosity", AgeingViscosityByPlace{std::move(of_source)});
+        if (scene_.viscosity_melts()) stage("melting", "viscosity", MeltingViscosity{std::move(of_source)});
+        else if (scene_.viscosity_ages_by_place()) stage("ageing", "viscosity", AgeingViscosityByPlace{std::move(of_source)});
         else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
     }
 

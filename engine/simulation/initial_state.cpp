@@ -48,6 +48,12 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
 
 namespace {
 
+/// The column, empty if the store does not have it.
+template <class F>
+Span<typename F::type> column_or_none(ParticleStore& fluid) {
+    return fluid.has<F>() ? fluid.column<F>() : Span<typename F::type>();
+}
+
 Divergence no_viscosity(const World& world, const std::string& key, double value, const Vec3& x) {
     return {"new fluid", "viscosity", world.step.time, x.cast<double>(), fmt::format("{} is {:.4g} Pa s", key, value)};
 }
@@ -62,8 +68,9 @@ std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index 
     if (fluid.has<field::viscosity>()) {
         const Expression& expression = scene.viscosity_of_source(source);
         const auto mu = fluid.column<field::viscosity>();
+        const auto T = column_or_none<field::temperature>(fluid);
         for (std::size_t i = from; i < mu.size(); ++i) {
-            const double value = expression(0, x[i].cast<double>());
+            const double value = expression(0, x[i].cast<double>(), T.empty() ? 0 : static_cast<double>(T[i]));
             mu[i] = static_cast<Real>(value);
             if (is_viscosity(value) || wrong) continue;
             const bool own = source > 0 && scene.emitters[static_cast<std::size_t>(source) - 1].viscosity;
@@ -74,6 +81,23 @@ std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index 
     if (fluid.has<field::source>())
         for (std::int16_t& s : fluid.column<field::source>().subspan(from)) s = static_cast<std::int16_t>(source);
     if (fluid.has<field::birthplace>()) std::copy(x.begin() + first, x.end(), fluid.column<field::birthplace>().begin() + first);
+    return wrong;
+}
+
+std::optional<Divergence> set_temperature(const Scene& scene, World& world, Index first, int source, std::size_t block, double time) {
+    if (!world.fluid.has<field::temperature>()) return {};
+    const auto x = world.fluid.column<field::position>();
+    const auto T = world.fluid.column<field::temperature>();
+    std::optional<Divergence> wrong;
+    for (auto i = static_cast<std::size_t>(first); i < T.size(); ++i) {
+        const Vec3d at = x[i].cast<double>();
+        const double value = scene.start_temperature(static_cast<std::size_t>(source), at, block, time);
+        T[i] = static_cast<Real>(value);
+        if (!(value > 0 && std::isfinite(value)) && !wrong) {
+            const std::string name = source > 0 ? entry_name("emitter", static_cast<std::size_t>(source) - 1) : entry_name("block", block);
+            wrong = Divergence{"new fluid", "temperature", time, at, fmt::format("{}.temperature is {:.4g} K", name, value)};
+        }
+    }
     return wrong;
 }
 
@@ -117,17 +141,15 @@ std::optional<Divergence> change_viscosity(const Scene& scene, World& world) {
     if (!fluid.has<field::viscosity>()) return wrong;
     const auto x = fluid.column<field::position>();
     const auto mu = fluid.column<field::viscosity>();
-    const auto column = [&](auto tag) {
-        using F = decltype(tag);
-        return fluid.has<F>() ? fluid.column<F>() : Span<typename F::type>();
-    };
-    const auto source = column(field::source{});
-    const auto age = column(field::age{});
-    const auto birthplace = column(field::birthplace{});
+    const auto source = column_or_none<field::source>(fluid);
+    const auto age = column_or_none<field::age>(fluid);
+    const auto birthplace = column_or_none<field::birthplace>(fluid);
+    const auto T = column_or_none<field::temperature>(fluid);
     for (std::size_t i = 0; i < mu.size(); ++i) {
         const std::size_t from = source.empty() ? 0 : static_cast<std::size_t>(source[i]);
         if (from > 0 && scene.emitters[from - 1].viscosity) continue;
-        const double value = scene.fluid.viscosity(age.empty() ? 0 : static_cast<double>(age[i]), x[i].cast<double>());
+        const double value = scene.fluid.viscosity(age.empty() ? 0 : static_cast<double>(age[i]), x[i].cast<double>(),
+                                                   T.empty() ? 0 : static_cast<double>(T[i]));
         mu[i] = static_cast<Real>(value);
         if (!is_viscosity(value) && !wrong) wrong = no_viscosity(world, "fluid.viscosity", value, x[i]);
         if (!birthplace.empty()) birthplace[i] = x[i];
@@ -383,6 +405,8 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
         add_particles(scene, world.fluid, points, b, problems);
         const std::string ink = entry_name("block", b) + ".ink";
         if (const auto wrong = set_colours(scene, world, first, scene.blocks[b].ink, ink, 0)) refuse(ink, *wrong, "");
+        if (const auto wrong = set_temperature(scene, world, first, 0, b, 0))
+            refuse(entry_name("block", b) + ".temperature", *wrong, "allowed: more than 0");
     }
     if (const auto wrong = set_viscosity(scene, world, 0, 0))
         refuse("fluid.viscosity", *wrong, allowed_instead_of(scene.fluid.viscosity(0, wrong->place)));

@@ -18,6 +18,9 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
 /// Sets viscosity and origin of the particles from index `first` on, which have just entered. Does nothing if no model needs it.
 /// @param source 0: a block; k: emitter k - 1 @return a particle without a valid viscosity
 std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index first, int source);
+/// Sets the temperature of the particles from index `first` on, which have just entered, at a time [s]. Does nothing if the scene has none.
+/// @param source as above @param block index of the block for source 0 @return a particle without a valid temperature
+std::optional<Divergence> set_temperature(const Scene& scene, World& world, Index first, int source, std::size_t block, double time);
 /// Sets inks and grains of the particles from index `first` on, which have just entered. Does nothing if the scene has none.
 /// @param key name of the inks' key @return a particle whose ink is not a number
 std::optional<Divergence> set_colours(const Scene& scene, World& world, Index first, const Inks& inks, const std::string& key, double time);

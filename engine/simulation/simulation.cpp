@@ -180,7 +180,10 @@ struct Simulation::State {
             emitters[k].change(now.emitters[k].speed, now.emitters[k].start, now.emitters[k].stop);
         scene = now, plan = new_plan;
         assembly = assemble(scene, plan);
+        const bool had_temperature = world.fluid.has<field::temperature>();
         declare_fields(assembly.stages, world.fluid);
+        if (!had_temperature && world.fluid.has<field::temperature>())
+            for (Real& T : world.fluid.column<field::temperature>()) T = static_cast<Real>(scene.heat.air);
         place_constants(scene, plan, world);
         world.solids.domain = world.step.domain;
         world.solids.set_time(time, scene.time.look_ahead());
@@ -271,9 +274,10 @@ struct Simulation::State {
                 continue;
             }
             emitter.enter(world.fluid, time, world.step.dt);
-            const auto viscosity = set_viscosity(scene, world, first, ++source);
+            const auto temperature = set_temperature(scene, world, first, ++source, 0, time);
+            const auto viscosity = set_viscosity(scene, world, first, source);
             const auto ink = set_colours(scene, world, first, scene.emitters[k].ink, entry_name("emitter", k) + ".ink", time);
-            for (const auto& wrong : {viscosity, ink})
+            for (const auto& wrong : {temperature, viscosity, ink})
                 if (wrong && !world.report.diverged) world.report.diverged = wrong;
             set_ids(world, first, next_id);
         }

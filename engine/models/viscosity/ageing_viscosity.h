@@ -1,13 +1,15 @@
 #pragma once
-/// Viscosity that depends on a particle's age, for honey that stiffens at rest or lava that freezes.
+/// Viscosity that depends on a particle's age or temperature, for honey that stiffens at rest or lava that freezes.
 ///
-/// First stage of a step, before those that read the viscosity. If no viscosity depends on age, there is no such stage and no column.
+/// First stage of a step, before those that read the viscosity. If no viscosity depends on age or temperature, there is no such stage and
+/// no column.
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "engine/core/parallel.h"
 #include "engine/math/expression.h"
+#include "engine/models/temperature/temperature.h"
 #include "engine/particles/field.h"
 #include "engine/particles/step_context.h"
 
@@ -34,6 +36,7 @@ struct birthplace {
 }  // namespace field
 
 inline bool depends_on_age(const Expression& e) { return e.variables().find('a') != std::string::npos; }
+inline bool depends_on_temperature(const Expression& e) { return e.variables().find('T') != std::string::npos; }
 inline bool depends_on_place(const Expression& e) { return e.variables().find_first_of("xyz") != std::string::npos; }
 
 /// mu_i = f(age_i), with a function f for each source. Then age_i += dt, except for particles inside a nozzle. An invalid mu ends the run,
@@ -49,6 +52,14 @@ struct AgeingViscosityByPlace {
     std::vector<Expression> of_source;
     void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
                     Read<field::source> source, Read<field::birthplace> start, Update<field::age> age, Write<field::viscosity> mu) const;
+};
+
+/// AgeingViscosity with f that also depends on the temperature, and on the position at the start.
+struct MeltingViscosity {
+    std::vector<Expression> of_source;
+    void operator()(const StepContext& step, StepReport& report, Read<field::role> role, Read<field::position> x,
+                    Read<field::source> source, Read<field::birthplace> start, Read<field::temperature> T, Update<field::age> age,
+                    Write<field::viscosity> mu) const;
 };
 
 /// age_i += dt as above, for runs in which only an export needs the age.
