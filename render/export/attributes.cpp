@@ -11,7 +11,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the files are little-endian, and numbers are copied from memory unchanged");
 static_assert(sizeof(Vec3f) == 3 * sizeof(float));
 
-const std::vector<std::string> exported_scalars{"density", "pressure", "viscosity", "q_criterion", "age"};
+const std::vector<std::string> exported_scalars{"density", "pressure", "viscosity", "q_criterion", "age", "temperature"};
 const std::vector<std::string> exported_vectors{"spin", "vorticity", "spin_difference", "ink"};
 const std::vector<std::string> exported_integers{"id", "source"};
 
@@ -75,7 +75,9 @@ Attributes vertex_attributes(const TriangleMesh& mesh, const VertexFields& field
     return all;
 }
 
-std::vector<std::string> fields_of_particles() { return {"density", "pressure", "viscosity", "spin", "ink", "age", "id", "source"}; }
-std::vector<std::string> fields_of_surface() { return {"viscosity", "ink", "age"}; }
+std::vector<std::string> fields_of_particles() {
+    return {"density", "pressure", "viscosity", "spin", "ink", "age", "temperature", "id", "source"};
+}
+std::vector<std::string> fields_of_surface() { return {"viscosity", "ink", "age", "temperature"}; }
 
 }  // namespace whorl

@@ -278,7 +278,8 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
     const float size = (frame.domain_max - frame.domain_min).norm();
-    const Material material = fluid_material(look, size);
+    Material material = fluid_material(look, size);
+    if (surface.glows_by_temperature && material.cooling > 0) material.cooling = 1;
     const Vec3f body = body_colour(material);
     inks.fill(frame, look, size, !shows_field(look), refracts(material) ? nullptr : &body);
     const float aspect = static_cast<float>(width) / static_cast<float>(height);

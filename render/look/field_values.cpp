@@ -38,10 +38,10 @@ std::array<float, 2> field_range(const std::vector<float>& values, const LookOpt
 }
 
 std::string unit_of(const std::string& quantity) {
-    static const std::map<std::string, std::string> units{{"position", "m"},    {"velocity", "m/s"},      {"density", "kg/m^3"},
-                                                          {"pressure", "Pa"},   {"viscosity", "Pa s"},    {"spin", "1/s"},
-                                                          {"vorticity", "1/s"}, {"q_criterion", "1/s^2"}, {"spin_difference", "1/s"},
-                                                          {"age", "s"},         {"radius", "m"},          {"speed", "m/s"}};
+    static const std::map<std::string, std::string> units{
+        {"position", "m"}, {"velocity", "m/s"},  {"density", "kg/m^3"},    {"pressure", "Pa"},         {"viscosity", "Pa s"},
+        {"spin", "1/s"},   {"vorticity", "1/s"}, {"q_criterion", "1/s^2"}, {"spin_difference", "1/s"}, {"age", "s"},
+        {"radius", "m"},   {"speed", "m/s"},     {"temperature", "K"}};
     const auto found = units.find(quantity);
     return found == units.end() ? "" : found->second;
 }
@@ -93,7 +93,7 @@ std::vector<std::string> shown_fields(const LookOptions& look) {
     if (draws_lines(look)) return {look.field, "vorticity", "grain"};
     if (shows_field(look)) return {look.field};
     std::vector<std::string> fields{"ink"};
-    if (fluid_material(look, 1).cooling > 0) fields.insert(fields.end(), {"age", "grain"});
+    if (fluid_material(look, 1).cooling > 0) fields.insert(fields.end(), {"age", "temperature", "grain"});
     if (look.foam > 0) fields.insert(fields.end(), {"foam", "airborne", "grain"});
     return fields;
 }

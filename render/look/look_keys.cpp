@@ -88,7 +88,9 @@ KeyTable make_look_keys() {
     t.key("refraction", &L::refraction, "", "index of refraction" + preset).at_most(4).only_with("style", {"liquid"});
     t.key("roughness", &L::roughness, "", "0 mirror, 1 matt" + preset).at_most(1).only_with("style", surface);
     t.key("cooling", &L::cooling, "s",
-          "lava: age at which the lava has lost most of its glow, if a viscosity depends on age; 0: it keeps its glow" + preset)
+          "lava: age at which the lava has lost most of its glow, if a viscosity depends on age; 0: it keeps its glow. In a scene with "
+          "temperatures it glows by temperature, from 1000 K (dark) to 1400 K" +
+              preset)
         .only_with("style", surface);
     t.key(
          "scattering", &L::scattering, "m",
@@ -113,7 +115,7 @@ KeyTable make_look_keys() {
     t.key("field", &L::field, "",
           "field that colours the image; q_criterion: Q, positive in vortices; spin_difference: spin minus half of the vorticity; ink: the "
           "inks that the fluid carries")
-        .one_of({"speed", "pressure", "density", "spin", "vorticity", "q_criterion", "spin_difference", "ink"})
+        .one_of({"speed", "pressure", "density", "spin", "vorticity", "q_criterion", "spin_difference", "ink", "temperature"})
         .only_with("style", field);
     t.key("colour_map", &L::colour_map, "", "colour map of the field").one_of(colour_map_names()).only_with("style", field);
     t.key("inks", &L::inks, "", "colours of the first, second and third ink; they mix as pigments do");

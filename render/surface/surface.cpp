@@ -17,6 +17,9 @@ namespace {
 constexpr float touch = 0.02f;   // distance from the cut below which a vertex is on it [voxels]
 constexpr float edge_reach = 6;  // distance from an edge between walls within which normals change [voxels]
 
+// Lava is brightest above the first temperature and loses most of its glow over the second [K].
+constexpr float brightest = 1400, cooler = 150;
+
 /// Restores the wall's normal near an edge between two walls, because smooth normals would round off that edge and refract light wrongly.
 /// Normals that differ little stay, so that the facets of a round wall are not visible.
 /// @return whether the vertex is on a wall and near such an edge
@@ -121,8 +124,12 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         });
         if (cut.any()) surface.edge = wall_edges(surface.mesh, on_wall, sides);
     }
-    if (const auto age = frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
+    const auto temperature = frame.scalar.find("temperature");
+    surface.glows_by_temperature = temperature != frame.scalar.end();
+    if (const auto age = surface.glows_by_temperature ? temperature : frame.scalar.find("age"); options.ages && age != frame.scalar.end()) {
         surface.age = values_at(surface.mesh.position, frame.position, age->second, static_cast<float>(options.radius * frame.spacing));
+        if (surface.glows_by_temperature)
+            for (float& one : surface.age) one = std::max(0.0f, (brightest - one) / cooler);
         if (const auto grain = frame.scalar.find("grain"); grain != frame.scalar.end())
             surface.crust = crust_of(surface.mesh.position, frame, grain->second);
     }

@@ -16,7 +16,7 @@ struct SurfaceOptions {
     int smoothing = 8;      ///< rounds of smoothing on the mesh that keep its volume; 0: none
     bool distance = true;   ///< make the distance volume (refraction needs it)
     bool velocity = false;  ///< compute the velocity at the vertices; no key: needed by cameras with an open shutter and by EXR images
-    bool ages = true;       ///< compute ages and crust if the frame has ages; no key: false if nothing depends on age
+    bool ages = true;       ///< compute ages and crust if the frame has ages or temperatures; no key: false if nothing depends on them
 };
 
 /// The keys of [surface] in a scene file.
@@ -36,12 +36,13 @@ struct Volume {
 };
 
 struct Surface {
-    TriangleMesh mesh;            ///< closed, manifold, outward normals
-    std::vector<Index> edge;      ///< vertices without a unique normal, where two walls or surface and wall meet; ascending
-    std::vector<float> age;       ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
-    std::vector<Vec3f> velocity;  ///< m/s, one per vertex; empty if not requested
-    Crust crust;                  ///< empty if the frame has no ages or no particle identities
-    Volume distance;              ///< signed distance to the surface [m], negative inside, clamped to a narrow band
+    TriangleMesh mesh;                  ///< closed, manifold, outward normals
+    std::vector<Index> edge;            ///< vertices without a unique normal, where two walls or surface and wall meet; ascending
+    std::vector<float> age;             ///< s, one per vertex: age of the fluid there; empty if the frame has no ages
+    bool glows_by_temperature = false;  ///< `age` is then the age over Material::cooling of lava that glows as lava of this temperature
+    std::vector<Vec3f> velocity;        ///< m/s, one per vertex; empty if not requested
+    Crust crust;                        ///< empty if the frame has no ages or no particle identities
+    Volume distance;                    ///< signed distance to the surface [m], negative inside, clamped to a narrow band
 };
 
 /// Builds the surface of the frame's fluid, bit-identical for any number of threads. An empty frame gives an empty surface.

@@ -120,7 +120,7 @@ VertexFields carried_at(Span<const Vec3f> point, const Frame& frame, float reach
     };
     add(frame.velocity, fields.vector["velocity"]);
     if (const auto ink = frame.vector.find("ink"); ink != frame.vector.end()) add(ink->second, fields.vector["ink"]);
-    for (const char* name : {"age", "viscosity"})
+    for (const char* name : {"age", "viscosity", "temperature"})
         if (const auto found = frame.scalar.find(name); found != frame.scalar.end()) add(found->second, fields.scalar[name]);
     parallel_for(static_cast<Index>(point.size()), [&](Index n) {
         thread_local LinearFit fit;

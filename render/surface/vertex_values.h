@@ -16,7 +16,7 @@ std::vector<Vec3f> values_at(Span<const Vec3f> vertex, Span<const Vec3f> particl
 
 /// Values of the fluid at points on or near its surface, by field name, one per point.
 struct VertexFields {
-    std::map<std::string, std::vector<float>> scalar;  ///< viscosity [Pa s], age [s], those that the frame has
+    std::map<std::string, std::vector<float>> scalar;  ///< viscosity [Pa s], age [s], temperature [K], those that the frame has
     std::map<std::string, std::vector<Vec3f>> vector;  ///< velocity [m/s], ink
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/io/snapshot.h"
+#include "engine/scene/scene_scales.h"
 #include "render/flow/marks.h"
 #include "render/flow/slice.h"
 #include "render/look/colour_map.h"
@@ -32,6 +33,11 @@ std::array<float, 2> estimated_range(const LookOptions& look, const Simulation& 
     return range_up_to(first > 0 ? first : speed / (8 * scene.fluid.spacing), look);
 }
 
+std::array<float, 2> range_of_temperatures(const Scene& scene) {
+    const auto [coldest, warmest] = temperature_range(scene);
+    return {static_cast<float>(std::floor(coldest)), static_cast<float>(std::max(std::ceil(warmest), std::floor(coldest) + 1))};
+}
+
 /// streak_time for a scene that leaves it open [s].
 float estimated_streak_time(const LookOptions& look, const Simulation& simulation) {
     const Scene& scene = simulation.scene();
@@ -44,13 +50,16 @@ float estimated_streak_time(const LookOptions& look, const Simulation& simulatio
 
 }  // namespace
 
-bool measures_range(const LookOptions& look) { return wants_range(look) && look.field != "density" && look.field != "ink"; }
+bool measures_range(const LookOptions& look) {
+    return wants_range(look) && look.field != "density" && look.field != "ink" && look.field != "temperature";
+}
 
 void choose(SceneFile& file, const SeenBox& extent, float size) {
     if (wants_extent(file)) look_at(file.camera, extent);
     if (!wants_range(file.look)) return;
     const auto rest = static_cast<float>(file.scene.fluid.density);
     if (file.look.field == "density") file.look.range = {0.97f * rest, 1.03f * rest};
+    else if (file.look.field == "temperature") file.look.range = range_of_temperatures(file.scene);
     else if (measures_range(file.look) && size > 0) file.look.range = range_up_to(size, file.look);
 }
 

@@ -51,6 +51,7 @@ FrameSummary FrameLoop::measure_frame() {
     const Vec3d gravity = simulation_.scene().domain.gravity(simulation_.time());
     FrameSummary summary;
     summary.measures = measure(simulation_.world(), gravity, simulation_.plan().spin.micro_inertia);
+    summary.measures.heat = measure_heat(simulation_.world(), simulation_.scene().heat.law());
     summary.before = std::exchange(totals_at_frame_, now);
     summary.steps = now.steps - summary.before.steps;
     const double iterations =

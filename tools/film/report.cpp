@@ -110,7 +110,8 @@ std::string RunProblems::add(const StepReport& report, const Scene& scene, doubl
         if (const SolveReport& r = solve.report; solve.kind == SolveKind::crowding) add(Incident{"crowded", time, step, r.why_not});
         else if (!r.converged) {
             const bool viscous = solve.kind == SolveKind::viscosity;
-            const bool limited = r.iterations >= (viscous ? scene.viscosity.limits.max_iterations : scene.pressure.limits.max_iterations);
+            const bool limited = solve.kind != SolveKind::heat &&
+                                 r.iterations >= (viscous ? scene.viscosity.limits.max_iterations : scene.pressure.limits.max_iterations);
             const std::string what =
                 fmt::format("{}: residual {:.2g} (from {:.2g}) after {} iterations{}{}", name_of(solve.kind), r.last_residual,
                             r.first_residual, r.iterations, r.why_not.empty() ? "" : ", " + r.why_not,

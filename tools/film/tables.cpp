@@ -80,7 +80,7 @@ Canvas plot_of_table(const std::string& title, const Probe& probe, const std::fi
 RunTables::RunTables(std::filesystem::path folder, const Simulation& simulation, const NamedProbes& probes, bool budgeted,
                      const Checkpoint* from)
     : folder_(std::move(folder)), simulation_(simulation), probes_(probes) {
-    open(diagnostics, diagnostics_header(), from);
+    open(diagnostics, diagnostics_header(simulation.scene().any_temperature()), from);
     if (simulation.world().solids.any_free()) open(bodies, bodies_header(), from);
     if (budgeted) open(budget, budget_header(), from);
     for (const auto& [name, probe] : probes) {

@@ -130,6 +130,9 @@ void check_look(const SceneFile& file) {
                "set models.micropolar, or show \"vorticity\"");
     if (shows_field(file.look) && file.look.field == "ink" && !file.scene.any_ink())
         report("look.field", "look.field = \"ink\" needs fluid with ink", "set ink in a [[block]], [[emitter]] or [[stream]]");
+    if (shows_field(file.look) && file.look.field == "temperature" && !file.scene.any_temperature())
+        report("look.field", "look.field = \"temperature\" needs fluid with a temperature",
+               "set temperature in a [[block]], [[emitter]] or [[solid]]");
     const bool exr = file.scene.output.format == "exr";
     if (file.look.style == "slice" && file.camera.kind == "auto" && (exr || is_transparent(file.look)))
         report(exr ? "output.format" : "look.background",
@@ -197,7 +200,7 @@ void follow(SceneFile& file) {
     const bool exported = scene.exported("points") || scene.exported("vtk");
     file.scene.identities = exported || scene.any_flux();
     file.scene.ages = exported || scene.exported("mesh");
-    file.surface.ages = scene.viscosity_ages();
+    file.surface.ages = scene.viscosity_ages() || scene.any_temperature();
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
     file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
