@@ -27,11 +27,13 @@ float glass_distance(vec3 place) {
     return textureLod(glass_field, (place + 0.5) / glass_size, 0.0).r + glass_voxel * length(max(abs(place - half_size) - half_size, 0.0));
 }
 
-vec3 glass_normal(vec3 x) {
+// Normal of the glass at x. @param sharp output: 1 on a sharp edge, where the normal is that of a bevel a voxel wide, 0 on faces
+vec3 glass_normal(vec3 x, out float sharp) {
     vec3 p = glass_turn * x + glass_move;
     const vec2 h = vec2(1.0, 0.0);
     vec3 slope = vec3(glass_distance(p + h.xyy) - glass_distance(p - h.xyy), glass_distance(p + h.yxy) - glass_distance(p - h.yxy),
-                      glass_distance(p + h.yyx) - glass_distance(p - h.yyx));
+                      glass_distance(p + h.yyx) - glass_distance(p - h.yyx)) / (2.0 * glass_voxel);
+    sharp = 1.0 - smoothstep(0.75, 0.92, length(slope));
     return normalize(slope * glass_turn + vec3(0.0, 1e-9, 0.0));
 }
 
@@ -162,13 +164,17 @@ void main() {
     vec3 r = reflect(v, n), d = refract(v, n, 1.0 / glass_refraction);
     vec3 mirrored = min(surroundings(world, r, 0.02) + strip_light(r, 0.02), vec3(1.5));
     int medium = in_glass, kind = background;
-    float way = 0.0;
+    float way = 0.0, sharp;
+    glass_normal(x, sharp);
     for (int turn = 0; turn < 12; ++turn) {
+        // Rays that meet an edge scatter in all directions, and the pixels of an edge would glitter. So an edge shows what is behind it.
+        light += sharp * through * surroundings(x, v, 0.3, 0.8);
+        through *= 1.0 - sharp;
         int beyond = in_air;   // medium on the other side of the surface that the ray meets, of normal n
         if (medium == in_air) {
             if (!meets_glass(x, d, way, kind)) break;
             kind = background;
-            n = glass_normal(x);
+            n = glass_normal(x, sharp);
             if (dot(n, d) > 0.0) n = -n;
             through *= 1.0 - fresnel(-dot(n, d), glass_refraction);
             d = refract(d, n, 1.0 / glass_refraction);
@@ -179,8 +185,9 @@ void main() {
             way = way_in_glass(x, d);
             through *= exp(-glass_absorption * way);
             x += way * d;
-            n = glass_normal(x);
+            n = glass_normal(x, sharp);
             if (touches_fluid(x)) {
+                sharp = 0.0;
                 beyond = in_fluid;
                 if (!clear_fluid) {
                     kind = fluid;
@@ -195,7 +202,8 @@ void main() {
             if (kind != background || max(through.r, max(through.g, through.b)) < 0.003) break;
             bool at_glass = glass_distance(glass_turn * x + glass_move) < 0.5 * voxel + 0.1 * glass_voxel;
             if (at_glass) beyond = in_glass;
-            n = at_glass ? -glass_normal(x) : field_normal(place_of(x));
+            n = at_glass ? -glass_normal(x, sharp) : field_normal(place_of(x));
+            sharp = 0.0;
         }
         float ratio = index_of(medium) / index_of(beyond), leaving = dot(d, n), square = 1.0 - ratio * ratio * (1.0 - leaving * leaving);
         float inner = square > 0.0 ? fresnel(ratio > 1.0 ? sqrt(square) : leaving, ratio) : 1.0;

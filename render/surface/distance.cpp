@@ -11,6 +11,8 @@ namespace whorl {
 namespace {
 
 constexpr double most_voxels = 16e6;
+// (Height of a triangle)/(its longest edge) below which its normal is lost in rounding. Its neighbours cover its place.
+constexpr float sliver = 1e-3f;
 
 // Eight numbers, one per voxel of a row.
 using Lanes = float __attribute__((vector_size(32)));
@@ -177,8 +179,8 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
             const Vec3f &a = mesh.position[mesh.triangle[t][0]], &b = mesh.position[mesh.triangle[t][1]],
                         &c = mesh.position[mesh.triangle[t][2]];
             const Vec3f area = (b - a).cross(c - a);
-            const float doubled = area.norm();
-            if (doubled <= 0) continue;
+            const float doubled = area.norm(), longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+            if (doubled <= sliver * longest2) continue;
             const NearTriangle triangle(a, b, c, area / doubled);
             const Vec3f least = a.cwiseMin(b).cwiseMin(c) - a, most = a.cwiseMax(b).cwiseMax(c) - a;
             const Vec3f first_corner = (a + least - e.origin).array() - margin, last_corner = (a + most - e.origin).array() + margin;

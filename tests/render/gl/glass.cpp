@@ -89,4 +89,35 @@ TEST_CASE("a glass ball shows the tiles behind it where Snell's law puts them, w
     CHECK(wrong == 0);
 }
 
+TEST_CASE("honey fills a thick open glass to its outline, as light is bent from air to glass to honey", "[render][glass]") {
+    // A ray that grazes the outside meets the cavity if its radius is more than that of the outside divided by the index, 2/3 of it.
+    constexpr float inner = 0.036f, wall = 0.009f, spacing = 0.003f, filled = 0.06f;
+    ShapeKeys keys;
+    keys.kind = "cylinder", keys.open = "top", keys.wall = static_cast<double>(wall), keys.radius = static_cast<double>(inner);
+    keys.from = {0, 0, 0}, keys.to = {0, 0.09, 0};
+    Frame frame;
+    frame.spacing = spacing;
+    frame.domain_min = Vec3f(-0.2f, -0.01f, -0.2f), frame.domain_max = Vec3f(0.2f, 0.2f, 0.2f);
+    frame.solids.push_back(test::solid_of(make_shape(keys)->mesh(Real(0.002), 0), "glass"));
+    for (float y = spacing / 2; y < filled; y += spacing)
+        for (float x = -inner; x < inner; x += spacing)
+            for (float z = -inner; z < inner; z += spacing)
+                if (std::hypot(x, z) < inner - spacing / 2) frame.position.emplace_back(x, y, z);
+    const View side{Vec3f(0, 0.04f, 0.8f), Vec3f(0, 0.04f, 0), Vec3f(0, 1, 0), 12};
+    LookOptions look;
+    look.material = "honey", look.samples = 1;
+    const Image image = Renderer(width, height).draw(frame, build_surface(frame, {}), look, side);
+    // Half width of the outline, seen from 0.8 m.
+    const float scale = static_cast<float>(height) / 2 / std::tan(12 * static_cast<float>(M_PI) / 360), outer = inner + wall;
+    const int reach = static_cast<int>(0.96f * scale * outer / std::sqrt(0.64f - outer * outer));
+    int clear = 0;
+    for (int x = width / 2 - reach; x <= width / 2 + reach; ++x)
+        for (int y = height / 2 - 20; y < height / 2 + 20; ++y) {
+            const auto* pixel = image.pixel(x, y);
+            clear += pixel[0] - pixel[2] < 60 ? 1 : 0;
+        }
+    INFO("pixels without the colour of honey, in " << 2 * reach + 1 << " x 40 within the outline");
+    CHECK(clear == 0);
+}
+
 }  // namespace glass_test

@@ -1,0 +1,67 @@
+/// Fluid in open vessels of glass.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "engine/geometry/shape.h"
+#include "render/surface/surface.h"
+#include "tests/support/shapes.h"
+#include "tests/support/surface_measures.h"
+
+using namespace whorl;
+using namespace whorl::test;
+
+namespace {
+
+constexpr float cavity = 8, depth = 8, gap = 0.9f;  // spacings
+const Vec3f place(3, -2, 5);
+
+/// Distance from the cavity's walls and floor, positive inside the cavity: of a cylinder on y = 0, or of a sphere about (0, 8, 0).
+float in_cavity(const Vec3f& own, bool sphere) {
+    return sphere ? cavity - (own - Vec3f(0, cavity, 0)).norm() : std::min(cavity - std::hypot(own.x(), own.z()), own.y());
+}
+
+/// A vessel whose particles keep `gap` from its walls, up to the height `depth`.
+Frame filled_vessel(bool sphere, const Mat3f& turn) {
+    ShapeKeys keys;
+    keys.kind = sphere ? "sphere" : "cylinder";
+    keys.open = "top", keys.wall = 3, keys.radius = cavity;
+    if (sphere) keys.rim = 4;
+    else keys.from = {0, 0, 0}, keys.to = {0, 14, 0};
+    FrameSolid vessel = solid_of(make_shape(keys)->mesh(Real(0.5), 0), "glass");
+    vessel.rotation = turn, vessel.translation = place + turn * Vec3f(0, sphere ? cavity : 0, 0);
+    Frame frame;
+    frame.spacing = 1;
+    frame.solids = {vessel};
+    for (float y = gap; y < depth; ++y)
+        for (float x = -cavity; x < cavity; x += 0.9f)
+            for (float z = -cavity; z < cavity; z += 0.9f)
+                if (in_cavity(Vec3f(x, y, z), sphere) > gap) frame.position.push_back(turn * Vec3f(x, y, z) + place);
+    return frame;
+}
+
+TEST_CASE("fluid touches the glass of an open vessel although its particles keep 0.9 d from it, and stays inside", "[surface]") {
+    const bool sphere = GENERATE(false, true);
+    const Mat3f turn = GENERATE(Mat3f::Identity().eval(), Eigen::AngleAxisf(0.7f, Vec3f(1, 2, 3).normalized()).toRotationMatrix());
+    const Frame frame = filled_vessel(sphere, turn);
+    const Surface surface = build_surface(frame, {});
+    REQUIRE(topology(surface.mesh).manifold);
+    CHECK(topology(surface.mesh).components == 1);
+    float beyond = 0, widest = 0;
+    int on_wall = 0;
+    for (const Vec3f& x : surface.mesh.position) {
+        const Vec3f own = turn.transpose() * (x - place);
+        const float in = in_cavity(own, sphere);
+        beyond = std::max(beyond, -in);
+        if (own.y() > depth - 2) continue;  // the free surface
+        widest = std::max(widest, in);
+        on_wall += std::abs(in) < 0.05f ? 1 : 0;
+    }
+    CHECK(beyond < 0.1f);  // edges are rounded by the voxels of half a spacing
+    CHECK(widest < 0.15f);
+    CHECK(on_wall > 1000);
+    // The distance volume, in which rays are refracted, agrees.
+    CHECK(std::abs(interpolated(surface.distance, place)) < 0.1f);
+}
+
+}  // namespace
