@@ -76,6 +76,10 @@ vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, float blur, out f
     return (through - clear) * (s.a > 0.5 ? min(s.rgb, vec3(1.8)) : surroundings(p, d, blur, 1.8));
 }
 
+// 0 in water to 1 in a fluid that scatters more light than it absorbs. Inside a cloudy fluid the body's light hides the paths of rays that
+// are reflected several times, which would make grain and hard borders.
+float cloudiness() { return clamp(2.0 * haze / max(haze + absorption.g, 1e-9) - 0.35, 0.0, 1.0); }
+
 // Light that comes to p from the direction d inside the fluid. @param lamp light that falls on the body @param clear as in seen_through()
 vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
     vec3 through = vec3(1.0), light = vec3(0.0);
@@ -98,15 +102,17 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
-        float inner = square > 0.0 ? fresnel(sqrt(square), refraction) : 1.0;
-        if (square < 0.0) {   // total reflection
+        // The body's own light replaces the light that the surface reflects inwards, which grows to 1 towards the angle of total reflection.
+        float inner = square > 0.0 ? max(fresnel(sqrt(square), refraction), cloudiness() * (1.0 - smoothstep(0.0, 0.3, square)))
+                                   : 0.75 * cloudiness();
+        light += inner * through * lamp * scatter * 0.7;
+        if (square < 0.0) {
+            through *= 1.0 - inner;
             d = reflect(d, -n);
             blur += 0.4;
             p -= 0.3 * n;
             continue;
         }
-        // The body's own light replaces the light that the surface reflects inwards: it grows towards the angle of total reflection.
-        light += inner * through * lamp * scatter * 0.7;
         through *= 1.0 - inner;
         d = normalize(refraction * d + (sqrt(square) - refraction * leaving) * n);
         if (turn == 3) break;
@@ -115,8 +121,14 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         if (gap < 0.0 || (has_solid_field && way_to_solid(world_of(p), d, gap * voxel) >= 0.0)) break;
         p += gap * d;
         n = field_normal(p);
+        if (dot(n, d) > 0.0) n = -n;
         blur += 0.4;
-        d = refract(d, dot(n, d) < 0.0 ? n : -n, 1.0 / refraction);
+        // The outline of the fluid behind mirrors what is next to it, so it is no hard border.
+        float mirror = fresnel(-dot(n, d), refraction);
+        vec3 r = reflect(d, n);
+        light += mirror * through * mix(scatter * sky * 0.5, surroundings(world_of(p), r, min(blur, 1.0), 1.8), openness(p + n, r, 30.0));
+        through *= 1.0 - mirror;
+        d = refract(d, n, 1.0 / refraction);
     }
     return light + seen_through(world_of(p), d, at_solid, through, min(blur, 1.0), clear);
 }

@@ -35,7 +35,8 @@ WallField::Sample WallField::sample(const Vec3f& x) const {
     const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
     // Values on the edges along x, then on the faces.
     const float low_low = mix(c[0], c[1], part[0]), high_low = mix(c[along_y], c[along_y + 1], part[0]);
-    const float low_high = mix(c[along_z], c[along_z + 1], part[0]), high_high = mix(c[along_z + along_y], c[along_z + along_y + 1], part[0]);
+    const float low_high = mix(c[along_z], c[along_z + 1], part[0]),
+                high_high = mix(c[along_z + along_y], c[along_z + along_y + 1], part[0]);
     const float low = mix(low_low, high_low, part[1]), high = mix(low_high, high_high, part[1]);
     Vec3f gradient;
     gradient[0] = mix(mix(c[1] - c[0], c[along_y + 1] - c[along_y], part[1]),
@@ -62,12 +63,19 @@ void WallField::add_sides(const Vec3f& x, float reach, std::vector<CutSide>& sid
     const Vec3f right = first.inward.unitOrthogonal(), up = first.inward.cross(right);
     for (const float way : {2 * voxel_, reach}) {
         if (way < voxel_) continue;
-        for (const auto& [a, b] : {std::pair(1.0f, 0.0f), {0.7f, 0.7f}, {0.0f, 1.0f}, {-0.7f, 0.7f}, {-1.0f, 0.0f}, {-0.7f, -0.7f},
-                                   {0.0f, -1.0f}, {0.7f, -0.7f}}) {
+        for (const auto& [a, b] : {std::pair(1.0f, 0.0f),
+                                   {0.7f, 0.7f},
+                                   {0.0f, 1.0f},
+                                   {-0.7f, 0.7f},
+                                   {-1.0f, 0.0f},
+                                   {-0.7f, -0.7f},
+                                   {0.0f, -1.0f},
+                                   {0.7f, -0.7f}}) {
             const CutSide other = side(x + way * (a * right + b * up));
             const float inside = other.inside(x);
             if (inside < -near_wall * voxel_ || inside >= reach) continue;
-            if (std::any_of(sides.begin() + static_cast<std::ptrdiff_t>(begin), sides.end(), [&](const CutSide& s) { return !are_across(s, other); }))
+            if (std::any_of(sides.begin() + static_cast<std::ptrdiff_t>(begin), sides.end(),
+                            [&](const CutSide& s) { return !are_across(s, other); }))
                 continue;
             // The plane ends where the wall ends.
             if (std::abs(distance(x - inside * other.inward)) < near_wall * voxel_) sides.push_back(other);

@@ -28,7 +28,8 @@ public:
     float distance(const Vec3f& x) const;
     /// Tangent plane of the nearest wall.
     CutSide side(const Vec3f& x) const;
-    /// Adds the tangent planes of the walls about x that are nearer than `reach` [m]: of the nearest one, and of those that meet it at an edge.
+    /// Adds the tangent planes of the walls about x that are nearer than `reach` [m]: of the nearest one, and of those that meet it at an
+    /// edge.
     void add_sides(const Vec3f& x, float reach, std::vector<CutSide>& sides) const;
 
 private:
