@@ -47,8 +47,15 @@ float way_to_solid(vec3 p, vec3 d, float limit) {
 vec4 seen_solid(vec3 q) {
     vec4 h = to_clip * vec4(q, 1.0);
     if (h.w <= 0.0) return vec4(0.0);
-    vec4 s = textureLod(solid_buffer, 0.5 * h.xy / h.w + 0.5, 0.0);
-    return s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel ? vec4(s.rgb, 1.0) : vec4(0.0);
+    // Interpolated between the pixels around q that show this solid: refraction enlarges pixels.
+    vec2 size = vec2(textureSize(solid_buffer, 0)), place = (0.5 * h.xy / h.w + 0.5) * size - 0.5, whole = floor(place), part = place - whole;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        vec2 corner = vec2(i & 1, i >> 1), near = mix(1.0 - part, part, corner);
+        vec4 s = texelFetch(solid_buffer, ivec2(clamp(whole + corner, vec2(0.0), size - 1.0)), 0);
+        if (s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel) sum += near.x * near.y * vec4(s.rgb, 1.0);
+    }
+    return sum.a > 1e-3 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
 // seen_solid(q). At the solid's outline q may miss it by a pixel, so that the outline would have teeth: then the colour 1.5 voxels deeper.

@@ -30,7 +30,8 @@ Texture wood_rings(vec3 own, float width) {
     vec3 q = own * 90.0;
     float r = length(q.yz + vec2(7.0, 2.0) + 0.15 * vec2(sin(3.1 * q.x), cos(2.3 * q.x)));
     float ring = fract(1.7 * r + 0.12 * sin(9.0 * r) + 0.05 * sin(11.0 * q.z));
-    float late = smoothstep(0.2, 0.95, ring) * (1.0 - smoothstep(0.95, 1.0, ring));
+    float edge = clamp(153.0 * width, 0.05, 0.5);   // a pixel's share of the period, in which late wood ends
+    float late = smoothstep(0.2, 1.0 - edge, ring) * (1.0 - smoothstep(1.0 - edge, 1.0, ring));
     return Texture(vec3(1.15 - 0.5 * mix(late, 0.4, smoothstep(0.3, 0.8, 153.0 * width))), 0.0);
 }
 

@@ -33,10 +33,20 @@ Frame filled_vessel(bool sphere, const Mat3f& turn) {
     Frame frame;
     frame.spacing = 1;
     frame.solids = {vessel};
-    for (float y = gap; y < depth; ++y)
-        for (float x = -cavity; x < cavity; x += 0.9f)
-            for (float z = -cavity; z < cavity; z += 0.9f)
-                if (in_cavity(Vec3f(x, y, z), sphere) > gap) frame.position.push_back(turn * Vec3f(x, y, z) + place);
+    // Shells or rings parallel to the wall, a spacing apart, each with one particle per unit of its area or length.
+    for (float r = cavity - gap; r > 0; --r) {
+        const int count = static_cast<int>(std::lround(sphere ? 12.566f * r * r : 6.2832f * r)) + 1;
+        for (int k = 0; k < count; ++k) {
+            const float part = (static_cast<float>(k) + 0.5f) / static_cast<float>(count);
+            const auto add = [&](float across, float y, float angle) {
+                const Vec3f own(across * std::cos(angle), y, across * std::sin(angle));
+                if (y < depth) frame.position.push_back(turn * own + place);
+            };
+            if (sphere) add(2 * r * std::sqrt(part * (1 - part)), cavity + r * (2 * part - 1), 2.39996f * static_cast<float>(k));
+            else
+                for (float y = gap; y < depth; ++y) add(r, y, 6.2832f * part);
+        }
+    }
     return frame;
 }
 
