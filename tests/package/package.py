@@ -22,7 +22,7 @@ whorl --version
 cd /tmp
 whorl render honey_coil --quality draft
 test -s out/honey_coil/honey_coil.mp4
-test -s /usr/share/man/man1/whorl.1.gz -a -s /usr/share/bash-completion/completions/whorl -a -s /usr/share/whorl/whorl_import.py
+test -s /usr/share/man/man1/whorl.1.gz -a -s /usr/share/bash-completion/completions/whorl -a -s /usr/share/whorl/whorl_import.py -a -s /usr/share/whorl/whorl_export.py
 """
 
 
