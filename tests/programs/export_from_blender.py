@@ -1,10 +1,11 @@
 """Scenes of Blender become scenes of Whorl: /usr/bin/python3 tests/programs/export_from_blender.py build/release/whorl
 
-A scene made by script goes out with tools/blender/whorl_export.py, runs coarsely, and comes back with whorl_import.py: every object is where
-it was, and so is the image of the camera. Ends with 77 (skipped) without Blender.
+A scene made by script goes out with tools/blender/whorl_export.py, runs coarsely, and comes back with whorl_import.py: every object is
+where it was, at the first and at the last frame, and so is the image of the camera. Ends with 77 (skipped) without Blender.
 """
 import json
 import math
+import re
 import shutil
 import subprocess
 import sys
@@ -12,7 +13,15 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+if "--" in sys.argv:  # in Blender
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools/blender"))
+    import bpy
+    import numpy
+    import whorl_export
+    import whorl_import
+    from bpy_extras.object_utils import world_to_camera_view
+    from mathutils import Vector
+
 SPACING, WALL, FIRST, FRAMES, FPS = 0.01, 0.03, 10, 7, 25
 POINTS = [(x, y, z) for x in (-0.15, 0.1) for y in (-0.1, 0.15) for z in (0, 0.2)]
 
@@ -37,15 +46,13 @@ def outside(whorl):
 
 def make(unit):
     """A scene in units of `unit` metres. Returns its objects."""
-    import bpy
-    from mathutils import Vector
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.unit_settings.scale_length = unit
     scene.render.fps, scene.render.resolution_x, scene.render.resolution_y = FPS, 320, 180
     scene.frame_start, scene.frame_end = FIRST, FIRST + FRAMES - 1
     scene["whorl.fluid.spacing"], scene["whorl.fluid.viscosity"] = SPACING, 20
-    for role in ("fluid", "solid", "container", "emitter"):
+    for role in ("fluid", "solid", "container", "emitter", "drain"):
         scene.collection.children.link(bpy.data.collections.new(role))
 
     def add(name, role, corners, faces, place=(0, 0, 0), turn=(0, 0, 0), size=(1, 1, 1)):
@@ -72,18 +79,29 @@ def make(unit):
     slot = [(-0.04, -0.02, 0), (-0.04, 0.02, 0), (0.04, 0.02, 0), (0.04, -0.02, 0)]
     nozzle = add("nozzle", "emitter", slot, [(0, 1, 2, 3)], (0.03, -0.02, 0.2))
     nozzle["whorl.speed"] = 0.1
+    paddle = add("paddle", "solid", wedge, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], (0.03, 0.01, 0.1), (0, 0.2, 0))
+    paddle.parent = bpy.data.objects.new("arm", None)
+    paddle.parent.scale = (0.7, 0.7, 0.7)
+    scene.collection.objects.link(paddle.parent)
+    drain = add("drain", "drain", box, [*sides, (4, 5, 7, 6)], (-0.2, -0.15, -0.05))
+    drain["whorl.delay"] = 0.5
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.location, camera.rotation_euler = Vector((0.5, -0.8, 0.6)) / unit, (0.95, 0.1, 0.5)
     scene.collection.objects.link(camera)
     scene.camera = camera
+    for thing, place, turn in ((paddle.parent, (-0.02, 0.01, 0.05), (0.1, 0, 2.5)), (camera, (0.6, -0.7, 0.5), (1, -0.2, 0.6)),
+                               (nozzle, (0.01, -0.02, 0.2), (0.3, 0, 0))):
+        for value, end in (("location", Vector(place) / unit), ("rotation_euler", turn)):
+            thing.keyframe_insert(value, frame=FIRST)
+            setattr(thing, value, end)
+            thing.keyframe_insert(value, frame=FIRST + FRAMES - 1)
+    scene.frame_set(FIRST)
     bpy.context.view_layer.update()
     return scene
 
 
 def shape(thing):
     """Corners of an object, and its bounding box and centre of volume (3 x 3), in Blender's coordinates."""
-    import bpy
-    import numpy
     seen = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = seen.to_mesh()
     mesh.calc_loop_triangles()
@@ -96,51 +114,35 @@ def shape(thing):
 
 def seen(scene, points):
     """The pixels of points."""
-    import numpy
-    from bpy_extras.object_utils import world_to_camera_view
-    from mathutils import Vector
     size = scene.render.resolution_x, scene.render.resolution_y
     return numpy.array([world_to_camera_view(scene, scene.camera, Vector(point)).to_2d() for point in points]) * size
 
 
+def exported(scene, path):
+    """Exports a scene. Returns its tables, and the text and the numbers of all of its files."""
+    assert whorl_export.export_scene(bpy.context, path) == []
+    folder, number = path.with_name(path.stem + "_meshes"), r"-?\d+(?:\.\d+)?(?:e[-+]\d+)?"
+    text = "".join(file.read_text() for file in [path, *sorted(folder.glob("*.obj"))])
+    motion = (folder / "motion.glb").read_bytes()
+    values = numpy.frombuffer(motion[28 + int.from_bytes(motion[12:16], "little"):], dtype="<f4")
+    values = numpy.concatenate([[float(found) for found in re.findall(number, text)], values])
+    return tomllib.loads(path.read_text()), re.sub(number, "0", text), values
+
+
 def go_out(folder):
-    import bpy
-    import numpy
-    import whorl_export
 
-    scene = make(0.01)
-    centimetres = whorl_export.export_scene(bpy.context, folder / "scene.toml")
-    files = {path.name: numpy.array([line.split()[1:] for line in path.read_text().splitlines() if line[0] == "v"], dtype=float)
-             for path in (folder / "scene_meshes").iterdir()}
-    with open(folder / "scene.toml", "rb") as file:
-        small = tomllib.load(file)
+    _, small_text, small = exported(make(0.01), folder / "scene.toml")
     scene = make(1)
-    said = whorl_export.export_scene(bpy.context, folder / "scene.toml")
-    with open(folder / "scene.toml", "rb") as file:
-        tables = tomllib.load(file)
-    assert said == centimetres == [], said
-    there = {name: [of.tolist() for of in shape(scene.objects[name])] for name in ("fluid", "stone", "tray")}
-    (folder / "there.json").write_text(json.dumps([there, seen(scene, POINTS).tolist()]))
-
-    # A unit of a centimetre changes nothing but single-precision rounding.
-    def same(a, b, at):
-        if isinstance(a, dict):
-            assert a.keys() == b.keys(), at
-            return all(same(a[key], b[key], f"{at}.{key}") for key in a)
-        if isinstance(a, list) and a and isinstance(a[0], (list, dict)):
-            return len(a) == len(b) and all(same(x, y, at) for x, y in zip(a, b))
-        assert a == b or numpy.abs(numpy.subtract(a, b)).max() < 1e-5, (at, a, b)
-        return True
-
-    assert same(tables, small, "scene")
-    for name, points in files.items():
-        metres = [line.split()[1:] for line in (folder / "scene_meshes" / name).read_text().splitlines() if line[0] == "v"]
-        assert numpy.abs(points - numpy.array(metres, dtype=float)).max() < 1e-6, name
+    tables, text, values = exported(scene, folder / "scene.toml")
+    assert text == small_text and numpy.abs(values - small).max() < 2e-5, "a scene in centimetres differs"  # degrees in single precision
     assert tables["time"] == {"end": (FRAMES - 1) / FPS, "fps": FPS} and tables["output"]["size"] == [320, 180], tables
-    red, vessel, slot = tables["solid"][0], tables["solid"][1], tables["emitter"][0]
+    solids, slot, view = tables["solid"], tables["emitter"][0], tables["camera"]
+    red, vessel = solids[0], solids[2]
     assert red["colour"] == [0.5, 0.1, 0.05] and red["roughness"] == 0.25 and red["metallic"] == 0, red
     assert vessel["container"] and vessel["open"] == "top" and vessel["rim"] == 0.1 and vessel["wall"] == WALL, vessel
-    assert [slot[key] for key in ("position", "direction", "width", "thickness")] == [[0.03, 0.2, 0.02], [0, -1, 0], 0.08, 0.04], slot
+    assert [slot[key] for key in ("direction", "width", "thickness")] == [[0, -1, 0], 0.08, 0.04], slot
+    assert [table.get("node") for table in (*solids, slot, view)] == [None, "paddle", None, "nozzle", "camera"], tables
+    assert tables["drain"][0]["delay"] == 0.5, tables["drain"]
     print("ok: the scene file has the frames, looks, vessel and opening of Blender's, in metres and in centimetres")
 
     # The angle of view, for all fits of the sensor.
@@ -155,13 +157,28 @@ def go_out(folder):
         assert view["focus"] == 10 and abs(view["aperture"] - 0.05 / 2.8) < 1e-6, view
     print("ok: the vertical angle of view")
 
+    there = []
+    for frame in (FIRST, FIRST + FRAMES - 1):
+        scene.frame_set(frame)
+        nozzle = scene.objects["nozzle"].evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world
+        there.append([{name: [of.tolist() for of in shape(scene.objects[name])] for name in ("fluid", "stone", "tray", "paddle")},
+                      [list(nozzle @ Vector(corner)) for corner in ((0, 0, 0), (0, 0, 1))], seen(scene, POINTS).tolist()])
+    (folder / "there.json").write_text(json.dumps(there))
+    # Blender's own reader of glTF sees the same motion.
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.fps = FPS
+    bpy.ops.import_scene.gltf(filepath=str(folder / "scene_meshes/motion.glb"))
+    for frame, (_, nozzle, _) in zip((0, FRAMES - 1), there):
+        bpy.context.scene.frame_set(frame)
+        matrix = bpy.data.objects["nozzle"].matrix_world
+        assert max((matrix @ Vector(a) - Vector(b)).length for a, b in zip(((0, 0, 0), (0, 0, 1)), nozzle)) < 1e-5, (matrix, nozzle)
+    print("ok: the file of motions")
+
     faults(folder)
 
 
 def faults(folder):
     """Scenes that are refused, and limits that are reported."""
-    import bpy
-    import whorl_export
 
     def refused(*texts, change):
         scene = make(1)
@@ -218,39 +235,42 @@ def faults(folder):
 
     refused("without a role: forgotten", "lamp", "nozzle: a speed", change=many)
     tables = tomllib.loads((folder / "fault.toml").read_text())
-    assert len({solid["file"].lower() for solid in tables["solid"]}) == 5, tables["solid"]
+    assert len({solid["file"].lower() for solid in tables["solid"]}) == 6, tables["solid"]
     assert "# - objects without a role: forgotten" in (folder / "fault.toml").read_text().splitlines()
     print("ok: scenes that cannot be exported are refused, with the object and a fix")
 
 
 def come_back(folder):
-    import bpy
-    import numpy
-    import whorl_import
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     whorl_import.import_run(bpy.context, folder / "run")
     scene = bpy.context.scene
     assert (scene.frame_start, scene.frame_end, scene.render.fps) == (1, FRAMES, FPS), (scene.frame_start, scene.frame_end)
-    scene.frame_set(1)
-    there, pixels = json.loads((folder / "there.json").read_text())
-    fluid, stone, tray = (shape(next(thing for thing in scene.objects if thing.name.startswith(name)))
-                          for name in ("scene fluid", "solid[0]", "solid[1]"))
-    off = numpy.abs(fluid[1] - there["fluid"][1])
-    assert off.max() < SPACING and off[2].max() < SPACING / 2, off  # the surface lies up to half a spacing beside the mesh, and is rounded
-    print(f"ok: the fluid's box is {off[:2].max():.4f} m off, its centre {off[2].max():.4f} m, of {SPACING} m")
-    assert numpy.abs(stone[1] - there["stone"][1]).max() < 1e-5
-    for corners, (points, _) in ((stone[0], there["stone"]), (tray[0], there["tray"])):
-        off = max(numpy.linalg.norm(corners - point, axis=1).min() for point in points)
-        assert off < 1e-5, off  # single precision at 0.5 m
-    print("ok: every corner of the solid and of the vessel's inside")
+    for frame, (there, nozzle, pixels) in zip((1, FRAMES), json.loads((folder / "there.json").read_text())):
+        scene.frame_set(frame)
+        compare(scene, frame == 1, there, nozzle, pixels)
+
+
+def compare(scene, first, there, nozzle, pixels):
+    """Compares a frame of the imported run with the exported scene."""
+    names = {"fluid": "scene fluid", "stone": "solid[0]", "tray": "solid[2]", "paddle": "solid[1]", "nozzle": "nozzle[0]"}
+    here = {name: next(thing for thing in scene.objects if thing.name.startswith(theirs)) for name, theirs in names.items()}
+    if first:
+        off = numpy.abs(shape(here["fluid"])[1] - there["fluid"][1])
+        assert off.max() < SPACING and off[2].max() < SPACING / 2, off  # the surface is rounded, and within half a spacing of the mesh
+        print(f"ok: the fluid's box is {off[:2].max():.4f} m off, its centre {off[2].max():.4f} m, of {SPACING} m")
+    for name in ("stone", "tray", "paddle"):  # the tray has more corners, on its outside
+        off = max(numpy.linalg.norm(shape(here[name])[0] - point, axis=1).min() for point in there[name][0])
+        assert off < 1e-5, (name, off)  # single precision at 0.5 m
+    centre, ahead = map(Vector, nozzle)
+    turn = here["nozzle"].matrix_world
+    print(turn, centre, ahead)
     off = numpy.abs(seen(scene, POINTS) - pixels).max()
     assert off < 0.01, off
-    print(f"ok: points of the image are within {off:.4f} pixels")
+    print(f"ok: every corner of the solids is there, and points of the image are within {off:.4f} pixels")
 
 
-if "bpy" in sys.modules or "--" in sys.argv:
-    sys.path.insert(0, str(ROOT / "tools/blender"))
+if "--" in sys.argv:
     stage, place = sys.argv[sys.argv.index("--") + 1:]
     {"out": go_out, "back": come_back}[stage](Path(place))
 else:

@@ -20,6 +20,7 @@ import argparse
 import json
 import math
 import re
+import struct
 import sys
 from collections import Counter
 from pathlib import Path
@@ -30,8 +31,8 @@ from mathutils import Matrix, Vector
 
 TABLES = {"fluid": "block", "solid": "solid", "container": "solid", "emitter": "emitter", "drain": "drain"}
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))
-SHADER_KEYS = {"Base Color": "colour", "Roughness": "roughness", "Metallic": "metallic", "IOR": "refraction", "Transmission": "transmission",
-               "Transmission Weight": "transmission"}
+SHADER_KEYS = {"Base Color": "colour", "Roughness": "roughness", "Metallic": "metallic", "IOR": "refraction",
+               "Transmission": "transmission", "Transmission Weight": "transmission"}
 LOOKS = {  # (fluid, transparent): keys that are set, keys of the shader
     (True, True): ({"style": "liquid", "material": "water"}, ("refraction", "absorption")),
     (True, False): ({"style": "opaque", "material": "paint"}, ("colour", "roughness")),
@@ -228,7 +229,7 @@ def view_of(scene, size):
     return pose, math.degrees(2 * math.atan(1 / lens[1][1])), max(abs(lens[0][2]), abs(lens[1][2]))
 
 
-def camera_table(scene, views, middle, said):
+def camera_table(scene, views, middle, folder, tracks, said):
     """The keys of [camera]. middle: of the scene [m]"""
     name, camera, metres, (pose, fov, shift) = scene.camera.name, scene.camera.data, scene.unit_settings.scale_length, views[0]
     place, out, up = pose.translation, -pose.col[2].xyz, pose.col[1].xyz
@@ -240,8 +241,15 @@ def camera_table(scene, views, middle, said):
         keys |= {"aperture": camera.lens / 1000 / camera.dof.aperture_fstop, "focus": focus}
     said += [f"{name}: the shift of its lens"] if shift > 1e-4 else []
     said += [f"{name}: the change of its angle of view"] if any(abs(view[1] - fov) > 1e-3 for view in views) else []
-    said += [f"{name}: its motion"] if any(max(map(abs, (view[0] - pose).col[a])) > 1e-5 for view in views for a in range(4)) else []
+    if any(max(map(abs, (view[0] - pose).col[a])) > 1e-5 for view in views for a in range(4)):
+        return {"kind": "animation", **follow("camera", [view[0] for view in views], folder, tracks), "fov": fov, **keys}
     return {"kind": "fixed", "position": place, "target": place + away * out, "up": up, "fov": fov, **keys}
+
+
+def follow(name, poses, folder, tracks):
+    """The keys of a table that follows a node of the file of motions. Adds the node to tracks, {name: poses}."""
+    tracks[name] = poses
+    return {"animation": f"{folder.name}/motion.glb", "node": name}
 
 
 # Files -----------------------------------------------------------------------------------------------------------------------------------
@@ -262,6 +270,36 @@ def write_obj(path, points, faces):
     path.write_text("\n".join(lines + ["f " + " ".join(str(corner + 1) for corner in face) for face in faces]) + "\n")
 
 
+def write_tracks(path, tracks, fps):
+    """Writes a glTF file with a node for each track. Pose k of a track is at k/fps seconds."""
+    nodes, accessors, channels, samplers, views, data = [], [], [], [], [], bytearray()
+
+    def store(kind, values, **more):
+        values = numpy.asarray(values, dtype="<f4")
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": values.nbytes})
+        accessors.append({"bufferView": len(views) - 1, "componentType": 5126, "count": len(values), "type": kind, **more})
+        data.extend(values.tobytes())
+        return len(accessors) - 1
+
+    times = numpy.arange(len(next(iter(tracks.values())))) / fps
+    times = store("SCALAR", times, min=[0], max=[times[-1]])
+    for name, poses in tracks.items():
+        turns = [pose.to_quaternion() for pose in poses]
+        for before, turn in zip(turns, turns[1:]):
+            turn.make_compatible(before)
+        values = {"translation": [list(pose.translation) for pose in poses], "rotation": [[q.x, q.y, q.z, q.w] for q in turns]}
+        for target, kind in (("translation", "VEC3"), ("rotation", "VEC4")):
+            channels.append({"sampler": len(samplers), "target": {"node": len(nodes), "path": target}})
+            samplers.append({"input": times, "output": store(kind, values[target])})
+        nodes.append({"name": name, **{target: value[0] for target, value in values.items()}})
+    text = json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes,
+                       "animations": [{"channels": channels, "samplers": samplers}], "accessors": accessors, "bufferViews": views,
+                       "buffers": [{"byteLength": len(data)}]}).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + len(data), len(text), 0x4E4F534A)
+    path.write_bytes(head + text + struct.pack("<II", len(data), 0x004E4942) + data)
+
+
 def write_scene(path, said, tables, lists):
     lines = [f"# From {Path(bpy.data.filepath).name or 'an unsaved file'} of Blender."]
     lines += ["# Not exported:", *(f"# - {line}" for line in said)] if said else []
@@ -274,25 +312,27 @@ def write_scene(path, said, tables, lists):
 # A scene ---------------------------------------------------------------------------------------------------------------------------------
 
 
-def describe(part, folder, said):
-    """The keys of an object's table. Writes its mesh."""
+def describe(part, folder, tracks, said):
+    """The keys of an object's table. Writes its mesh, and adds its motion to the tracks."""
+    moves = part.moves() and not part.keys.get("density")  # a free body only starts
     if part.role == "emitter":
-        return {**opening(part, said), **look(part, said), **part.keys}
-    keys = {"shape": "mesh", "file": f"{folder.name}/{part.stem}.obj", **close(part)}
-    if TABLES[part.role] != "solid":
-        write_obj(folder / f"{part.stem}.obj", part.placed(), part.faces)
-        if part.moves():
-            said.append(f"{part.name}: its motion; its position at the first frame is written")
+        keys = opening(part, said)
+        if moves:
+            del keys["position"]
+            middle = Matrix.Translation(part.points.mean(axis=0))
+            keys["direction"] = numpy.array(part.poses[0])[:3, :3].T @ keys["direction"]
+            keys |= follow(part.stem, [pose @ middle for pose in part.poses], folder, tracks)
+        return {**keys, **look(part, said), **part.keys}
+    keys, solid = {"shape": "mesh", "file": f"{folder.name}/{part.stem}.obj", **close(part)}, TABLES[part.role] == "solid"
+    write_obj(folder / f"{part.stem}.obj", part.points if solid else part.placed(), part.faces)
+    if not solid:
+        said += [f"{part.name}: its motion; its position at the first frame is written"] if moves else []
         return {**keys, **part.keys}
-    write_obj(folder / f"{part.stem}.obj", part.points, part.faces)
     axis, angle = part.poses[0].to_quaternion().to_axis_angle()
-    keys |= {"position": part.poses[0].translation, "pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis}
-    if part.role == "container":
-        keys["container"] = True
-    if part.thing.hide_render:
-        keys["show"] = False
-    if part.moves() and not part.keys.get("density"):
-        said.append(f"{part.name}: its motion; its position at the first frame is written")
+    keys |= follow(part.stem, part.poses, folder, tracks) if moves else {
+        "position": part.poses[0].translation, "pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis}
+    keys |= {"container": True} if part.role == "container" else {}
+    keys |= {"show": False} if part.thing.hide_render else {}
     return {**keys, **look(part, said), **part.keys}
 
 
@@ -318,11 +358,13 @@ def export_scene(context, path):
                 said.append(f"{part.name}: the change of its shape; its shape at the first frame is written")
     finally:
         scene.frame_set(now)
-    for part in parts:  # some file systems do not distinguish upper and lower case
+    stems, tracks = {"camera"}, {}
+    for part in parts:
         part.stem = re.sub(r"[^\w-]+", "_", part.name)
-        while any(other.stem.lower() == part.stem.lower() for other in parts[:parts.index(part)]):
+        while part.stem.lower() in stems:  # some file systems do not distinguish upper and lower case
             part.stem += "_"
-    keys = each(describe, parts, folder, said)
+        stems.add(part.stem.lower())
+    keys = each(describe, parts, folder, tracks, said)
     fluid = [part for part in parts if part.role == "fluid"]
     if not any(part.role in ("fluid", "emitter") for part in parts):
         raise NotAScene("the scene has no fluid; put an object into a collection named fluid or emitter")
@@ -346,12 +388,14 @@ def export_scene(context, path):
         "output": {"size": size},
     }
     if seen and "whorl.camera.kind" not in scene:
-        tables["camera"] = camera_table(scene, views, Vector((low + high) / 2), said)
+        tables["camera"] = camera_table(scene, views, Vector((low + high) / 2), folder, tracks, said)
     elif scene.camera:
         said.append(f"{scene.camera.name}; the camera of Whorl shows the fluid")
     for key, value in properties(scene).items():
         table, _, name = key.rpartition(".")
         tables.setdefault(table, {})[name] = value
+    if tracks:
+        write_tracks(folder / "motion.glb", tracks, fps)
     write_scene(path, said, tables, [(TABLES[part.role], part.name, table) for part, table in zip(parts, keys)])
     return said
 
