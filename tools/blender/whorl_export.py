@@ -329,28 +329,26 @@ def describe(part, folder, tracks, said):
         said += [f"{part.name}: its motion; its position at the first frame is written"] if moves else []
         return {**keys, **part.keys}
     axis, angle = part.poses[0].to_quaternion().to_axis_angle()
-    keys |= follow(part.stem, part.poses, folder, tracks) if moves else {
-        "position": part.poses[0].translation, "pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis}
+    if moves:
+        keys |= follow(part.stem, part.poses, folder, tracks)
+    elif part.poses[0] != Matrix():
+        keys |= {"position": part.poses[0].translation, "pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis}
     keys |= {"container": True} if part.role == "container" else {}
     keys |= {"show": False} if part.thing.hide_render else {}
     return {**keys, **look(part, said), **part.keys}
 
 
-def export_scene(context, path):
-    """Writes the scene of the context to a scene file, and returns its content that Whorl cannot express as lines. Raises NotAScene."""
-    path, scene, said, views = Path(path), context.scene, [], []
-    render, metres, now, folder = scene.render, scene.unit_settings.scale_length, scene.frame_current, path.with_name(path.stem + "_meshes")
-    size = [2 * max(8, round(side * render.resolution_percentage / 200)) for side in (render.resolution_x, render.resolution_y)]
-    fps, seen = render.fps / render.fps_base, scene.camera and scene.camera.data.type == "PERSP"
-    scene.frame_set(scene.frame_start)
+def record(scene, size, said):
+    """The objects with a role, and the views of the camera at all frames, none without a camera that Whorl has."""
+    metres, now, views = scene.unit_settings.scale_length, scene.frame_current, []
     try:
-        marked = find_roles(scene)
-        parts = each(Part, [(thing, found) for thing, found in marked.items() if found], metres)
+        scene.frame_set(scene.frame_start)
+        parts = each(Part, [(thing, found) for thing, found in find_roles(scene).items() if found], metres)
         for frame in range(scene.frame_start, scene.frame_end + 1):
             scene.frame_set(frame)
             if frame > scene.frame_start:
                 each(Part.sample, parts)
-            if seen:
+            if scene.camera and scene.camera.data.type == "PERSP" and "whorl.camera.kind" not in scene:
                 views.append(view_of(scene, size))
         for part in parts:
             points, _ = part.read()
@@ -358,45 +356,57 @@ def export_scene(context, path):
                 said.append(f"{part.name}: the change of its shape; its shape at the first frame is written")
     finally:
         scene.frame_set(now)
-    stems, tracks = {"camera"}, {}
+    if not any(part.role in ("fluid", "emitter") for part in parts):
+        raise NotAScene("the scene has no fluid; put an object into a collection named fluid or emitter")
+    stems = {"camera"}
     for part in parts:
         part.stem = re.sub(r"[^\w-]+", "_", part.name)
         while part.stem.lower() in stems:  # some file systems do not distinguish upper and lower case
             part.stem += "_"
         stems.add(part.stem.lower())
-    keys = each(describe, parts, folder, tracks, said)
-    fluid = [part for part in parts if part.role == "fluid"]
-    if not any(part.role in ("fluid", "emitter") for part in parts):
-        raise NotAScene("the scene has no fluid; put an object into a collection named fluid or emitter")
-    others = {kind: [thing.name for thing, found in marked.items() if not found and thing.type == kind] for kind in ("MESH", "LIGHT")}
-    said += [f"objects without a role: {', '.join(others['MESH'])}"] if others["MESH"] else []
-    said += [f"lights ({', '.join(others['LIGHT'])}); the studio of Whorl lights the scene"] if others["LIGHT"] else []
+    return parts, views
 
-    corners = numpy.concatenate([part.corners().reshape(-1, 3) for part in parts])
+
+def spacing_of(parts, keys):
+    """Ten thousand particles in the fluid at the start, and six across the narrowest opening [m]"""
+    volume = sum(abs(numpy.linalg.det(part.triangles(part.points)).sum()) / 6 for part in parts if part.role == "fluid")
+    narrow = [min(2 * table.get("radius", math.inf), table.get("width", math.inf), table.get("thickness", math.inf)) / 6
+              for part, table in zip(parts, keys) if part.role == "emitter"]
+    return float(f"{min(narrow + ([(volume / 1e4)**(1 / 3)] if volume else [])):.2g}")
+
+
+def export_scene(context, path):
+    """Writes the scene of the context to a scene file. Returns its content that Whorl cannot express, as lines. Raises NotAScene."""
+    path, scene, said, tracks = Path(path), context.scene, [], {}
+    render, metres, folder = scene.render, scene.unit_settings.scale_length, path.with_name(path.stem + "_meshes")
+    size = [2 * max(8, round(side * render.resolution_percentage / 200)) for side in (render.resolution_x, render.resolution_y)]
+    parts, views = record(scene, size, said)
+    keys = each(describe, parts, folder, tracks, said)
+    corners, fps = numpy.concatenate([part.corners().reshape(-1, 3) for part in parts]), render.fps / render.fps_base
     low, high = corners.min(axis=0), corners.max(axis=0)
-    volume = sum(abs(numpy.linalg.det(part.triangles(part.points)).sum()) / 6 for part in fluid)
-    spacings = [(volume / 1e4)**(1 / 3)] if fluid else []
-    spacings += [min(2 * table.get("radius", math.inf), table.get("width", math.inf), table.get("thickness", math.inf)) / 6
-                 for part, table in zip(parts, keys) if part.role == "emitter"]
-    margin = max(0.25 * (high - low).max(), 6 * min(spacings))
+    margin, middle = 0.25 * (high - low).max(), Vector((low + high) / 2)
+
+    fluid, ours = [part for part in parts if part.role == "fluid"], {part.thing for part in parts}
+    others = [thing.name for thing in scene.objects if thing.type == "MESH" and thing not in ours]
+    said += [f"objects without a role: {', '.join(others)}"] if others else []
+    said += [f"{scene.camera.name}: is not a perspective camera"] if scene.camera and scene.camera.data.type != "PERSP" else []
     tables = {
         "time": {"end": max(scene.frame_end - scene.frame_start, 1) / fps, "fps": fps},
         "domain": {"min": low - margin, "max": high + margin, "gravity": Y_UP @ scene.gravity if scene.use_gravity else (0, 0, 0)},
-        "fluid": {"spacing": float(f"{min(spacings):.2g}")},
-        "camera": {},
+        "fluid": {"spacing": spacing_of(parts, keys)},
+        "camera": camera_table(scene, views, middle, folder, tracks, said) if views else {},
         "look": look(fluid[0], said) if fluid and "whorl.look.material" not in scene else {},
         "output": {"size": size},
     }
-    if seen and "whorl.camera.kind" not in scene:
-        tables["camera"] = camera_table(scene, views, Vector((low + high) / 2), folder, tracks, said)
-    elif scene.camera:
-        said.append(f"{scene.camera.name}; the camera of Whorl shows the fluid")
     for key, value in properties(scene).items():
         table, _, name = key.rpartition(".")
         tables.setdefault(table, {})[name] = value
+    lights = [thing.name for thing in scene.objects if thing.type == "LIGHT"]
+    said += [f"lights: {', '.join(lights)}; the studio of Whorl lights the scene"] if lights else []
+    lists = [(TABLES[part.role], part.name, table) for part, table in zip(parts, keys)]
     if tracks:
         write_tracks(folder / "motion.glb", tracks, fps)
-    write_scene(path, said, tables, [(TABLES[part.role], part.name, table) for part, table in zip(parts, keys)])
+    write_scene(path, said, tables, lists)
     return said
 
 
