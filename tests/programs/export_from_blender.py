@@ -95,6 +95,16 @@ def make(unit):
             thing.keyframe_insert(value, frame=FIRST)
             setattr(thing, value, end)
             thing.keyframe_insert(value, frame=FIRST + FRAMES - 1)
+    for kind, energy, place, turn in (("AREA", 5, (0, 0, 0.9), (0, 0, 0)), ("POINT", 5, (0.3, 0, 0.4), (0, 0, 0)),
+                                      ("SUN", 2, (1, 1, 1), (0.5, 0.3, 0))):
+        lamp = bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind))
+        lamp.location, lamp.rotation_euler, lamp.data.color = Vector(place) / unit, turn, (0.8, 0.4, 0.2)
+        lamp.data.energy = energy if kind == "SUN" else energy / unit**2  # W of Blender, whatever its unit of length
+        if kind == "AREA":
+            lamp.data.shape, lamp.data.size, lamp.data.size_y, lamp.scale = "RECTANGLE", 0.1 / unit, 0.05 / unit, (2, 2, 2)
+        if kind == "POINT":
+            lamp.data.shadow_soft_size = 0.02 / unit
+        scene.collection.objects.link(lamp)
     scene.frame_set(FIRST)
     bpy.context.view_layer.update()
     return scene
@@ -174,7 +184,45 @@ def go_out(folder):
         assert max((matrix @ Vector(a) - Vector(b)).length for a, b in zip(((0, 0, 0), (0, 0, 1)), nozzle)) < 1e-5, (matrix, nozzle)
     print("ok: the file of motions")
 
+    compare_lights(make(1), tables, folder)
     faults(folder)
+
+
+def compare_lights(scene, tables, folder):
+    """Draws a white card at the target of each light, facing it."""
+    lights = {thing.name: thing for thing in scene.objects if thing.type == "LIGHT"}
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.image_settings.file_format, scene.render.filepath = "OPEN_EXR", str(folder / "card.exr")
+    whorl_import.set_cycles(scene, 64)
+    scene.cycles.max_bounces = 0
+    for thing in scene.objects:
+        thing.hide_render = True
+    card = bpy.data.objects.new("card", bpy.data.meshes.new("card"))
+    card.data.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    card.data.materials.append(bpy.data.materials.new("white"))
+    card.active_material.use_nodes = True
+    nodes = card.active_material.node_tree.nodes
+    white = nodes.new("ShaderNodeBsdfDiffuse")
+    white.inputs["Color"].default_value = (1, 1, 1, 1)
+    card.active_material.node_tree.links.new(white.outputs[0], nodes["Material Output"].inputs["Surface"])
+    scene.camera = bpy.data.objects.new("over the card", bpy.data.cameras.new("over the card"))
+    scene.camera.data.type, scene.camera.data.ortho_scale, scene.camera.parent, scene.camera.location = "ORTHO", 0.01, card, (0, 0, 20)
+    for thing in (card, scene.camera):
+        scene.collection.objects.link(thing)
+    for table, name in zip(tables["light"], lights):
+        target = table.get("target", [0, 0, 0])
+        x, y, z = numpy.subtract(table["position"], target) if "position" in table else -numpy.array(table["direction"])
+        card.location, card.rotation_euler = (target[0], -target[2], target[1]), Vector((x, -z, y)).to_track_quat("Z", "Y").to_euler()
+        card.scale = (0.01, 0.01, 0.01)
+        lights[name].hide_render = False
+        bpy.ops.render.render(write_still=True)
+        lights[name].hide_render = True
+        image = bpy.data.images.load(scene.render.filepath)
+        drawn = numpy.array(image.pixels[:]).reshape(-1, 4)[:, :3].mean(axis=0)
+        bpy.data.images.remove(image)
+        said = 0.7 * table["strength"] * numpy.array(table["colour"])
+        assert numpy.abs(drawn / said - 1).max() < 0.03, (name, drawn, said)  # a large light is weaker at its sides
+    print("ok: the lights are as bright as in Blender")
 
 
 def faults(folder):

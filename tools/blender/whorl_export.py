@@ -246,6 +246,25 @@ def camera_table(scene, views, middle, folder, tracks, said):
     return {"kind": "fixed", "position": place, "target": place + away * out, "up": up, "fov": fov, **keys}
 
 
+def light_table(light, middle, metres, said):
+    """The keys of a light. middle: of the scene [m]. A strength of 1 gives a white surface that faces the light the radiance 0.7."""
+    data, (place, turn, size) = light.data, light.matrix_world.decompose()
+    place, out, brightest = metres * (Y_UP @ place), -(Y_UP.to_3x3() @ turn.to_matrix()).col[2], max(*data.color, 1e-6)
+    colour, strength = {"colour": data.color / brightest}, data.energy * brightest / (0.7 * math.pi)
+    if data.type == "SUN":
+        return {"kind": "sun", "direction": out, "angle": min(max(math.degrees(data.angle), 0.1), 60), **colour, "strength": strength}
+    target = place + max((middle - place).dot(out), 0.1 * (middle - place).length) * out if data.type == "AREA" else middle
+    strength /= 4 * ((target - place).length / metres)**2  # the radiance of an area light of A m^2 is 1/(4 A) per W
+    if data.type == "AREA":
+        sides = metres * data.size * size.x, metres * (data.size_y if data.shape in ("RECTANGLE", "ELLIPSE") else data.size) * size.y
+        round_off = 1 if data.shape in ("SQUARE", "RECTANGLE") else math.pi**0.5 / 2
+        return {"kind": "soft_box", "position": place, "target": target, "size": [round_off * side for side in sides], **colour,
+                "strength": strength}
+    said += [f"{light.name}: its cone"] if data.type == "SPOT" else []
+    return {"kind": "lamp", "position": place, "target": target, "radius": max(metres * data.shadow_soft_size, 1e-4), **colour,
+            "strength": strength / math.pi}
+
+
 def follow(name, poses, folder, tracks):
     """The keys of a table that follows a node of the file of motions. Adds the node to tracks, {name: poses}."""
     tracks[name] = poses
@@ -344,6 +363,7 @@ def record(scene, size, said):
     try:
         scene.frame_set(scene.frame_start)
         parts = each(Part, [(thing, found) for thing, found in find_roles(scene).items() if found], metres)
+        lights = {thing: thing.matrix_world.copy() for thing in scene.objects if thing.type == "LIGHT"}
         for frame in range(scene.frame_start, scene.frame_end + 1):
             scene.frame_set(frame)
             if frame > scene.frame_start:
@@ -354,6 +374,7 @@ def record(scene, size, said):
             points, _ = part.read()
             if points.shape != part.points.shape or numpy.abs(points - part.points).max() > 1e-4 * numpy.ptp(part.points, axis=0).max():
                 said.append(f"{part.name}: the change of its shape; its shape at the first frame is written")
+        said += [f"{light.name}: its motion" for light, matrix in lights.items() if light.matrix_world != matrix]
     finally:
         scene.frame_set(now)
     if not any(part.role in ("fluid", "emitter") for part in parts):
@@ -401,9 +422,10 @@ def export_scene(context, path):
     for key, value in properties(scene).items():
         table, _, name = key.rpartition(".")
         tables.setdefault(table, {})[name] = value
-    lights = [thing.name for thing in scene.objects if thing.type == "LIGHT"]
-    said += [f"lights: {', '.join(lights)}; the studio of Whorl lights the scene"] if lights else []
+    lights = [thing for thing in scene.objects if thing.type == "LIGHT" and not thing.hide_render]
+    said += [f"{light.name}: is light 9 or later" for light in lights[8:]]
     lists = [(TABLES[part.role], part.name, table) for part, table in zip(parts, keys)]
+    lists += [("light", light.name, light_table(light, middle, metres, said)) for light in lights[:8]]
     if tracks:
         write_tracks(folder / "motion.glb", tracks, fps)
     write_scene(path, said, tables, lists)
