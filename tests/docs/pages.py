@@ -113,7 +113,7 @@ class Checker:
 
     def scene(self, page, line, words, folder):
         scene, rest = words[0], words[1:]
-        if "recording.toml" in scene or scene.startswith("SCENE"):
+        if "recording.toml" in scene or scene.startswith("SCENE") or f"whorl_export.py -- {scene}" in page.read_text():
             return
         dry = [scene]
         if not (Path(folder) / scene).exists() and "--quality" not in rest:

@@ -184,7 +184,11 @@ def go_out(folder):
         assert max((matrix @ Vector(a) - Vector(b)).length for a, b in zip(((0, 0, 0), (0, 0, 1)), nozzle)) < 1e-5, (matrix, nozzle)
     print("ok: the file of motions")
 
-    compare_lights(make(1), tables, folder)
+    scene = make(1)
+    whorl_export.register()
+    assert bpy.ops.export_scene.whorl(filepath=str(folder / "menu.toml")) == {"FINISHED"} and (folder / "menu.toml").exists()
+    whorl_export.unregister()
+    compare_lights(scene, tables, folder)
     faults(folder)
 
 
@@ -258,6 +262,9 @@ def faults(folder):
     def bend(scene, things):
         things["nozzle"].data.vertices[0].co.z += 0.01
 
+    def disable(scene, things):
+        things["stone"].hide_viewport = True
+
     def dry(scene, things):
         for name in ("fluid", "nozzle"):
             bpy.data.objects.remove(things[name])
@@ -268,6 +275,7 @@ def faults(folder):
     refused("stone: is marked as drain and solid; leave one", change=mark_twice)
     refused("tray: a container is open at one end, cut flat", change=tilt_hole)
     refused("nozzle: an emitter is flat; use", change=bend)
+    refused("stone: is disabled in viewports", change=disable)
     refused("the scene has no fluid; put", change=dry)
 
     def many(scene, things):  # names that differ only in characters that file names lack, or in capitals
@@ -278,10 +286,25 @@ def faults(folder):
         mesh = bpy.data.objects.new("forgotten", things["stone"].data)
         scene.collection.objects.link(mesh)
         del things["nozzle"]["whorl.speed"]
+        things["stone"].hide_render, things["tray"].data = True, things["fluid"].data
+        things["fluid"].shape_key_add(name="rest")
+        things["fluid"].shape_key_add(name="bent").data[0].co.z -= 0.01
+        bent = things["fluid"].data.shape_keys.key_blocks["bent"]
+        bent.keyframe_insert("value", frame=FIRST)
+        bent.value = 1
+        bent.keyframe_insert("value", frame=FIRST + 2)
+        material = things["stone"].active_material
+        things["fluid"].data.materials.append(material)
+        material.node_tree.nodes["Principled BSDF"].inputs["Transmission"].default_value = 1
+        absorption = material.node_tree.nodes.new("ShaderNodeVolumeAbsorption")
+        absorption.inputs["Color"].default_value, absorption.inputs["Density"].default_value = (0.75, 0.5, 0.25, 1), 40
 
-    refused("without a role: forgotten", "nozzle: a speed", change=many)
+    refused("without a role: forgotten", "nozzle: a speed", "fluid: the change of its shape", change=many)
     tables = tomllib.loads((folder / "fault.toml").read_text())
     assert len({solid["file"].lower() for solid in tables["solid"]}) == 6, tables["solid"]
+    assert tables["look"] == {"style": "liquid", "material": "water", "refraction": 1.45, "absorption": [10, 20, 30]}, tables["look"]
+    assert tables["solid"][0]["material"] == "glass" and tables["solid"][0]["show"] is False, tables["solid"]
+    assert "open" not in tables["solid"][-1] and tables["solid"][-1]["container"] is True, tables["solid"]  # closed, so with a lid
     assert "# - objects without a role: forgotten" in (folder / "fault.toml").read_text().splitlines()
     print("ok: scenes that cannot be exported are refused, with the object and a fix")
 

@@ -27,6 +27,7 @@ from pathlib import Path
 
 import bpy
 import numpy
+from bpy_extras.io_utils import ExportHelper
 from mathutils import Matrix, Vector
 
 TABLES = {"fluid": "block", "solid": "solid", "container": "solid", "emitter": "emitter", "drain": "drain"}
@@ -92,6 +93,8 @@ class Part:
     def read(self):
         """Points (n x 3) and faces (lists of points) of the object with its modifiers. Points at the same position are merged."""
         seen = self.thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        if not seen.is_evaluated:
+            raise NotAScene(f"{self.name}: is disabled in viewports, so it has no position; disable it in renders instead")
         try:
             mesh = seen.to_mesh()
         except RuntimeError:
@@ -157,7 +160,7 @@ def close(part):
     ends = [(side, axis, pick(part.points[:, axis])) for axis, sides in enumerate(SIDES) for side, pick in zip(sides, (min, max))]
     found = [(side, end) for side, axis, end in ends if numpy.abs(part.points[list(before), axis] - end).max() < near]
     if not found or set(before) != set(before.values()) or len(before) < len(hole):
-        raise NotAScene(f"{part.name}: a container is open at one end, cut flat across one of its own axes; fill other holes")
+        raise NotAScene(f"{part.name}: a container is open at one end, cut flat across its own axes; fill other holes, recalculate normals")
     while before:  # a face for each loop of edges
         face = [next(iter(before))]
         while face[-1] in before:
@@ -238,7 +241,7 @@ def camera_table(scene, views, middle, folder, tracks, said):
     if camera.dof.use_dof:
         sharp = camera.dof.focus_object
         focus = (metres * (Y_UP @ sharp.matrix_world.translation) - place).dot(out) if sharp else metres * camera.dof.focus_distance
-        keys |= {"aperture": camera.lens / 1000 / camera.dof.aperture_fstop, "focus": focus}
+        keys |= {"aperture": metres * camera.lens / 1000 / camera.dof.aperture_fstop, "focus": focus}
     said += [f"{name}: the shift of its lens"] if shift > 1e-4 else []
     said += [f"{name}: the change of its angle of view"] if any(abs(view[1] - fov) > 1e-3 for view in views) else []
     if any(max(map(abs, (view[0] - pose).col[a])) > 1e-5 for view in views for a in range(4)):
@@ -334,6 +337,7 @@ def write_scene(path, said, tables, lists):
 def describe(part, folder, tracks, said):
     """The keys of an object's table. Writes its mesh, and adds its motion to the tracks."""
     moves = part.moves() and not part.keys.get("density")  # a free body only starts
+    hidden = {"show": False} if part.thing.hide_render else {}
     if part.role == "emitter":
         keys = opening(part, said)
         if moves:
@@ -341,7 +345,7 @@ def describe(part, folder, tracks, said):
             middle = Matrix.Translation(part.points.mean(axis=0))
             keys["direction"] = numpy.array(part.poses[0])[:3, :3].T @ keys["direction"]
             keys |= follow(part.stem, [pose @ middle for pose in part.poses], folder, tracks)
-        return {**keys, **look(part, said), **part.keys}
+        return {**keys, **look(part, said), **hidden, **part.keys}
     keys, solid = {"shape": "mesh", "file": f"{folder.name}/{part.stem}.obj", **close(part)}, TABLES[part.role] == "solid"
     write_obj(folder / f"{part.stem}.obj", part.points if solid else part.placed(), part.faces)
     if not solid:
@@ -353,8 +357,7 @@ def describe(part, folder, tracks, said):
     elif part.poses[0] != Matrix():
         keys |= {"position": part.poses[0].translation, "pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis}
     keys |= {"container": True} if part.role == "container" else {}
-    keys |= {"show": False} if part.thing.hide_render else {}
-    return {**keys, **look(part, said), **part.keys}
+    return {**keys, **look(part, said), **hidden, **part.keys}
 
 
 def record(scene, size, said):
@@ -435,17 +438,12 @@ def export_scene(context, path):
 # Add-on and command line ---------------------------------------------------------------------------------------------------------------
 
 
-class WHORL_OT_export(bpy.types.Operator):
+class WHORL_OT_export(bpy.types.Operator, ExportHelper):
     """Write a scene file of Whorl, with meshes in a folder next to it"""
     bl_idname = "export_scene.whorl"
     bl_label = "Export Whorl scene"
-    filepath: bpy.props.StringProperty(subtype="FILE_PATH")
+    filename_ext = ".toml"
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
-
-    def invoke(self, context, _):
-        self.filepath = bpy.path.ensure_ext(bpy.path.basename(bpy.data.filepath).rpartition(".")[0] or "scene", ".toml")
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
 
     def execute(self, context):
         try:
