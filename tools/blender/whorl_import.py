@@ -255,7 +255,7 @@ def add_soft_boxes(collection, about, studio, centre, distance):
         light.shape, light.size, light.size_y = "RECTANGLE", 2 * distance * box["size"][0], 2 * distance * box["size"][1]
         radiance = Vector(box["radiance"])
         light.color = radiance / max(radiance)
-        light.energy = max(radiance) * math.pi * light.size * light.size_y  # W
+        light.energy = 4 * max(radiance) * light.size * light.size_y  # W: Cycles gives an area light of A m^2 the radiance 1/(4 A) per W
         lamp = bpy.data.objects.new(light.name, light)
         out, right = Y_UP.to_3x3() @ Vector(box["direction"]), Y_UP.to_3x3() @ Vector(box["right"])
         lamp.matrix_world = Matrix.Translation(centre + distance * out) @ Matrix((right, out.cross(right), out)).transposed().to_4x4()
