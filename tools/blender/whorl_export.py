@@ -351,11 +351,12 @@ def describe(part, folder, tracks, said):
     if not solid:
         said += [f"{part.name}: its motion; its position at the first frame is written"] if moves else []
         return {**keys, **part.keys}
-    axis, angle = part.poses[0].to_quaternion().to_axis_angle()
     if moves:
         keys |= follow(part.stem, part.poses, folder, tracks)
-    elif part.poses[0] != Matrix():
-        keys |= {"position": part.poses[0].translation, "pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis}
+    else:
+        place, (axis, angle) = part.poses[0].translation, part.poses[0].to_quaternion().to_axis_angle()
+        keys |= {"position": place} if place.length else {}
+        keys |= {"pivot": (0, 0, 0), "tilt": math.degrees(angle) * axis} if angle else {}
     keys |= {"container": True} if part.role == "container" else {}
     return {**keys, **look(part, said), **hidden, **part.keys}
 
@@ -413,6 +414,8 @@ def export_scene(context, path):
     fluid, ours = [part for part in parts if part.role == "fluid"], {part.thing for part in parts}
     others = [thing.name for thing in scene.objects if thing.type == "MESH" and thing not in ours]
     said += [f"objects without a role: {', '.join(others)}"] if others else []
+    said += ["the step between frames"] if scene.frame_step != 1 else []
+    said += ["pixels that are not square"] if render.pixel_aspect_x != render.pixel_aspect_y else []
     said += [f"{scene.camera.name}: is not a perspective camera"] if scene.camera and scene.camera.data.type != "PERSP" else []
     tables = {
         "time": {"end": max(scene.frame_end - scene.frame_start, 1) / fps, "fps": fps},
