@@ -315,6 +315,11 @@ def come_back(folder):
     whorl_import.import_run(bpy.context, folder / "run")
     scene = bpy.context.scene
     assert (scene.frame_start, scene.frame_end, scene.render.fps) == (1, FRAMES, FPS), (scene.frame_start, scene.frame_end)
+    lights = {thing.data.type: thing for thing in scene.objects if thing.type == "LIGHT"}
+    assert {kind: round(light.data.energy, 4) for kind, light in lights.items()} == {"AREA": 4, "POINT": 4, "SUN": 1.6}, lights
+    area = lights["AREA"].data
+    assert abs(area.size - 0.2) + abs(area.size_y - 0.1) + abs(lights["POINT"].data.shadow_soft_size - 0.02) < 1e-6
+    assert (lights["AREA"].matrix_world.translation - Vector((0, 0, 0.9))).length < 1e-5
     frames = json.loads((folder / "there.json").read_text())
     for frame, (there, opening, pixels) in zip((1, FRAMES), frames):
         scene.frame_set(frame)

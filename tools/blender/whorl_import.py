@@ -264,6 +264,17 @@ def add_soft_boxes(collection, about, studio, centre, distance):
         collection.objects.link(lamp)
 
 
+def shape_lights(things):
+    """Gives the lights of a scene file their sizes, which glTF lacks."""
+    for light in (thing for thing in things if thing.type == "LIGHT"):
+        if "radius" in light:
+            light.data.shadow_soft_size = light["radius"]
+        if "size" in light:
+            light.data.energy /= math.pi  # a spot of P W has the intensity P/(4 pi), an area light P/4
+            light.data.type = "AREA"
+            light.data.shape, light.data.size, light.data.size_y = "RECTANGLE", *light["size"]
+
+
 def set_camera(scene, camera, about):
     scene.camera = camera
     camera.data.sensor_fit = "VERTICAL"
@@ -340,6 +351,7 @@ def import_run(context, path):
     camera = next(thing for thing in things.values() if thing.type == "CAMERA")
     set_camera(scene, camera, about)
     light_world(scene, about)
+    shape_lights(things.values())
 
     cloud = about["fluid"]["style"] == "volume"
     fluid = (add_volume(scene, folder, name) if cloud else None) or add_fluid(scene, folder, name, about)
