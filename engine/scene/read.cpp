@@ -110,7 +110,8 @@ private:
     }
     void heat() {
         const auto& [solidus, liquidus] = scene_.heat.melting_range;
-        if ((scene_.heat.latent_heat > 0 || reader_.places.count("heat.melting_range") > 0) && !(solidus > 0 && solidus < liquidus))
+        const bool given = solidus != 0 || liquidus != 0;  // a resolved scene contains every key
+        if ((scene_.heat.latent_heat > 0 || given) && !(solidus > 0 && solidus < liquidus))
             reader_.disagree(
                 {"heat.melting_range", "heat.latent_heat"}, fmt::format("heat.melting_range goes from {:g} to {:g} K", solidus, liquidus),
                 "give the temperatures [K] at which melting begins and ends", "allowed: more than 0, the second above the first");
@@ -125,11 +126,9 @@ private:
         }
         if (scene_.any_temperature()) return;
         const std::string fix = "give a [[block]], [[emitter]] or [[solid]] a temperature [K]";
-        for (const auto& [key, place] : reader_.places)
-            if (key.rfind("heat.", 0) == 0) {
-                reader_.disagree({key}, key + " has no effect: the scene has no temperature", fix);
-                break;
-            }
+        for (const Key& key : scene_keys().find_part("heat")->table->keys)
+            if (const std::string name = "heat." + key.name; key.get(&scene_.heat).toml() != key.standard.toml())
+                reader_.disagree({name}, name + " has no effect: the scene has no temperature", fix);
         for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) {
             const bool own = k > 0 && scene_.emitters[k - 1].viscosity;
             if ((k > 0 && !own) || !depends_on_temperature(scene_.viscosity_of_source(k))) continue;

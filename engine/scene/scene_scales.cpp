@@ -36,9 +36,10 @@ void over_box(const Vec3d& min, const Vec3d& max, F&& f) {
 std::array<double, 2> temperature_range(const Scene& scene) {
     double coldest = scene.heat.air, warmest = coldest;
     const auto add = [&](const std::optional<Expression>& T) {
+        if (!T) return;
         for (const double t : {0.0, scene.time.end})
             over_box(scene.domain.min, scene.domain.max, [&](const Vec3d& x) {
-                if (const double value = T ? (*T)(t, x) : coldest; std::isfinite(value))
+                if (const double value = (*T)(t, x); std::isfinite(value))
                     coldest = std::min(coldest, value), warmest = std::max(warmest, value);
             });
     };
