@@ -7,6 +7,7 @@
 #include "engine/io/diagnostics.h"
 #include "engine/io/snapshot.h"
 #include "engine/models/viscosity/ageing_viscosity.h"
+#include "engine/scene/read.h"
 #include "tests/support/runs.h"
 #include "tests/support/scene_text.h"
 
@@ -99,6 +100,29 @@ TEST_CASE("an emitter sets its temperature, frames and diagnostics have it", "[s
                       (plain.back() == '\n' ? "\n" : ""));
     const auto cells = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
     CHECK(cells(diagnostics_row(1, 1, measures, {}, {}, 0, 0)) == cells(warm));
+}
+
+TEST_CASE("a solid that gets its first temperature during a run meets fluid of the air's temperature", "[sim][temperature]") {
+    Simulation run = simulation_of(dam("ppe", "viscosity = 1\n", ""));
+    run_until(run, 0.1);
+    Scene now = run.scene();
+    now.solids[0].heat.temperature = Expression(350.0);
+    run.change(now, make_plan(now), run.time());
+    for (const Real T : run.world().fluid.column<field::temperature>()) REQUIRE(T == static_cast<Real>(293.15));
+    run_until(run, 0.2);
+    const HeatMeasures heat = *measure_heat(run.world(), now.heat.law());
+    CHECK(heat.coldest > 293.1);
+    CHECK(heat.hottest > 293.2);
+}
+
+TEST_CASE("a temperature that is given in degrees C gets a warning", "[sim][temperature]") {
+    const auto warned = [](const std::string& T) {
+        const Scene scene = read_scene_text(dam("ppe", "viscosity = 1\n", "temperature = " + T + "\n"), "test.toml");
+        const std::vector<std::string> all = make_plan(scene).warnings;
+        return std::count(all.begin(), all.end(), "block[0].temperature = " + T + " is -238.2 degrees C; temperatures are in K");
+    };
+    CHECK(warned("35") == 1);
+    CHECK(warned("308") == 0);
 }
 
 TEST_CASE("keys of heat without a temperature, and impossible ones, are refused", "[sim][temperature]") {

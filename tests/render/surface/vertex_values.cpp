@@ -32,6 +32,21 @@ TEST_CASE("a surface has the fluid's age at its vertices if and only if the fram
                                     .margin(0.08));  // the mean over 0.2 of a linear field, cut off at the ends
 }
 
+TEST_CASE("a surface glows by its temperatures: 1400 K as new lava, 150 K less as lava aged by cooling", "[render][surface]") {
+    Frame frame;
+    frame.spacing = 0.1f;
+    frame.domain_min = Vec3f::Constant(-1), frame.domain_max = Vec3f::Constant(2);
+    frame.position = test::lattice(6, 4, 4, 0.1f);
+    CHECK_FALSE(build_surface(frame, {}).glows_by_temperature);
+    for (const auto& [kelvin, age] : {std::pair(1500.0f, 0.0f), {1400.0f, 0.0f}, {1250.0f, 1.0f}}) {
+        frame.scalar["temperature"].assign(frame.position.size(), kelvin);
+        const Surface surface = build_surface(frame, {});
+        CHECK(surface.glows_by_temperature);
+        REQUIRE(surface.age.size() == surface.mesh.position.size());
+        for (const float found : surface.age) REQUIRE(found == Approx(age).margin(1e-4));
+    }
+}
+
 TEST_CASE("linear fields are exact at vertices within the range of values of the particles in reach", "[render][surface]") {
     Frame frame;
     frame.spacing = 0.1f;
