@@ -142,7 +142,8 @@ private:
         options.limits = scene_.pressure.limits;
         options.support = plan_.support / plan_.spacing;
         options.vessel = plan_.turning_vessel;
-        const FlowLaw law = scene_.fluid.flow_law();
+        FlowLaw law = scene_.fluid.flow_law();
+        law.penalised = 1;  // with 3, a layer at 1.1 of its yield stress slides 8 % too slowly
         auto system = std::make_shared<CoupledSystem>(options);
         if (scene_.fluid.ink_diffusion > 0 || scene_.foam || scene_.any_temperature()) stages_.push_back(neighbours());
         ink_diffusion();

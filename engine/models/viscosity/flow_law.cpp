@@ -46,11 +46,10 @@ bool FlowViscosity::again(int solves) {
 }
 
 void FlowViscosity::update() {
-    constexpr double penalised = 3;
     parallel_for(K.size(), [&](Index i) {
         const double k = K[i], rate = gamma[i];
         mu[i] = static_cast<Real>(law.apparent_viscosity(k, rate));
-        soft[i] = static_cast<Real>(penalised * law.tangent_viscosity(k, rate));
+        soft[i] = static_cast<Real>(law.penalised * law.tangent_viscosity(k, rate));
     });
 }
 

@@ -17,17 +17,16 @@ void YieldingViscosity::operator()(const InteractionContext& context, StepReport
     const ImplicitStep s{context, report, role, x, u, last};
     FlowViscosity flow(law_, K, before.values, context.step, gamma, mu);
     operator_.limit_penalty(flow.soft);
+    SolveLimits loose = options_.limits;
+    loose.tolerance *= law_.looseness;
     for (int solves = 1;; ++solves) {
         operator_.set_up(options_, context, role, {mu.values}, {}, before.values);
         set_up_coarse(context.pairs, context.step, role, x, aggregate.values, true);
-        const ImplicitSolution solution = find_solution(operator_, options_.limits, s);
-        operator_.shear_rates(solution.u, flow.solved);
-        if (!flow.again(solves)) {
-            take_solution(operator_, s, solution);
-            break;
-        }
+        operator_.shear_rates(find_solution(operator_, loose, s).u, flow.solved);
+        if (!flow.again(solves)) break;
         flow.update();
     }
+    solve_implicit(operator_, options_.limits, s);
     operator_.limit_penalty({});
 }
 

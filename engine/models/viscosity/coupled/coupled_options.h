@@ -38,6 +38,11 @@ struct CoupledOptions {
     double even_surface = 0.34;
     /// Limit of these rates, in units of (max |u| + sqrt(g d))/d. Without it the rates of short steps would set the fluid in motion.
     double fastest_push = 0.2;
+    /// Limit of these rates in fluid with a yield stress, over its shear rate in the last step. A body that is rigid is then not pushed.
+    /// With a bulk viscosity of 10 tau_y/g_0 the push would make it yield in every step, and give it energy.
+    double push_of_shear = 0.1;
+    /// Limit of the bulk viscosity in fluid with a yield stress, over bulk rho d^2/dt. With more, rigid fluid needs more iterations.
+    double rigid_bulk = 1000;
     /// Factors per step on the multiplier, and on the part of it from 0 to the fluid's weight.
     double memory = 0.98, weight_memory = 0.9999;
 

@@ -71,6 +71,9 @@ struct CoupledStep {
     Solids& solids;
     const StepContext& step;
 
+    Span<const Real> last_rate{};  ///< shear rate in the last step [1/s]; empty: the viscosity does not depend on it
+    double looseness = 1;          ///< factor on the tolerance
+
     const CoupledOptions& options = system.options;
     StrainForm& form = system.form;
     const Index n = x.size();
@@ -149,7 +152,8 @@ struct CoupledStep {
             double compressed = context.density - 1;
             // Fluid under tension is never drawn together, because a thread would creep without end.
             if (compressed < 0) compressed = p[i] > 0 ? loose(context, compressed) : 0;
-            const double pushed = std::clamp(options.push * compressed / dt, -fastest_push, fastest_push);
+            const double most = last_rate.empty() ? fastest_push : std::min(fastest_push, options.push_of_shear * last_rate[i]);
+            const double pushed = std::clamp(options.push * compressed / dt, -most, most);
             divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
         });
     }
@@ -243,7 +247,7 @@ struct CoupledStep {
     /// 0.4 d, and is reduced in proportion in shorter steps. The factor is at least 0.03, because in slow fluid errors decay.
     SolveLimits limits() const {
         const double share = std::clamp(dt * fastest / (0.4 * d), 0.03, 1.0);
-        return {share * options.limits.tolerance, options.limits.max_iterations};
+        return {looseness * share * options.limits.tolerance, options.limits.max_iterations};
     }
 
     /// Solves by conjugate gradients, starting from the last velocity plus 0.9 times its last change. @param again start from `solved`
@@ -270,12 +274,28 @@ struct CoupledStep {
         return report;
     }
 
+    /// @param again start from `solved`
     void find_velocity(StepReport& report, bool again = false) {
-        set_up_preconditioner(again);
         set_pressure();
         balance();
         const double reference = set_load();
         report.solves.push_back({SolveKind::coupled, solve(reference, again)});
+    }
+
+    /// If no solid or nozzle acts: minimises E along the solution u without its rigid motion. Then u.(A u - b) = 0, so without loads |u| is
+    /// at most that of the velocities before, even if the solve is unfinished.
+    void lose_energy() {
+        if (!nothing_held) return;
+        Column<Vec3> bent(n);
+        std::copy(solved.begin(), solved.end(), work.begin());
+        RigidMotions(x.values, !step.domain.any_periodic()).remove(work);
+        const double stiffness = multiply(work, bent);
+        if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
+        const Real far = static_cast<Real>(dot<Vec3>(work, load) / stiffness);
+        parallel_for(n, [&](Index i) {
+            solved[i] += far * work[i];
+            load[i] -= far * bent[i];
+        });
     }
 
     /// Sets gamma of the solution. @param gamma sqrt(2 D:D) of the deviator of D - T [1/s]
@@ -500,6 +520,7 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
     if (x.size() == 0) return;
     CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
     now.prepare();
+    now.set_up_preconditioner(false);
     now.find_velocity(report);
     now.let_go();
     now.finish(report);
@@ -513,15 +534,20 @@ void CoupledYieldingSolve::operator()(Read<field::position> x, Read<field::role>
     if (x.size() == 0) return;
     FlowViscosity flow(law, K, G.values, step, gamma, mu);
     system->form.limit_penalties(flow.soft);
-    CoupledStep now{*system, x, role, {mu.values}, u, p, change, G, aggregate, slip, solids, step};
+    CoupledStep now{*system, x, role, {mu.values}, u, p, change, G, aggregate, slip, solids, step, gamma.values};
     now.prepare();
+    now.looseness = law.looseness;
     for (int solves = 1;; ++solves) {
+        now.set_up_preconditioner(solves > 1);
         now.find_velocity(report, solves > 1);
         now.find_shear_rates(flow.solved);
         if (!flow.again(solves)) break;
         flow.update();
         now.set_up_form();
     }
+    now.looseness = 1;
+    now.find_velocity(report, true);
+    now.lose_energy();
     now.finish(report);
     system->form.limit_penalties({});
 }

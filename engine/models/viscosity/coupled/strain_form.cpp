@@ -57,8 +57,9 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                 const double K = n.volume * double(viscosity[i]) * dt / (double(density) * spacing * spacing);
                 const double sheared = counted.empty() ? K : (1 - counted[i]) * K,
                              base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
-                double penalised = sheared;
+                double penalised = sheared, pressed = K;
                 if (!soft_.empty()) {
+                    pressed = std::min(K, o.rigid_bulk);
                     Real softest = soft_[i];
                     block.each_pair(i - block.begin,
                                     [&](RowBlock::LocalIndex at) { softest = std::min(softest, soft_[block.touched[at]]); });
@@ -66,7 +67,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                 }
                 StrainCoefficients c;
                 c.shear = static_cast<Real>(2 * sheared);
-                c.bulk = static_cast<Real>(2 * K * o.bulk / (2 + n.unresolved * o.bulk));
+                c.bulk = static_cast<Real>(2 * pressed * o.bulk / (2 + n.unresolved * o.bulk));
                 c.smooth = static_cast<Real>(base * (penalised * o.smoothing));
                 c.pair = static_cast<Real>(base * (penalised * o.pair_smoothing));
                 by_slice_[block.first_slice + k].set(lane, c);
