@@ -12,11 +12,12 @@
 ///
 /// A step solves, evaluates mu with the strain rates of the solution, and solves again until the dissipated power changes by less than a
 /// tolerance (fixed-point iteration of Kacanov). For n <= 1 each of these solves decreases the energy of the step, because its dissipation
-/// is a concave function of D:D and the quadratic form with mu bounds it from above. So the iteration converges for any step.
+/// is a concave function of D:D and the quadratic form with mu bounds it from above. So the iteration converges for any step. These solves
+/// are loose; one more with the last mu reaches the solver's tolerance.
 ///
-/// The solvers' penalties act on differences between neighbours that are not linear. They count at most three times the smallest viscosity
-/// d tau/d gamma among the particle and its neighbours. With mu they would bear a stress of the order of tau_y where fluid shears within a
-/// few spacings: a plug would be thicker by half a spacing, and a layer that slides on a thin film would not start to move.
+/// The solvers' penalties act on differences between neighbours that are not linear. They count at most `penalised` times the smallest
+/// viscosity d tau/d gamma among the particle and its neighbours. With mu they would bear a stress of the order of tau_y where fluid shears
+/// within a few spacings: a plug would be thicker by half a spacing, and a layer that slides on a thin film would not start to move.
 #include <cmath>
 
 #include "engine/core/column.h"
