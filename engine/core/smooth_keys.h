@@ -21,7 +21,8 @@ CubicPoint<T> hermite(const T& from, const T& to, const T& out, const T& in, dou
 }
 
 /// The cubic from key 1 to key 2 of four, with its slope per unit of time. The slopes at the keys are those of Catmull and Rom for unevenly
-/// spaced times, limited so that the cubic does not overshoot a key (Fritsch and Carlson 1980). So the value is constant between equal keys.
+/// spaced times, limited so that the cubic does not overshoot a key (Fritsch and Carlson 1980). So the value is constant between equal
+/// keys.
 inline CubicPoint<double> through(const std::array<double, 4>& x, const std::array<double, 4>& time, double now) {
     const double span = time[2] - time[1], rise = (x[2] - x[1]) / span;
     const auto slope_at = [&](std::size_t key, std::size_t from) {  // from, from + 1: the span on the other side of the key

@@ -61,9 +61,8 @@ struct Joint {
         state.position = translation.value[p.from].head<3>();
         if (p.length <= 0) return;
         const Vec4d step = translation.value[p.to] - translation.value[p.from];
-        const auto [x, rate] = translation.out.empty()
-                                   ? CubicPoint<Vec4d>{translation.value[p.from] + p.s * step, step / p.length}
-                                   : translation.cubic(p);
+        const auto [x, rate] =
+            translation.out.empty() ? CubicPoint<Vec4d>{translation.value[p.from] + p.s * step, step / p.length} : translation.cubic(p);
         state.position = x.head<3>(), state.velocity = rate.head<3>();
     }
     void rotate(double t, MotionState& state) const {
@@ -173,7 +172,11 @@ private:
             Vec4d v = Vec4d::Zero();
             std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(k), width, v.data());
             if (!v.allFinite()) fail("has an animation with a number that is not finite");
-            (!cubic ? track.value : k % each == 0 ? track.in : k % each < 2 * static_cast<std::size_t>(width) ? track.value : track.out).push_back(v);
+            (!cubic                                           ? track.value
+             : k % each == 0                                  ? track.in
+             : k % each < 2 * static_cast<std::size_t>(width) ? track.value
+                                                              : track.out)
+                .push_back(v);
         }
         for (std::size_t k = 0; k < times.size(); ++k)
             if (!std::isfinite(times[k]) || (k > 0 && !(times[k] > times[k - 1]))) fail("has an animation whose times do not increase");
@@ -188,18 +191,22 @@ private:
         const auto within = [](int i, const auto& list) { return i >= 0 && i < static_cast<int>(list.size()); };
         if (!within(index, m.accessors)) fail("has a damaged animation: a list of numbers is missing");
         const tinygltf::Accessor& a = m.accessors[static_cast<std::size_t>(index)];
-        if (a.sparse.isSparse || !within(a.bufferView, m.bufferViews)) fail("has an animation in a sparse accessor, which is not supported");
+        if (a.sparse.isSparse || !within(a.bufferView, m.bufferViews))
+            fail("has an animation in a sparse accessor, which is not supported");
         const tinygltf::BufferView& view = m.bufferViews[static_cast<std::size_t>(a.bufferView)];
         const int stride = a.ByteStride(view), size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
-        if (!within(view.buffer, m.buffers) || stride <= 0 || size <= 0 || tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)) != width)
+        if (!within(view.buffer, m.buffers) || stride <= 0 || size <= 0 ||
+            tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)) != width)
             fail("has a damaged animation: a list of numbers has another type");
         const std::vector<unsigned char>& bytes = m.buffers[static_cast<std::size_t>(view.buffer)].data;
-        const std::size_t begin = view.byteOffset + a.byteOffset, row = static_cast<std::size_t>(width * size), step = static_cast<std::size_t>(stride);
+        const std::size_t begin = view.byteOffset + a.byteOffset, row = static_cast<std::size_t>(width * size),
+                          step = static_cast<std::size_t>(stride);
         if (a.count > 0 && (begin + row > bytes.size() || (bytes.size() - begin - row) / step < a.count - 1))
             fail("has a damaged animation: the file ends before its last key");
         std::vector<double> all;
         for (std::size_t k = 0; k < a.count; ++k)
-            for (int c = 0; c < width; ++c) all.push_back(number(bytes.data() + begin + k * step + static_cast<std::size_t>(c * size), a.componentType));
+            for (int c = 0; c < width; ++c)
+                all.push_back(number(bytes.data() + begin + k * step + static_cast<std::size_t>(c * size), a.componentType));
         return all;
     }
     double number(const unsigned char* at, int type) const {
@@ -231,8 +238,8 @@ AnimationFile::AnimationFile(const std::filesystem::path& file) {
     if (kind != ".glb" && kind != ".gltf")
         throw InputError({file.string()}, "\"" + kind + "\" is not a kind of animation file", "", "allowed: .gltf, .glb");
     tinygltf::TinyGLTF loader;
-    loader.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; },
-                          nullptr);
+    loader.SetImageLoader(
+        [](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }, nullptr);
     std::string error, warning;
     tinygltf::Model& m = content->model;
     const bool read = kind == ".glb" ? loader.LoadBinaryFromFile(&m, &error, &warning, file.string())
@@ -241,7 +248,8 @@ AnimationFile::AnimationFile(const std::filesystem::path& file) {
     content->parent.assign(m.nodes.size(), -1);
     for (std::size_t k = 0; k < m.nodes.size(); ++k)
         for (const int child : m.nodes[k].children)
-            if (child >= 0 && child < static_cast<int>(m.nodes.size())) content->parent[static_cast<std::size_t>(child)] = static_cast<int>(k);
+            if (child >= 0 && child < static_cast<int>(m.nodes.size()))
+                content->parent[static_cast<std::size_t>(child)] = static_cast<int>(k);
     content_ = std::move(content);
 }
 
@@ -265,7 +273,8 @@ AnimationFile::Node AnimationFile::node(const std::string& name) const {
     JointReader reader(content_->file, m);
     for (int k = found; k >= 0 && joints->size() <= m.nodes.size(); k = content_->parent[static_cast<std::size_t>(k)]) {
         const std::string& own = m.nodes[static_cast<std::size_t>(k)].name;
-        joints->push_back(reader.read(k, k == found ? fmt::format("node \"{}\"", own) : fmt::format("\"{}\", a parent of \"{}\",", own, name)));
+        joints->push_back(
+            reader.read(k, k == found ? fmt::format("node \"{}\"", own) : fmt::format("\"{}\", a parent of \"{}\",", own, name)));
         node.motion.turns |= joints->back().rotation.changes();
         node.motion.moves |= joints->back().translation.changes();
     }

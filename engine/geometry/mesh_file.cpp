@@ -10,6 +10,7 @@
 #include <bit>
 #include <charconv>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -327,15 +328,17 @@ Polygons read_ply(const std::string& file, std::string_view text) {
 /// Reads glTF with assimp. The other formats have their own readers in this file, because those of assimp are not reliable: its OBJ reader
 /// skips lines that it does not understand and ends a number at a decimal comma. Its STL reader requires valid normals and lower case. On
 /// 2000 damaged PLY files, its PLY reader crashes 432 times and never ends 391 times.
-Polygons read_gltf(const std::string& file) {
+/// With a node, reads only the meshes of that node and its children, in its axes.
+Polygons read_gltf(const std::string& file, const std::string& node) {
     Assimp::Importer importer;
-    const aiScene* scene = importer.ReadFile(file, aiProcess_PreTransformVertices);
+    const aiScene* scene = importer.ReadFile(file, node.empty() ? unsigned{aiProcess_PreTransformVertices} : 0u);
     if (!scene) throw InputError({file}, fmt::format("cannot be read: {}", importer.GetErrorString()));
     Polygons mesh;
     mesh.single = true;
-    for (const aiMesh* part : std::span(scene->mMeshes, scene->mNumMeshes)) {
+    const auto add = [&](const aiMesh* part, const aiMatrix4x4& place) {
         const Corner first = static_cast<Corner>(mesh.position.size());
-        for (const aiVector3D& x : std::span(part->mVertices, part->mNumVertices)) {
+        for (const aiVector3D& own : std::span(part->mVertices, part->mNumVertices)) {
+            const aiVector3D x = place * own;
             mesh.position.emplace_back(x.x, x.y, x.z);
             if (!mesh.position.back().allFinite())
                 throw InputError({file}, fmt::format("a coordinate of vertex {} is not finite", mesh.position.size()));
@@ -345,7 +348,18 @@ Polygons read_gltf(const std::string& file) {
             for (const unsigned corner : std::span(face.mIndices, face.mNumIndices)) mesh.corner.push_back(first + corner);
             mesh.end.push_back(mesh.corner.size());
         }
+    };
+    if (node.empty()) {
+        for (const aiMesh* part : std::span(scene->mMeshes, scene->mNumMeshes)) add(part, {});
+        return mesh;
     }
+    const aiNode* top = scene->mRootNode->FindNode(node.c_str());
+    if (!top) throw InputError({file}, fmt::format("has no node \"{}\"", node));
+    const std::function<void(const aiNode&, const aiMatrix4x4&)> add_all = [&](const aiNode& one, const aiMatrix4x4& place) {
+        for (const unsigned k : std::span(one.mMeshes, one.mNumMeshes)) add(scene->mMeshes[k], place);
+        for (const aiNode* child : std::span(one.mChildren, one.mNumChildren)) add_all(*child, place * child->mTransformation);
+    };
+    add_all(*top, {});
     return mesh;
 }
 
@@ -376,7 +390,7 @@ void weld(TriangleMesh& mesh) {
     mesh = std::move(welded);
 }
 
-TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Vec3d& position) {
+TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Vec3d& position, const std::string& node) {
     const std::string name = file.string(), kind = lower(file.extension().string());
     std::ifstream in(file, std::ios::binary);
     std::error_code none;
@@ -394,7 +408,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file, double scale, const Ve
     if (kind == ".obj") read = read_obj(name, text);
     else if (kind == ".ply") read = read_ply(name, text);
     else if (kind == ".stl") read = binary ? read_binary_stl(name, bytes) : read_ascii_stl(name, text);
-    else if (kind == ".gltf" || kind == ".glb") read = read_gltf(name);
+    else if (kind == ".gltf" || kind == ".glb") read = read_gltf(name, node);
     else throw InputError({name}, "\"" + kind + "\" is not a kind of mesh file", "", ".obj, .ply, .stl, .gltf, .glb");
     if (read.end.empty()) throw InputError({name}, "the file contains no triangles");
     for (const Corner c : read.corner)

@@ -8,10 +8,11 @@
 namespace whorl {
 
 /// Reads a mesh. Its positions are multiplied by `scale`, then moved by `position` [m], in double precision. Polygons, which may be
-/// concave, become triangles.
+/// concave, become triangles. @param node of a glTF file: only the meshes of this node and its children, in the axes of the node
 /// @throws InputError with file:line if the file is missing, of an unknown kind, truncated, or refers to missing vertices. Also if the mesh
 /// is so far from the origin that single precision rounds its coordinates by more than 1/1000 of its size
-TriangleMesh read_mesh(const std::filesystem::path& file, double scale = 1, const Vec3d& position = Vec3d::Zero());
+TriangleMesh read_mesh(const std::filesystem::path& file, double scale = 1, const Vec3d& position = Vec3d::Zero(),
+                       const std::string& node = "");
 
 /// Merges vertices at equal positions. Removes triangles with two equal corners, and all normals and scalars.
 void weld(TriangleMesh& mesh);

@@ -398,8 +398,8 @@ std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& nam
 
 std::shared_ptr<const Shape> make_sheet(TriangleMesh surface) { return std::make_shared<Mesh>(std::move(surface)); }
 
-std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position) {
-    return make_mesh(read_mesh(file, scale, position), file.string());
+std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position, const std::string& node) {
+    return make_mesh(read_mesh(file, scale, position, node), file.string());
 }
 
 }  // namespace whorl

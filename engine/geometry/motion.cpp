@@ -13,7 +13,8 @@ namespace {
 /// w = dp/dt - (1 - cos a)/a^2 p x dp/dt + (a - sin a)/a^3 p x (p x dp/dt), a = |p|.
 Vec3d spin_of(const Vec3d& p, const Vec3d& rate) {
     const double a = p.norm(), a2 = a * a;
-    const double first = a < 1e-3 ? 0.5 - a2 / 24 : (1 - std::cos(a)) / a2, second = a < 1e-3 ? 1.0 / 6 - a2 / 120 : (a - std::sin(a)) / (a2 * a);
+    const double first = a < 1e-3 ? 0.5 - a2 / 24 : (1 - std::cos(a)) / a2,
+                 second = a < 1e-3 ? 1.0 / 6 - a2 / 120 : (a - std::sin(a)) / (a2 * a);
     const Vec3d across = p.cross(rate);
     return rate - first * across + second * p.cross(across);
 }

@@ -27,7 +27,7 @@ struct Motion {
 
 /// Displacement and rotation of a solid at one time.
 struct MotionKey {
-    double time = 0;                                         ///< s
+    double time = 0;                                       ///< s
     Vec3d position = Vec3d::Zero(), tilt = Vec3d::Zero();  ///< m; degrees, a rotation vector
 };
 /// Interpolates positions and rotation vectors smoothly between at least one key (core/smooth_keys.h).
@@ -45,8 +45,8 @@ public:
     };
     /// The node of this name, moved by all animations of the file that move it or its parents. Keys are interpolated as they state (LINEAR,
     /// rotations along great circles; CUBICSPLINE).
-    /// @throws InputError if the file has no such node or several; if the node or a parent is scaled or mirrored; if two animations move it;
-    /// if keys are damaged or jump (STEP)
+    /// @throws InputError if the file has no such node or several; if the node or a parent is scaled or mirrored; if two animations move
+    /// it; if keys are damaged or jump (STEP)
     Node node(const std::string& name) const;
 
 private:

@@ -49,7 +49,7 @@ std::shared_ptr<const Shape> make_shape(const ShapeKeys& keys) {
     if (keys.kind == "cone") return make_cone(keys.from, keys.to, keys.radius, keys.end_radius);
     if (keys.kind == "torus") return make_torus(keys.centre, keys.axis, keys.radius, keys.tube);
     if (keys.kind == "plane") return make_plane(keys.centre, keys.normal);
-    if (keys.kind == "mesh") return make_mesh(keys.file, keys.scale, keys.centre);
+    if (keys.kind == "mesh") return make_mesh(keys.file, keys.scale, keys.centre, keys.node);
     throw InputError({}, "shape \"" + keys.kind + "\" is not known", "", "box, sphere, cylinder, capsule, cone, torus, plane, mesh");
 }
 

@@ -25,6 +25,7 @@ struct ShapeKeys {
     double tube = 0;        ///< torus: radius of the tube [m]
     Vec3d normal{0, 1, 0};
     std::filesystem::path file;
+    std::string node;  ///< glTF: only the meshes of this node and its children, in its axes; empty: all, as their nodes place them
     double scale = 1;
     std::string open = "none";        ///< side at which a container is open, one of openings(); then the shape is its wall (make_vessel)
     std::optional<double> wall, rim;  ///< of an open container: thickness; height of the rim along the axis of the opening [m]
@@ -108,7 +109,8 @@ std::string section_error(const ShapeKeys& keys);
 std::shared_ptr<const Shape> make_section(const ShapeKeys& keys);
 
 /// The mesh in `file`, times `scale`, then moved by `position` [m]. @throws InputError
-std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position);
+std::shared_ptr<const Shape> make_mesh(const std::filesystem::path& file, double scale, const Vec3d& position,
+                                       const std::string& node = "");
 /// Shape of a mesh in memory. @param name for error messages @throws InputError if the mesh is empty or not closed
 std::shared_ptr<const Shape> make_mesh(TriangleMesh mesh, const std::string& name);
 

@@ -303,7 +303,7 @@ std::shared_ptr<const Shape> make_vessel(const ShapeKeys& keys) {
                                              PrismVessel::Section{true, keys.radius, keys.radius}, depth, wall);
     }
     const double rim = keys.rim.value_or(0) * n.sum();  // along n
-    if (keys.kind == "mesh") return make_mesh_vessel(make_mesh(keys.file, keys.scale, keys.centre), n, rim, wall);
+    if (keys.kind == "mesh") return make_mesh_vessel(make_mesh(keys.file, keys.scale, keys.centre, keys.node), n, rim, wall);
     double radius = keys.radius;
     Vec3d centre = keys.centre;
     if (keys.cut) radius = std::sqrt(radius * radius - centre.z() * centre.z()), centre.z() = 0;

@@ -13,8 +13,7 @@ namespace {
 VectorExpression expression_of(const std::function<Vec3d(double t)>& f, const VectorExpression& replaced) {
     VectorExpression all;
     for (std::size_t a = 0; a < 3; ++a)
-        all.component[a] =
-            Expression([f, a](double t) { return f(t)[static_cast<Eigen::Index>(a)]; }, replaced.component[a].text());
+        all.component[a] = Expression([f, a](double t) { return f(t)[static_cast<Eigen::Index>(a)]; }, replaced.component[a].text());
     return all;
 }
 
@@ -99,7 +98,8 @@ private:
         if (entry.node.empty()) reader_.disagree({file}, node + " is missing", "set node to the name of a node of the file");
         if (!entry.keys.empty()) reader_.disagree({file}, name + " has keys and an animation", "remove one of them");
         if (scene_.domain.dimensions == 2)
-            reader_.disagree({file}, file + " needs three dimensions (domain.dimensions is 2)", "use [[" + name.substr(0, name.find('[')) + ".key]]");
+            reader_.disagree({file}, file + " needs three dimensions (domain.dimensions is 2)",
+                             "use [[" + name.substr(0, name.find('[')) + ".key]]");
         if (entry.node.empty() || !std::filesystem::is_regular_file(entry.animation)) return {};
         std::string key = file;
         try {

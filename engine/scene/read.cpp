@@ -58,6 +58,9 @@ public:
         for (std::size_t i = 0; i < scene_.emitters.size(); ++i) emitter(entry_name("emitter", i), scene_.emitters[i]);
         for (std::size_t i = 0; i < scene_.solids.size(); ++i) {
             shape(entry_name("solid", i), scene_.solids[i].shape);
+            // In a file that also moves the solid, the mesh is that of the node.
+            if (ShapeKeys& mesh = scene_.solids[i].shape; mesh.kind == "mesh" && mesh.file == scene_.solids[i].animation)
+                mesh.node = scene_.solids[i].node;
             if (scene_.solids[i].shape.is_open()) vessel(entry_name("solid", i), scene_.solids[i]);
         }
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);

@@ -72,7 +72,7 @@ const std::map<std::string, std::set<std::string>> kept_in = {
     {"epoxy/", {"render/gl"}},        {"stb_", {"render/image"}},       {"toml++/", {"engine/scene"}},
     {"muParser", {"engine/math"}},    {"httplib", {"tools"}},           {"CLI/", {"tools"}},
     {"tbb/", {"render/surface"}},     {"cairo", {"render/image"}},      {"ft2build", {"render/image"}},
-    {"OpenEXR/", {"render/image"}},   {"assimp/", {"engine/geometry"}},
+    {"OpenEXR/", {"render/image"}},   {"assimp/", {"engine/geometry"}}, {"tiny_gltf", {"engine/geometry"}},
 };
 
 std::string layer_of(const std::string& path) {

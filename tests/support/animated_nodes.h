@@ -12,8 +12,8 @@ struct AnimatedNodes {
 
     /// Adds a node. @param more further properties of the node @return its index
     int node(const std::string& name, const nlohmann::json& more = nlohmann::json::object());
-    /// Adds an animation of a node's "translation", "rotation" or "scale". @param values three or four per key; CUBICSPLINE: in-tangent, value,
-    /// out-tangent of each key
+    /// Adds an animation of a node's "translation", "rotation" or "scale". @param values three or four per key; CUBICSPLINE: in-tangent,
+    /// value, out-tangent of each key
     void track(int node, const std::string& path, const std::vector<float>& times, const std::vector<float>& values,
                const std::string& interpolation = "LINEAR");
     void write(const std::filesystem::path& glb) const;

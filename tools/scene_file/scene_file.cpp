@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "engine/core/utf8.h"
+#include "engine/geometry/motion.h"
 #include "engine/io/byte_io.h"
 #include "engine/io/csv.h"
 #include "engine/scene/checks.h"

@@ -31,7 +31,8 @@ double rate_error(const Motion& motion, double from, double to) {
 }  // namespace
 
 TEST_CASE("keys move a solid through each key without overshoot, with rates exact to 1e-7", "[geometry]") {
-    const std::vector<MotionKey> keys{{1, {0, 0, 0}, {0, 0, 0}}, {0.5, {0, 1, 0}, {0, 90, 0}}, {2, {3, 0, 0}, {10, 450, -30}}, {2.5, {3, 0, 1}, {0, 0, 0}}};
+    const std::vector<MotionKey> keys{
+        {1, {0, 0, 0}, {0, 0, 0}}, {0.5, {0, 1, 0}, {0, 90, 0}}, {2, {3, 0, 0}, {10, 450, -30}}, {2.5, {3, 0, 1}, {0, 0, 0}}};
     const Motion motion = motion_of(keys);
     CHECK(motion.moves);
     CHECK(motion.turns);
@@ -85,7 +86,8 @@ TEST_CASE("cubic keys of a node follow the spline of glTF, with rates exact to 1
     file.json["cameras"] = nlohmann::json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}}});
     file.track(camera, "translation", {1, 3}, {0, 0, 0, 1, 2, 3, 2, 0, 0, 0, -1, 0, 4, 2, 3, 0, 0, 0}, "CUBICSPLINE");
     const float half = std::sqrt(0.5f);
-    file.track(camera, "rotation", {1, 3}, {0, 0, 0, 0, 0, 0, 0, 1, 0.3f, 0, 0, 0, 0, 0.2f, 0, 0, half, 0, 0, half, 0, 0, 0, 0}, "CUBICSPLINE");
+    file.track(camera, "rotation", {1, 3}, {0, 0, 0, 0, 0, 0, 0, 1, 0.3f, 0, 0, 0, 0, 0.2f, 0, 0, half, 0, 0, half, 0, 0, 0, 0},
+               "CUBICSPLINE");
     file.write(scratch / "eye.glb");
     const AnimationFile::Node node = AnimationFile(scratch / "eye.glb").node("eye");
     REQUIRE(node.fov);
@@ -119,17 +121,24 @@ TEST_CASE("unusable animations are refused by name", "[geometry]") {
     CHECK(message([](auto& f) { f.node("Spoon"); }) == "a.glb has two nodes \"Spoon\"|rename one of them|");
     CHECK(message([](auto& f) { f.json["nodes"][0]["scale"] = {2, 2, 2}; }) == "node \"Spoon\" is scaled by [2, 2, 2]" + apply);
     CHECK(message([](auto& f) { f.json["nodes"][1]["scale"] = {1, -1, 1}; }) == "\"rig\", a parent of \"Spoon\", is mirrored" + apply);
-    CHECK(message([](auto& f) { f.json["nodes"][0]["matrix"] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; }) == "node \"Spoon\" is mirrored" + apply);
+    CHECK(message([](auto& f) { f.json["nodes"][0]["matrix"] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; }) ==
+          "node \"Spoon\" is mirrored" + apply);
     CHECK(message([](auto& f) { f.json["nodes"][0]["matrix"] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; }) == "no error");
     CHECK(message([](auto& f) { f.track(0, "scale", {0, 1}, {1, 1, 1, 1, 2, 1}); }) == "node \"Spoon\" is scaled by [1, 2, 1]" + apply);
-    CHECK(message([](auto& f) { f.track(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "STEP"); }) ==
+    CHECK(message([](auto& f) {
+              f.track(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "STEP");
+          }) ==
           "node \"Spoon\" jumps from key to key (interpolation STEP)|use LINEAR or CUBICSPLINE (in Blender: linear or Bezier keyframes)|");
     CHECK(message([](auto& f) { f.track(0, "translation", {0, 1}, {0, 1, 0, 0, 1, 0}, "STEP"); }) == "no error");
-    CHECK(message([](auto& f) { f.track(1, "rotation", {0}, {0, 0, 0, 1}); }) ==
-          "\"rig\", a parent of \"Spoon\", has two animations of its rotation|keep one of them in the file|");
-    CHECK(message([](auto& f) { f.track(0, "translation", {0, 0}, {0, 0, 0, 1, 0, 0}); }).find("whose times do not increase") != std::string::npos);
+    CHECK(message([](auto& f) {
+              f.track(1, "rotation", {0}, {0, 0, 0, 1});
+          }) == "\"rig\", a parent of \"Spoon\", has two animations of its rotation|keep one of them in the file|");
+    CHECK(message([](auto& f) {
+              f.track(0, "translation", {0, 0}, {0, 0, 0, 1, 0, 0});
+          }).find("whose times do not increase") != std::string::npos);
     CHECK(message([](auto& f) { f.track(0, "translation", {0, 1}, {0, 0, 0}); }).find("has a damaged animation") != std::string::npos);
-    CHECK(message([](auto& f) { f.json["accessors"][1]["count"] = 1000000; }).find("the file ends before its last key") != std::string::npos);
+    CHECK(message([](auto& f) { f.json["accessors"][1]["count"] = 1000000; }).find("the file ends before its last key") !=
+          std::string::npos);
     CHECK(message([](auto& f) { f.json["accessors"][1]["bufferView"] = 77; }).find("sparse accessor") != std::string::npos);
     CHECK(message([](auto& f) { f.json["accessors"][1]["type"] = "VEC3"; }).find("another type") != std::string::npos);
     CHECK_THROWS_WITH(AnimationFile("a.fbx"), Catch::Contains("\".fbx\" is not a kind of animation file; allowed: .gltf, .glb"));

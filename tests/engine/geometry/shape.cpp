@@ -299,6 +299,17 @@ TEST_CASE("OBJ, PLY, STL and glTF, ascii and binary, give the same cube", "[geom
             REQUIRE(shape->distance(2 * x + Vec3(1, 0, 0)) == Approx(2 * cube->distance(x)).margin(1e-5));
         }
     }
+    // Of a named node, the mesh in the axes of the node.
+    std::string moved = gltf;
+    moved.replace(moved.find("[1, 0, 0]}]"), 11, "[1, 0, 7], \"name\": \"cube\"}]");
+    const std::filesystem::path file = temporary("moved.gltf", moved);
+    Vec3 low, high;
+    make_mesh(file, 1, {0, 0, 0})->bounds(low, high);
+    CHECK((low - Vec3(0, 0, 7)).norm() < 1e-6);
+    make_mesh(file, 1, {0, 0, 0}, "cube")->bounds(low, high);
+    CHECK(low.norm() < 1e-6);
+    CHECK((high - Vec3(1, 1, 1)).norm() < 1e-6);
+    CHECK_THROWS_WITH(make_mesh(file, 1, {0, 0, 0}, "ball"), Catch::Contains("has no node \"ball\""));
 }
 
 TEST_CASE("a broken mesh file is reported with line and fault", "[geometry]") {

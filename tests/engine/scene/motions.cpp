@@ -17,7 +17,8 @@ TEST_CASE("faulty keys and animations of solids and emitters are refused with th
     file.write(scratch / "a.glb");
     const auto message = [&](const std::string& keys, bool of_emitter = false) -> std::string {
         const std::string scene =
-            test::text::domain({-1, -1, -1}, {1, 1, 1}) + test::text::time(1) + test::text::fluid(0.01) + test::text::block({0, 0, 0}, {0.1, 0.1, 0.1}) +
+            test::text::domain({-1, -1, -1}, {1, 1, 1}) + test::text::time(1) + test::text::fluid(0.01) +
+            test::text::block({0, 0, 0}, {0.1, 0.1, 0.1}) +
             (of_emitter ? "[[emitter]]\nradius = 0.05\nspeed = 1\n" : "[[solid]]\nshape = \"sphere\"\nradius = 0.1\n") + keys;
         try {
             read_scene_text(scene, (scratch / "scene.toml").string());
@@ -34,14 +35,16 @@ TEST_CASE("faulty keys and animations of solids and emitters are refused with th
     CHECK(message(animation + "node = \"Spon\"\n") ==
           "17:8: solid[0].node: a.glb has no node \"Spon\"; did you mean \"Spoon\"?; allowed: Spoon, rig, Still\n");
     for (const auto& [keys, part] : std::vector<std::pair<std::string, std::string>>{
-             {animation + "node = \"Still\"\n", "17:8: solid[0].node: no animation moves the node \"Still\" or its parents; choose an animated node"},
+             {animation + "node = \"Still\"\n",
+              "17:8: solid[0].node: no animation moves the node \"Still\" or its parents; choose an animated node"},
              {animation, "16:13: solid[0].node is missing; set node to the name of a node of the file"},
              {node, "16:8: solid[0].node needs an animation; set animation"},
              {"animation = \"b.glb\"\n" + node, "16:13: solid[0].animation: no file \"b.glb\""},
              {"animation = \"scene.glb\"\n" + node, "no file \"scene.glb\""},
              {animation + node + "density = 900\n", "18:11: solid[0] has a density, so forces move it, but it has keys or an animation"},
              {animation + node + "rotation = [0, 1, 0]\n", "18:12: solid[0] is turned by its keys or its animation; remove rotation"},
-             {animation + node + "pivot = [0, 1, 0]\n", "18:9: solid[0].pivot: with an animation the solid turns about the origin of its node"},
+             {animation + node + "pivot = [0, 1, 0]\n",
+              "18:9: solid[0].pivot: with an animation the solid turns about the origin of its node"},
              {animation + node + key, "16:13: solid[0] has keys and an animation; remove one of them"},
              {"tilt = [0, 9, 0]\n" + key, "16:8: solid[0] is turned by its keys"},
              {key + "[[solid.key]]\ntime = 0\n", "solid[0].key[1] and solid[0].key[0] are both at 0 s; only the camera may jump"},
