@@ -130,11 +130,13 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         n = field_normal(p);
         if (dot(n, d) > 0.0) n = -n;
         blur += 0.4;
-        // The outline of the fluid behind mirrors what is next to it, so it is no hard border.
-        float mirror = fresnel(-dot(n, d), refraction);
-        vec3 r = reflect(d, n);
-        light += mirror * through * mix(scatter * sky * 0.5, surroundings(world_of(p), r, min(blur, 1.0), 1.8), openness(p + n, r, 30.0));
-        through *= 1.0 - mirror;
+        // The outline of the fluid behind mirrors what is next to it, so it is no hard border. Elsewhere its reflections are too faint to see.
+        float mirror = fresnel(-dot(n, d), refraction) - 0.06;
+        if (mirror > 0.0) {
+            vec3 r = reflect(d, n);
+            light += mirror * through * mix(scatter * sky * 0.5, surroundings(world_of(p), r, min(blur, 1.0), 1.8), openness(p + n, r, 30.0));
+            through *= 1.0 - mirror;
+        }
         d = refract(d, n, 1.0 / refraction);
     }
     return light + seen_through(world_of(p), d, at_solid, through, min(blur, 1.0), clear);
