@@ -125,7 +125,10 @@ vec3 light_from(vec3 x, vec3 d, float way, int kind) {
 }
 
 // Whether the fluid touches the glass at x, on its surface.
-bool touches_fluid(vec3 x) { return has_fluid && near_distance(place_of(x)) < 0.5 + 0.1 * glass_voxel / voxel; }
+bool touches_fluid(vec3 x) {
+    vec3 p = place_of(x), outside = max(abs(p - 0.5 * field_size) - 0.5 * field_size, 0.0);
+    return has_fluid && near_distance(p) + length(outside) < 0.5 + 0.1 * glass_voxel / voxel;
+}
 
 // Where a ray from x along d through air ends, if it does not meet glass: moves x to the glass, and returns whether there is any.
 // @param way output: m @param kind output: object that it meets
