@@ -75,6 +75,7 @@ gallery_scenes = {
     "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
     "chocolate_cake": ("Chocolate over a ring cake on a turning plate.", 2.9, "standard"),
     "honey_dipper": ("Honey runs off a dipper.", 2.5, "standard"),
+    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.7, "standard"),
     "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "standard"),
     "lava": ("Lava flows around boulders: its crust cracks.", 4.5, "standard"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
