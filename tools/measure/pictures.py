@@ -30,7 +30,8 @@ def picture_over_plate(m):
     pictures = [m.render(scene, f"pictures/{name}", *settings, threads=2, images=True, options=["--frames", frame, "--no-video"]).folder
                 / f"frames/{frame:06}.png"
                 for scene, name, frame, settings in ((plate, "plate_run", 1, ()),
-                                                     ("scenes/thick_coil.toml", "over_plate", 80, ["look.background=transparent"]))]
+                                                     ("scenes/thick_coil.toml", "over_plate", 80,
+                                                      ["look.background=transparent", "look.table=none", "camera.aperture=0"]))]
     laid = m.out / "pictures/laid.png"
     m.call(["ffmpeg", "-v", "error", "-y", "-i", pictures[0], "-i", pictures[1], "-filter_complex", "overlay", laid])
     drawing.picture(m, "docs/pictures/guide/over_plate.jpg", [laid], 800, ["-q:v", "4"])
