@@ -45,7 +45,7 @@ def outside(whorl):
 
 
 def make(unit):
-    """A scene in units of `unit` metres. Returns its objects."""
+    """Makes and returns a scene in units of `unit` metres."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.unit_settings.scale_length = unit
@@ -68,8 +68,8 @@ def make(unit):
     corner = [(0, 0), (0.12, 0), (0.12, 0.04), (0.05, 0.04), (0.05, 0.09), (0, 0.09)]
     prism = [tuple(range(5, -1, -1)), tuple(range(6, 12)), *((k, (k + 1) % 6, 6 + (k + 1) % 6, 6 + k) for k in range(6))]
     add("fluid", "fluid", [(x, y, z) for z in (0, 0.05) for x, y in corner], prism, (-0.07, -0.05, 0.02))
-    wedge = [(0, 0, 0), (0.08, 0, 0), (0, 0.05, 0), (0, 0, 0.03)]
-    stone = add("stone", "solid", wedge, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], (0.16, 0.2, 0), (0.3, -0.2, 1), (1, -2, 1))
+    wedge = [(0, 0, 0), (0.08, 0, 0), (0, 0.05, 0), (0, 0, 0.03)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    stone = add("stone", "solid", *wedge, (0.16, 0.2, 0), (0.3, -0.2, 1), (1, -2, 1))
     stone.data.materials.append(bpy.data.materials.new("red"))
     stone.active_material.use_nodes = True
     inputs = stone.active_material.node_tree.nodes["Principled BSDF"].inputs
@@ -79,7 +79,7 @@ def make(unit):
     slot = [(-0.04, -0.02, 0), (-0.04, 0.02, 0), (0.04, 0.02, 0), (0.04, -0.02, 0)]
     nozzle = add("nozzle", "emitter", slot, [(0, 1, 2, 3)], (0.03, -0.02, 0.2))
     nozzle["whorl.speed"] = 0.1
-    paddle = add("paddle", "solid", wedge, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], (0.03, 0.01, 0.1), (0, 0.2, 0))
+    paddle = add("paddle", "solid", *wedge, (0.03, 0.01, 0.1), (0, 0.2, 0))
     paddle.parent = bpy.data.objects.new("arm", None)
     paddle.parent.scale = (0.7, 0.7, 0.7)
     scene.collection.objects.link(paddle.parent)

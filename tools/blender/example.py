@@ -13,7 +13,7 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 scene.render.fps, scene.frame_start, scene.frame_end = 24, 1, 49
 scene.render.resolution_x, scene.render.resolution_y = 640, 640
-scene["whorl.fluid.spacing"], scene["whorl.fluid.viscosity"] = 0.003, 3.0
+scene["whorl.fluid.spacing"], scene["whorl.fluid.viscosity"] = 0.003, 8.0
 
 
 def add(thing, role=None):
@@ -50,13 +50,15 @@ def lathe(name, role, profile, colour, roughness=0.3, glass=False, sides=48):
 
 
 lathe("board", "solid", [(0, -0.02), (0.16, -0.02), (0.16, -0.01), (0, -0.01)], (0.25, 0.11, 0.05), 0.6)
-lathe("ball", "solid", [(0.02 * math.sin(math.pi * k / 16), 0.018 - 0.02 * math.cos(math.pi * k / 16)) for k in range(17)], (0.05, 0.25, 0.3))
-bowl = [(0.075 * math.sin(math.pi * k / 28), 0.075 * (1 - math.cos(math.pi * k / 28))) for k in range(13)]
+ball, bowl = ([(radius * math.sin(math.pi * k / parts), low + radius * (1 - math.cos(math.pi * k / parts))) for k in range(rings)]
+              for radius, low, parts, rings in ((0.02, -0.002, 16, 17), (0.075, 0, 28, 13)))
+lathe("ball", "solid", ball, (0.05, 0.25, 0.3))
 lathe("bowl", "container", bowl, (0.8, 0.8, 0.78), 0.2)
 jug = lathe("jug", "container", [(0, 0), (0.03, 0), (0.03, 0.08)], (1, 1, 1), 0, glass=True)
-lathe("caramel", "fluid", [(0, 0.0015), (0.0285, 0.0015), (0.0285, 0.065), (0, 0.065)], (0.55, 0.2, 0.04), 0.25).location = (-0.1, 0, 0.13)
-jug.location = (-0.1, 0, 0.13)
-for frame, angle, height in ((1, 0, 0.13), (25, 100, 0.15), (49, 125, 0.15)):
+caramel = lathe("caramel", "fluid", [(0, 0.0015), (0.0285, 0.0015), (0.0285, 0.07), (0, 0.07)], (0.55, 0.2, 0.04), 0.25)
+caramel.location = jug.location = (-0.1, 0, 0.12)
+caramel["whorl.sampling"] = "blue_noise"
+for frame, angle, height in ((1, 0, 0.12), (25, 95, 0.14), (49, 115, 0.14)):
     jug.rotation_euler.y, jug.location.z = math.radians(angle), height
     jug.keyframe_insert("rotation_euler", frame=frame)
     jug.keyframe_insert("location", frame=frame)
