@@ -142,7 +142,7 @@ private:
             const auto& [a, b] = edge;
             for (const Vec3f& x : {walls.position[a], walls.position[b], out.position[b], out.position[a]}) rim.position.push_back(x);
             rim.normal.insert(rim.normal.end(), 4, n_.cast<float>());
-            rim.triangle.push_back({first, first + 2, first + 1}), rim.triangle.push_back({first, first + 3, first + 2});
+            rim.triangle.push_back({first, first + 1, first + 2}), rim.triangle.push_back({first, first + 2, first + 3});
         }
         drawn_ = sheet_->mesh(0, 0);
         turn_over(drawn_);

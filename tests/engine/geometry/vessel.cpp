@@ -174,6 +174,12 @@ TEST_CASE("a vessel's normal is the gradient of its distance, its mesh encloses 
         CHECK(bent < 20);  // points at which two surfaces are equally near
         const TriangleMesh mesh = vessel->mesh(Real(0.003), 0);
         CHECK(bulk_of(mesh).volume == Approx(vessel->bulk().volume).epsilon(3e-3));  // facets of a round mesh
+        int turned = 0;
+        for (const auto& [a, b, c] : mesh.triangle)
+            turned += (mesh.position[b] - mesh.position[a])
+                          .cross(mesh.position[c] - mesh.position[a])
+                          .dot(mesh.normal[a] + mesh.normal[b] + mesh.normal[c]) < 0;
+        CHECK(turned == 0);
 
         // Samples half a spacing deep, about a spacing apart, with the normal of the nearer side: their areas add up to the surface's.
         constexpr Real d = Real(0.005);
