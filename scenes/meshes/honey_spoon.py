@@ -5,7 +5,7 @@ around = 40  # points on each ring
 
 
 def rings(profile, place):
-    """Points of rings round an axis, from one end of the profile [(radius, height)] to the other; place: (angle, radius, height) to a point."""
+    """Points of rings round an axis, for each (radius, height) of the profile; place: (angle, radius, height) to a point."""
     return [[place(2 * pi * k / around, r, y) for k in range(around)] for r, y in profile]
 
 
