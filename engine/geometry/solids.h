@@ -61,7 +61,8 @@ struct Solid {
     Vec3 centre_velocity() const { return pose.velocity_at(centre().cast<Real>()); }
     bool sticks() const { return slip_length == 0; }
     /// Whether the fluid slips with friction, so it neither sticks nor slides freely.
-    bool partial_slip() const { return slip_length > 0 && slip_length < std::numeric_limits<double>::infinity(); }
+    bool partial_slip() const { return !sticks() && !slides_freely(); }
+    bool slides_freely() const { return slip_length == std::numeric_limits<double>::infinity(); }
     /// Distance from x to the solid's surface, positive on the fluid's side [m]. In a periodic domain, the distance to the nearest image.
     Real distance(const Vec3& x) const;
     /// Unit vector from the solid into the fluid.

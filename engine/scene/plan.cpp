@@ -232,6 +232,9 @@ private:
         const PressureTraits& own = plan_.traits.pressure;
         plan_.boundary = choose("models.boundary", scene_.models.boundary, solids ? own.boundary : BoundaryModel::none,
                                 solids ? own.boundary_reason : "no solids");
+        if (own.form == PressureForm::projection)  // for the viscosity
+            plan_.wall_images =
+                std::any_of(scene_.solids.begin(), scene_.solids.end(), [](const SolidKeys& solid) { return solid.slip == Slip::free; });
         if (!solids || own.form != PressureForm::constraint) return;
         const bool plane = scene_.domain.dimensions == 2,
                    reported = scene_.any_probe({ProbeKind::solid, ProbeKind::gauge, ProbeKind::point, ProbeKind::line});

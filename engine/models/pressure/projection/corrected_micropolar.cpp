@@ -21,15 +21,21 @@ struct CorrectedMicropolar::Rates {
 /// @param whole kernel of the smoothing
 template <class Kernel>
 CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Kernel& whole, const InteractionContext& context,
-                                                      const Terms& terms, Index i, Span<const Vec3> u, Span<const Vec3> w) const {
+                                                      const Terms& terms, Index i, Span<const Vec3> u, Span<const Vec3> w,
+                                                      Span<const Vec3> of_images) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = context.step;
     const Vec3 own_u = u[i], own_w = w[i];
     DifferenceSums of_u = difference_sums(W, context.pairs, i, step.volume, u.data(), whole);
     DifferenceSums of_w = difference_sums(W, context.pairs, i, step.volume, w.data(), whole);
-    const Mat3 G_u = of_u.gradient * s.viscous.correction[i], G_w = of_w.gradient * s.viscous.correction[i];
+    Mat3 G_u = of_u.gradient * s.viscous.correction[i];
+    const Mat3 G_w = of_w.gradient * s.viscous.correction[i];
     Real trace = s.viscous.trace[i], trace_w = trace;
     Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
+    if (s.mirrors.count(i) > 0 && !s.near_surface[i]) {
+        const MirroredSums mirrored = mirrored_sums(W, s, context, i, u, of_images, [](Index) { return Real(1); });
+        of_u.laplacian = mirrored.laplacian, G_u = mirrored.gradient, trace = mirrored.trace, imbalance = mirrored.imbalance;
+    }
     each_sticking_layer(W, s, context, i, terms.of_layer, terms.slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
         of_u.laplacian += F * continued * (own_u - surface_velocity(context, q));
         trace -= F * distance * distance;
@@ -74,10 +80,11 @@ void CorrectedMicropolar::go_half(const Kernel& W, const Kernel& whole, const In
     const Real half = context.step.dt / 2, over_theta = static_cast<Real>(1 / options_.micro_inertia);
     const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * half * over_theta) : 1;
     middle_velocity_.resize(u.size()), middle_spin_.resize(u.size());
+    const Span<const Vec3> of_images = image_velocities(*system_, context, u);
     parallel_for(u.size(), [&](Index i) {
         middle_velocity_[i] = u[i], middle_spin_[i] = w[i];
         if (role[i] != 0) return;
-        const Rates r = rates(W, whole, context, t, i, u, w);
+        const Rates r = rates(W, whole, context, t, i, u, w, of_images);
         const Vec3 exchanged = t.kappa * (r.curl - 2 * w[i]);
         middle_velocity_[i] += half * r.velocity();
         middle_spin_[i] += half * (ahead * over_theta * (exchanged + r.diffused + torque[i]) + r.spin_smoothing);
@@ -91,12 +98,13 @@ EnergyWork CorrectedMicropolar::advance(const Kernel& W, const Kernel& whole, co
     const Real dt = context.step.dt, over_theta = static_cast<Real>(1 / options_.micro_inertia);
     const Real ahead = options_.implicit_exchange ? mean_decay(2 * t.kappa * dt * over_theta) : 1;
     const double energy = static_cast<double>(context.step.mass * dt), spin_energy = energy * static_cast<double>(ahead);
+    const Span<const Vec3> of_images = image_velocities(*system_, context, middle_velocity_);
     return parallel_sum(a.size(), EnergyWork{}, [&](Index i) -> EnergyWork {
         if (role[i] != 0) {
             change[i].setZero();
             return {};
         }
-        const Rates r = rates(W, whole, context, t, i, middle_velocity_, middle_spin_);
+        const Rates r = rates(W, whole, context, t, i, middle_velocity_, middle_spin_, of_images);
         const Vec3 tau = change[i], before = a[i];
         const Vec3 exchanged = t.kappa * (r.curl - 2 * (options_.implicit_exchange ? w[i] : middle_spin_[i]));
         a[i] += r.velocity();

@@ -28,7 +28,7 @@ private:
     Terms terms(const InteractionContext& context) const;
     template <class Kernel>
     Rates rates(const Kernel& W, const Kernel& whole, const InteractionContext& context, const Terms& terms, Index i, Span<const Vec3> u,
-                Span<const Vec3> w) const;
+                Span<const Vec3> w, Span<const Vec3> of_images) const;
     template <class Kernel>
     void go_half(const Kernel& W, const Kernel& whole, const InteractionContext& context, const Terms& terms, Read<field::role> role,
                  Span<const Vec3> u, Span<const Vec3> torque, Span<const Vec3> w);

@@ -59,6 +59,26 @@ Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i
     return found;
 }
 
+/// The same for a particle near flat walls along which the fluid slips freely.
+template <class Kernel>
+Vec3 CorrectedViscosity::beside_mirrors(const Kernel& W, const Flow& flow, Index i, Span<const Vec3> of_images) const {
+    const StepContext& step = flow.context.step;
+    const Vec3 own = flow.u[i];
+    const Real own_mu = flow.mu[i];
+    const auto mean = [&](Index j) { return 2 * own_mu * flow.mu[j] / std::max(own_mu + flow.mu[j], min_positive); };
+    MirroredSums sums = mirrored_sums(W, *system_, flow.context, i, flow.u, of_images, mean);
+    each_sticking_layer(W, *system_, flow.context, i, flow.of_layer, flow.slip,
+                        [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+                            sums.laplacian += own_mu * F * continued * (own - surface_velocity(flow.context, q));
+                            sums.trace -= F * distance * distance;
+                            sums.imbalance += F * to;
+                        });
+    const Real scale = 2 * static_cast<Real>(step.dimensions()) / std::max(sums.trace, Real(0.1)) / step.rest_density;
+    Vec3 found = scale * (sums.laplacian - own_mu * (sums.gradient * sums.imbalance));
+    if (friction_.acts()) found -= own_mu / step.rest_density * (friction_.coefficient(i) * own - friction_.load(i));
+    return found;
+}
+
 void CorrectedViscosity::operator()(const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
                                     Read<field::velocity> u, Update<field::acceleration> a) {
     const ProjectionSystem& s = *system_;
@@ -74,9 +94,15 @@ void CorrectedViscosity::operator()(const InteractionContext& context, Read<fiel
               1 / lattice_gradient(step.kernel, one_sided_support * step.support, step.spacing),
               slip};
     with_viscous_kernels(step, [&](const auto& sharp, const auto& narrow) {
-        const auto of = [&](Index i) { return s.inside[i] ? acceleration(sharp, flow, i) : acceleration(narrow, flow, i); };
+        Span<const Vec3> of_images = image_velocities(s, context, flow.u);
+        const auto of = [&](Index i) {
+            if (s.inside[i]) return acceleration(sharp, flow, i);
+            if (s.mirrors.count(i) > 0 && !s.near_surface[i]) return beside_mirrors(narrow, flow, i, of_images);
+            return acceleration(narrow, flow, i);
+        };
         parallel_for(n, [&](Index i) { middle_[i] = role[i] == 0 ? Vec3(u[i] + step.dt / 2 * of(i)) : u[i]; });
         flow.u = middle_;
+        of_images = image_velocities(s, context, flow.u);
         Column<Vec3> before;
         if (context.solids.any_probed()) before.assign(a.values.begin(), a.values.end());
         parallel_for(n, [&](Index i) {

@@ -27,6 +27,8 @@ private:
     struct Flow;
     template <class Kernel>
     Vec3 acceleration(const Kernel& W, const Flow& flow, Index i) const;
+    template <class Kernel>
+    Vec3 beside_mirrors(const Kernel& W, const Flow& flow, Index i, Span<const Vec3> of_images) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     WallFriction friction_;

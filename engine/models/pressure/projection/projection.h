@@ -125,7 +125,7 @@ private:
     SolveReport solve(const Kernel& W, const PressurePreconditioner& M, const Fields& f, Real dt, bool first);
     void begin_ledgers(const Fields& f);
     void write_ledgers(const Fields& f);
-    void damp_surface(const Fields& f) const;
+    void damp_unresolved(const Fields& f) const;
 
     std::shared_ptr<ProjectionSystem> system_;
     PressureMatrix matrix_;

@@ -88,6 +88,48 @@ void set_linear_sums(const Kernel& W, const InteractionContext& context, Index i
     sums.imbalance[i] = context.step.volume * imbalance;
 }
 
+/// Calls f(to, distance) for the sites within the support of a lattice that continues the fluid behind walls that meet in an edge or a
+/// corner. `to` points from the site to the particle. The columns of each_layer() do not fill the region that lies behind several walls.
+template <class F>
+void each_site_behind(const NearWalls& walls, const StepContext& step, F&& f) {
+    const Real d = step.spacing;
+    Vec3 axis[3];
+    Real start[3] = {0, 0, 0};  // of the layers, which lie half a spacing above and below each wall
+    int axes = 0;
+    for (std::size_t k = 0; k < walls.count && axes < 3; ++k) {
+        Vec3 part = walls.normal[k];
+        for (int a = 0; a < axes; ++a) part -= part.dot(axis[a]) * axis[a];
+        if (part.norm() < Real(0.4)) continue;
+        axis[axes] = part.normalized();
+        start[axes++] = d / 2 - walls.height[k];
+    }
+    if (axes < 3) axis[2] = axis[0].cross(axis[1]);
+    int low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        low[k] = static_cast<int>(std::ceil((-step.support - start[k]) / d));
+        high[k] = static_cast<int>(std::floor((step.support - start[k]) / d));
+    }
+    if (step.dimensions() == 2) start[2] = 0, low[2] = high[2] = 0;
+    for (int a = low[0]; a <= high[0]; ++a)
+        for (int b = low[1]; b <= high[1]; ++b)
+            for (int c = low[2]; c <= high[2]; ++c) {
+                const Vec3 at = start[0] * axis[0] + start[1] * axis[1] + start[2] * axis[2] +
+                                d * (static_cast<Real>(a) * axis[0] + static_cast<Real>(b) * axis[1] + static_cast<Real>(c) * axis[2]);
+                bool behind = false;
+                for (std::size_t k = 0; k < walls.count; ++k) behind = behind || walls.above(k, at) < 0;
+                if (const Real distance = at.norm(); behind && distance < step.support) f(Vec3(-at), distance);
+            }
+}
+
+/// Whether a boundary particle lies behind another wall than its own, as where two planes cross. @param to from the particle to it
+bool covered(const NearWalls& walls, const Vec3& normal, const Vec3& to, Real spacing) {
+    for (std::size_t k = 0; k < walls.count; ++k) {
+        const bool own = normal.dot(walls.normal[k]) > Real(0.3);  // also of boundary particles on an edge
+        if (!own && walls.above(k, to) < -spacing / 4) return true;
+    }
+    return false;
+}
+
 /// Scales the fluxes of the walls around i to the deficit of the fluid's sums at i, so that the matrix is exact for a linear pressure. The
 /// columns of layers belong to a flat wall. Behind a curved wall they contain too much: a third too much for a ball of four spacings.
 void match_fluxes(const InteractionContext& context, Index i, const Vec3& imbalance, ProjectionSystem& s) {
@@ -163,6 +205,8 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
     if (s.any_walls)
         for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(context.solid_pairs.count(i));
     s.touches.resize(s.first_touch[n]);
+    s.mirrors.find(context, std::none_of(context.solids.all.begin(), context.solids.all.end(),
+                                         [](const Solid& solid) { return solid.slides_freely(); }));
     const Real d = step.spacing, V = step.volume;
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
 
@@ -177,6 +221,13 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
             s.gate[i] = 1;
             Real wall_trace = 0, wall_kernel = 0, wall_slopes = 0;
             Vec3 wall = Vec3::Zero(), wall_spread = Vec3::Zero();
+            const auto add_wall = [&](Real volume, const Vec3& to, Real distance) {
+                const Real F = volume * W.slope(distance), value = W.value(distance), first = value * over_first;
+                wall_trace -= F * distance * distance;
+                wall_kernel += volume * value, wall_slopes -= 2 * F;
+                wall += F * to;
+                wall_spread += F * (1 + Real(0.2) * first * first * first * first) * to;
+            };
             if (s.any_walls && context.solid_pairs.count(i) > 0) {
                 s.gate[i] = s.options.gate.weight(W, i, context.solid_pairs, boundary.volume, 1);
                 std::size_t k = s.first_touch[i];
@@ -185,15 +236,21 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
                     const Real volume = s.gate[i] * of_layer * boundary.volume[q], above = r.dot(normal);
                     Real flux = 0;
                     each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real) {
-                        const Real F = volume * W.slope(distance), value = W.value(distance), first = value * over_first;
-                        if (above > 0) flux += 2 * F * to.dot(normal);
-                        wall_trace -= F * distance * distance;
-                        wall_kernel += volume * value, wall_slopes -= 2 * F;
-                        wall += F * to;
-                        wall_spread += F * (1 + Real(0.2) * first * first * first * first) * to;
+                        if (above > 0) flux += 2 * volume * W.slope(distance) * to.dot(normal);
+                        add_wall(volume, to, distance);
                     });
                     s.touches[k++] = {q, flux, above - d / 2};
                 });
+                if (const NearWalls walls = walls_near(context, i, step.support); walls.meet) {
+                    wall_trace = wall_kernel = wall_slopes = 0;
+                    wall.setZero(), wall_spread.setZero();
+                    each_site_behind(walls, step, [&](const Vec3& to, Real distance) { add_wall(s.gate[i] * V, to, distance); });
+                    k = s.first_touch[i];
+                    context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
+                        if (covered(walls, boundary.normal[q], -r, d)) s.touches[k].flux = 0;
+                        ++k;
+                    });
+                }
                 match_fluxes(context, i, own.imbalance, s);
             }
             s.spread[i] = own.spread + wall_spread;

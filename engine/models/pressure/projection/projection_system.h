@@ -12,9 +12,12 @@
 #include <type_traits>
 
 #include "engine/core/parallel.h"
+#include "engine/math/inverse_in.h"
 #include "engine/math/kernel.h"
 #include "engine/models/bodies/reaction.h"
+#include "engine/models/boundary/near_walls.h"
 #include "engine/models/boundary/wall.h"
+#include "engine/models/pressure/mirrors.h"
 #include "engine/models/pressure/pressure_matrix.h"
 #include "engine/particles/field.h"
 #include "engine/particles/interaction_context.h"
@@ -129,6 +132,7 @@ struct ProjectionSystem {
     Column<Vec3> surface_normal;    ///< outward normal of particles with a surface_pressure
     Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
+    Mirrors mirrors;                       ///< images of the fluid behind flat walls along which it slips freely
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;
     bool any_walls = false;
@@ -283,6 +287,45 @@ DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i
         for (int k = 0; k < 9; ++k) all.gradient(k / 3, k % 3) += volume * S[k];
     });
     return all;
+}
+
+/// Sums for Lap u at a particle near flat walls along which the fluid slips freely, over the fluid and its images behind these walls.
+/// Without the images, the sums over one side contain a third to two thirds of Lap u.
+struct MirroredSums {
+    Vec3 laplacian = Vec3::Zero();  ///< sum_j V weight_j W'/r (u_i - u_j)
+    Mat3 gradient = Mat3::Zero();   ///< gradient of u, exact for linear fields
+    Real trace = 0;                 ///< of -sum_j V W'/r r r^T
+    Vec3 imbalance = Vec3::Zero();  ///< sum_j V W'/r r [1/m]
+};
+/// Whether the fluid slips freely along all walls that make an image.
+inline bool slides_along(const Mirrors::Image& image, const Solids& solids) {
+    return std::all_of(image.wall, image.wall + image.count,
+                       [&](const Mirrors::Wall& wall) { return solids.all[wall.solid].slides_freely(); });
+}
+/// @param of_images velocities of the images @param weight j -> factor of a neighbour in `laplacian`
+template <class Kernel, class Weight>
+MirroredSums mirrored_sums(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Span<const Vec3> u,
+                           Span<const Vec3> of_images, const Weight& weight) {
+    MirroredSums all;
+    Mat3d moment = Mat3d::Zero();
+    const auto add = [&](Real share, Real part, const Vec3& r, Real distance, const Vec3& difference) {
+        const Real F = share * context.step.volume * W.slope(distance);
+        all.laplacian += F * part * difference;
+        all.gradient -= F * difference * r.transpose();
+        all.imbalance += F * r;
+        moment -= (F * r).cast<double>() * r.cast<double>().transpose();
+    };
+    context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) { add(1, weight(j), r, distance, u[i] - u[j]); });
+    s.mirrors.of(i, [&](Index g, const Vec3& r, Real distance, Real share) {
+        if (slides_along(s.mirrors.image(g), context.solids)) add(share, weight(s.mirrors.owner(g)), r, distance, u[i] - of_images[g]);
+    });
+    all.gradient = all.gradient * pseudo_inverse(moment, context.step.dimensions()).template cast<Real>();
+    all.trace = static_cast<Real>(moment.trace());
+    return all;
+}
+/// Velocities of the images behind walls.
+inline Span<const Vec3> image_velocities(const ProjectionSystem& s, const InteractionContext& context, Span<const Vec3> u) {
+    return s.mirrors.velocities(u, [&](Index solid) { return context.solids.all[solid].pose.velocity; });
 }
 
 /// Change of a vector f from x_i to x_i + move: gradient times move, plus |move|^2/(2 D) times the Laplacian. The second term is for the
