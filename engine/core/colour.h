@@ -1,5 +1,7 @@
 #pragma once
-/// Colours in scene files, and the appearance of solids.
+/// Colours in scene files, the appearance of solids, and lights.
+#include <array>
+#include <optional>
 #include <string>
 
 #include "engine/core/keys.h"
@@ -19,6 +21,21 @@ struct Appearance {
     float metallic = -1;        ///< 0 or 1
     bool show = true;
     friend bool operator==(const Appearance&, const Appearance&) = default;
+};
+
+/// A light of the scene. Together, all lights replace the lamps of the surround.
+struct Light {
+    static constexpr std::size_t most = 8;  ///< in a scene
+    std::string kind = "soft_box";          ///< soft_box (a rectangle) | lamp (a ball) | sun (parallel light)
+    Vec3f position = Vec3f::Zero();         ///< centre [m]
+    std::optional<Vec3f> target;            ///< point that a soft box faces, where light has its strength [m]; empty: the domain's middle
+    std::array<float, 2> size{0, 0};        ///< width and height of a soft box [m]
+    float radius = 0;                       ///< of a lamp [m]
+    Vec3f direction{-0.4f, -1, -0.3f};      ///< direction of a sun's light, of any length
+    float angle = 0.53f;                    ///< angular diameter of a sun [degrees]
+    Colour colour{1, 1, 1};
+    float strength = 1;
+    friend bool operator==(const Light&, const Light&) = default;
 };
 
 /// "#rrggbb" -> sRGB, 0 .. 1. @return false if the text is not a colour

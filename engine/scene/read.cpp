@@ -63,6 +63,7 @@ public:
                 mesh.node = scene_.solids[i].node;
             if (scene_.solids[i].shape.is_open()) vessel(entry_name("solid", i), scene_.solids[i]);
         }
+        lights();
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);
         for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
             const std::string name = entry_name("stream", i);
@@ -182,6 +183,19 @@ private:
             reader_.disagree({name + ".open"}, name + ".open is for containers", "set container = true: the fluid is inside the shape");
         else if (const std::string why = vessel_error(solid.shape, key); !why.empty())
             reader_.disagree({name + "." + key, name + ".open"}, name + " " + why);
+    }
+    void lights() {
+        if (scene_.lights.size() > Light::most)
+            reader_.disagree({entry_name("light", Light::most)}, fmt::format("the scene has {} lights", scene_.lights.size()), "",
+                             fmt::format("allowed: at most {}", Light::most));
+        for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
+            const Light& light = scene_.lights[i];
+            const std::string name = entry_name("light", i);
+            if (light.kind == "sun" && light.direction.norm() == 0)
+                reader_.disagree({name + ".direction"}, name + ".direction has no length");
+            if (light.kind != "sun" && light.position == scene_.target_of(light))
+                reader_.disagree({name + ".position", name + ".target"}, name + " is at its target", "use another position or target");
+        }
     }
     /// Checks that the file exists, and makes its path absolute.
     void find_file(const std::string& key, fs::path& file) {

@@ -280,6 +280,7 @@ struct Scene {
     std::vector<BlockKeys> blocks;
     std::vector<EmitterKeys> emitters;
     std::vector<SolidKeys> solids;
+    std::vector<Light> lights;
     std::vector<DrainKeys> drains;
     std::vector<StreamKeys> streams;
     std::vector<VortexKeys> vortices;
@@ -330,6 +331,8 @@ struct Scene {
     /// Whether any viscosity depends on age; and whether any also depends on position.
     bool viscosity_ages() const;
     bool viscosity_ages_by_place() const;
+    /// The light's target, the middle of the domain if it has none [m].
+    Vec3f target_of(const Light& light) const { return light.target.value_or((0.5 * (domain.min + domain.max)).cast<float>()); }
     /// Location of `key`, or of the nearest enclosing table that was given.
     FileLocation place(const std::string& key) const;
 };

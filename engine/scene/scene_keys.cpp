@@ -493,6 +493,26 @@ KeyTable solid_keys() {
     return t;
 }
 
+KeyTable light_keys() {
+    KeyTableOf<Light> t("a light; if any is given, they replace the lamps of the surround");
+    const std::vector<std::string> placed{"soft_box", "lamp"};
+    t.key("kind", &Light::kind, "", "a rectangle, a ball, or parallel light").one_of({"soft_box", "lamp", "sun"});
+    t.key("position", &Light::position, "m", "middle of the light").required().only_with("kind", placed);
+    t.key("target", &Light::target, "m", "point that a soft box faces, and where the light has its strength; auto: the domain's middle")
+        .only_with("kind", placed);
+    t.key("size", &Light::size, "m", "width and height; a larger light has softer shadows")
+        .above(0)
+        .required()
+        .only_with("kind", {"soft_box"});
+    t.key("radius", &Light::radius, "m", "radius of the ball").above(0).required().only_with("kind", {"lamp"});
+    t.key("direction", &Light::direction, "", "direction of the light, of any length").only_with("kind", {"sun"});
+    t.key("angle", &Light::angle, "degrees", "angle that the sun covers in the sky").above(0).at_most(60).only_with("kind", {"sun"});
+    t.key("colour", &Light::colour, "", "linear red, green, blue, or \"#rrggbb\" (sRGB)").at_least(0).at_most(1);
+    t.key("strength", &Light::strength, "", "brightness at the target; 1: about that of the studio").at_least(0).at_most(1000);
+    t.all_live();
+    return t;
+}
+
 KeyTable drain_keys() {
     KeyTableOf<DrainKeys> t("a region in which fluid is removed");
     add_shape_keys(t, false);
@@ -649,6 +669,7 @@ KeyTable root_keys() {
     t.list("block", &Scene::blocks, block_keys());
     t.list("emitter", &Scene::emitters, emitter_keys());
     t.list("solid", &Scene::solids, solid_keys());
+    t.list("light", &Scene::lights, light_keys()).not_deciding();
     t.list("drain", &Scene::drains, drain_keys());
     t.list("stream", &Scene::streams, stream_keys());
     t.list("vortex", &Scene::vortices, vortex_keys());

@@ -13,6 +13,7 @@
 #include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "render/look/environment.h"
+#include "render/look/lamps.h"
 #include "render/look/material.h"
 
 namespace whorl {
@@ -36,7 +37,12 @@ Json soft_box(const Vec3f& axis, const Vec3f& right, float width, float height, 
             {"radiance", numbers(radiance)}};
 }
 
-Json soft_boxes(const Studio& s) {
+Studio studio_of(const LookOptions& look) { return scaled(whorl::studio_of(look.background), look.surround_strength); }
+
+/// The studio's boxes; none if the look names its own lights.
+Json soft_boxes(const LookOptions& look) {
+    const Studio s = studio_of(look);
+    if (!look.lights.empty()) return Json::array();
     return {soft_box(lamp_of_clouds(), {0.52f, 0, 0.85f}, 0.17f, 0.30f, s.key),
             soft_box({0.75f, 0.45f, -0.55f}, {0.55f, 0, 0.75f}, 0.22f, 0.6f, s.rim),
             soft_box({-0.50f, 0.62f, -0.60f}, {0.77f, 0, -0.64f}, 0.45f, 0.35f, s.window),
@@ -75,7 +81,7 @@ void SceneExport::add(const Frame& frame, const View& view, const LookOptions& l
     solids_.resize(frame.solids.size());
     for (std::size_t k = 0; k < frame.solids.size(); ++k) solids_[k].add(frame.solids[k].translation, frame.solids[k].rotation);
     camera_.add(view.position, camera_axes(view).transpose());  // a glTF camera looks along -z
-    studio_.add(Vec3f::Zero(), studio_axes(view).transpose());
+    studio_.add(Vec3f::Zero(), (turned_back(look.surround_turn) * studio_axes(view)).transpose());
     fov_.push_back(view.fov);
 }
 
@@ -230,28 +236,46 @@ struct SceneExport::Document {
         place(node({{"name", "camera"}, {"camera", 0}}), of.camera_);
     }
 
+    /// Adds a light that shines along its node's -z axis. @param strength of its brightest colour, in the unit of the format
+    void add_light(const char* type, const std::string& name, const Vec3f& light, Json where, int parent = -1) {
+        Json description{{"type", type}, {"name", name}, {"color", numbers(light / std::max(light.maxCoeff(), 1e-9f))}};
+        description["intensity"] = lumen_per_watt * light.maxCoeff();
+        if (std::string(type) == "spot") description["spot"] = {{"outerConeAngle", std::numbers::pi_v<float> / 2}};
+        Json& lights = root["extensions"]["KHR_lights_punctual"]["lights"];
+        root["extensionsUsed"] = {"KHR_lights_punctual"};
+        lights.push_back(description);
+        where["name"] = name;
+        where["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
+        node(where, parent);
+    }
+
     void add_lights() {
         const int studio = node({{"name", "studio"}});
         place(studio, of.studio_);
-        if (!of.look_.environment.empty()) return;  // the panorama lights the scene
-        const Vec3f sun =
-            std::numbers::pi_v<float> * studio_of(of.look_.background).sun;  // irradiance of a surface that faces the lamp [W/m^2]
-        const Json light{{"type", "directional"},
-                         {"name", "lamp"},
-                         {"color", numbers(sun / sun.maxCoeff())},
-                         {"intensity", lumen_per_watt * sun.maxCoeff()}};
-        root["extensionsUsed"] = {"KHR_lights_punctual"};
-        root["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({light});
-        node({{"name", "lamp"},
-              {"rotation", numbers(Eigen::Quaternionf::FromTwoVectors(Vec3f::UnitZ(), shadow_light()))},
-              {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
-             studio);
+        constexpr float half_turn = std::numbers::pi_v<float>;
+        const auto facing = [](const Vec3f& from) { return numbers(Eigen::Quaternionf::FromTwoVectors(Vec3f::UnitZ(), from)); };
+        for (std::size_t k = 0; k < of.look_.lights.size(); ++k) {
+            const Light& light = of.look_.lights[k];
+            const Lamp lamp = lamps_of({light})[0];
+            const std::string name = fmt::format("light[{}]", k);
+            if (!lamp.near) {
+                add_light("directional", name, half_turn * lamp.light, {{"rotation", facing(lamp.place)}});
+                continue;
+            }
+            const bool box = light.kind == "soft_box";
+            const Json size = box ? Json{{"size", light.size}} : Json{{"radius", light.radius}};
+            add_light(
+                box ? "spot" : "point", name, half_turn * lamp.light,
+                {{"translation", numbers(lamp.place)}, {"rotation", facing(box ? Vec3f(-lamp.axis) : Vec3f::UnitZ())}, {"extras", size}});
+        }
+        if (!of.look_.environment.empty() || !of.look_.lights.empty()) return;  // the panorama or the look's lights light the scene
+        add_light("directional", "lamp", half_turn * studio_of(of.look_).sun, {{"rotation", facing(shadow_light())}}, studio);
     }
 
     /// Data that the format has no element for.
     Json extras() const {
         const Material fluid = fluid_material(of.look_, (of.stage_->domain_max - of.stage_->domain_min).norm());
-        const Studio studio = studio_of(of.look_.background);
+        const Studio studio = studio_of(of.look_);
         Json all{{"fps", of.options_.fps},
                  {"seconds_a_frame", of.options_.interval},
                  {"first_frame", of.first_frame_},
@@ -275,7 +299,7 @@ struct SceneExport::Document {
             all["studio"] = {{"sky", numbers(studio.sky)},
                              {"backdrop_low", numbers(studio.backdrop_low)},
                              {"backdrop_high", numbers(studio.backdrop_high)},
-                             {"soft_boxes", soft_boxes(studio)}};
+                             {"soft_boxes", soft_boxes(of.look_)}};
         else all["environment"] = of.look_.environment.string();
         return all;
     }

@@ -10,9 +10,6 @@
 namespace whorl {
 namespace {
 
-constexpr float light_radius = 0.16f;  // radius of the soft box over its distance: sets how fast shadows soften
-constexpr float key_share = 0.55f;     // fraction of the light on open ground that is key light
-
 /// Creates the mip levels of a texture: averages over squares of 2, 4, 8, ... texels.
 void average(const gl::Texture& texture) {
     glBindTexture(GL_TEXTURE_2D, texture.id());
@@ -32,18 +29,44 @@ Vec3f ground_area(const Bounds& bounds) {
 
 }  // namespace
 
-void GroundLight::draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground,
-                       bool has_ground) {
-    light_ = lamp;
+void GroundLight::draw(const SceneGeometry& scene, const Material& material, const LampLight& light, float spacing,
+                       std::optional<float> ground, const std::string& constants) {
+    light_ = light;
     centre_ = scene.bounds().centre();
     radius_ = std::max(1.02f * scene.bounds().radius(), 1e-4f);
-    light_matrix_ = light_matrix(light_, scene.bounds());
+    if (maps_ != light.lamps.size()) make_maps(light.lamps.size());
+    light_matrices_.clear();
     glDisable(GL_DEPTH_TEST);
-    draw_layers(scene, spacing);
-
     const Vec3f absorption =
         material.refracts ? Vec3f(material.absorption + Vec3f::Constant(0.15f * material.haze)) : Vec3f::Constant(1e6f);
-    gl::draw_into(transmission_target_, light_size, light_size);
+    for (std::size_t k = 0; k < light.lamps.size(); ++k) {
+        const Lamp& lamp = light.lamps[k];
+        light_matrices_.push_back(lamp.near ? lamp_matrix(lamp.place, scene.bounds()) : light_matrix(lamp.place, scene.bounds()));
+        draw_layers(scene, k, spacing);
+        gl::draw_into(transmission_target_, light_size, light_size);
+        glViewport(static_cast<int>(k) * light_size, 0, light_size, light_size);
+        draw_transmission(material, absorption);
+    }
+    average(open_);
+    average(blockers_);
+
+    area_ = Vec3f(0, 0, 1e-9f);
+    if (!ground) return;
+    area_ = ground_area(scene.bounds());
+    const float thick = scene.fluid_bounds().empty() ? 0.0f : 0.35f * scene.fluid_bounds().radius();
+    const Vec3f tint = material.refracts ? Vec3f(0.55f * (-absorption * thick).array().exp()) : Vec3f(0.35f * material.colour);
+    draw_ground(scene, tint, *ground, spacing, ground_program_.with(constants));
+}
+
+void GroundLight::make_maps(std::size_t lamps) {
+    const int width = static_cast<int>(lamps) * light_size;
+    open_ = gl::texture_2d(GL_RGBA16F, width, light_size, true);
+    blockers_ = gl::texture_2d(GL_RGBA32F, width, light_size, true);
+    transmission_target_ = gl::framebuffer({open_.id(), blockers_.id()}, 0);
+    maps_ = lamps;
+}
+
+void GroundLight::draw_transmission(const Material& material, const Vec3f& absorption) {
     transmission_program_.use();
     transmission_program_.texture("fluid_layers", 0, GL_TEXTURE_2D, fluid_layers_.id());
     transmission_program_.texture("solid_layers", 1, GL_TEXTURE_2D, solid_layers_.id());
@@ -52,26 +75,18 @@ void GroundLight::draw(const SceneGeometry& scene, const Material& material, con
     transmission_program_.set("glow", material.refracts ? Vec3f(0.25f * material.scatter) : Vec3f::Zero().eval());
     transmission_program_.set("caustic", material.refracts ? 3.0f : 0.0f);
     gl::draw_screen();
-    average(open_);
-    average(blockers_);
-
-    area_ = Vec3f(0, 0, 1e-9f);
-    if (!has_ground) return;
-    area_ = ground_area(scene.bounds());
-    const float thick = scene.fluid_bounds().empty() ? 0.0f : 0.35f * scene.fluid_bounds().radius();
-    const Vec3f tint = material.refracts ? Vec3f(0.55f * (-absorption * thick).array().exp()) : Vec3f(0.35f * material.colour);
-    draw_ground(scene, tint, ground, spacing);
 }
 
-void GroundLight::draw_layers(const SceneGeometry& scene, float spacing) {
+void GroundLight::draw_layers(const SceneGeometry& scene, std::size_t k, float spacing) {
+    const Lamp& lamp = light_.lamps[k];
     gl::draw_into(layers_target_, light_size, light_size);
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     layers_program_.use();
-    layers_program_.set("view_projection", light_matrix_);
-    layers_program_.set("light", light_);
+    layers_program_.set("view_projection", light_matrices_[k]);
+    layers_program_.set("lamp", Eigen::Vector4f(lamp.place.x(), lamp.place.y(), lamp.place.z(), lamp.near ? 1 : 0));
     layers_program_.set("light_centre", centre_);
     layers_program_.set("is_solid", scene.are_particles() ? 1 : 0);
     layers_program_.set("point_size", 0.5f * spacing * static_cast<float>(light_size) / radius_);
@@ -81,7 +96,7 @@ void GroundLight::draw_layers(const SceneGeometry& scene, float spacing) {
     glDisable(GL_BLEND);
 }
 
-void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing) {
+void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing, gl::Program& program) {
     // View from above: x, z of the area -> clip.
     Eigen::Matrix4f from_above = Eigen::Matrix4f::Zero();
     from_above(0, 0) = from_above(1, 2) = 1 / area_.z();
@@ -112,15 +127,16 @@ void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, flo
     average(nearness_);
 
     gl::draw_into(map_target_, ground_size, ground_size);
-    ground_program_.use();
-    ground_program_.texture("nearness", 0, GL_TEXTURE_2D, nearness_.id());
-    ground_program_.set("reach", Eigen::Vector4f(0.5f * reach / area_.z()));
-    bind_shadow(ground_program_, 1);
-    ground_program_.set("least_blur", 3.5f * area_.z() / static_cast<float>(ground_size));
-    ground_program_.set("ground_area", area_);
-    ground_program_.set("ground_height", ground);
-    ground_program_.set("shadow_tint", tint);
-    ground_program_.set("key_share", key_share);
+    program.use();
+    light_.bind(program);
+    program.texture("nearness", 0, GL_TEXTURE_2D, nearness_.id());
+    program.set("reach", Eigen::Vector4f(0.5f * reach / area_.z()));
+    bind_shadow(program, 1);
+    program.set("least_blur", 3.5f * area_.z() / static_cast<float>(ground_size));
+    program.set("ground_area", area_);
+    program.set("ground_height", ground);
+    program.set("shadow_tint", tint);
+    program.set("key_share", key_share);
     gl::draw_screen();
 }
 
@@ -128,14 +144,22 @@ void GroundLight::bind_shadow(gl::Program& program, int unit) const {
     Eigen::Matrix4f to_texture = Eigen::Matrix4f::Identity();
     to_texture.topLeftCorner<3, 3>() *= 0.5f;
     to_texture.topRightCorner<3, 1>().setConstant(0.5f);
+    std::vector<Eigen::Matrix4f> to_light;
+    std::vector<Eigen::Vector4f> texels;
+    for (std::size_t k = 0; k < light_matrices_.size(); ++k) {
+        to_light.emplace_back(to_texture * light_matrices_[k]);
+        // Half of the map's width is 1/(scale of the matrix).
+        texels.emplace_back(2 / (static_cast<float>(light_size) * light_matrices_[k].block<1, 3>(0, 0).norm()), 0, 0, 0);
+    }
+    if (!light_.named) texels[0].x() = 2 * radius_ / static_cast<float>(light_size);
     program.texture("open_map", unit, GL_TEXTURE_2D, open_.id());
     program.texture("blocker_map", unit + 1, GL_TEXTURE_2D, blockers_.id());
-    program.set("to_light", Eigen::Matrix4f(to_texture * light_matrix_));
-    program.set("light", light_);
+    program.set("to_light", to_light);
+    program.set("light", light_.lamps[0].place);
     program.set("light_centre", centre_);
-    program.set("light_texel", 2 * radius_ / static_cast<float>(light_size));
+    program.set("light_texel", texels);
     program.set("least_blur", 3 * radius_ / static_cast<float>(light_size));
-    program.set("light_size", light_radius);
+    program.set("light_size", surround_lamp_size);
 }
 
 void GroundLight::bind_ground(gl::Program& program, int unit) const {

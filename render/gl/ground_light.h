@@ -1,10 +1,12 @@
 #pragma once
 /// Light that reaches the ground and the solids: through the fluid (coloured and focused), past the solids, and from the open sky.
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
+#include "render/gl/scene_lighting.h"
 #include "render/look/look_options.h"
 #include "render/look/material.h"
 #include "render/surface/surface.h"
@@ -31,14 +33,15 @@ private:
     gl::Framebuffer target_;
 };
 
-/// Shadow maps of the lamp, and the light map of the ground.
+/// Shadow maps of the lamps, and the light map of the ground.
 class GroundLight {
 public:
     /// @param height of the images [pixels]; below 480 the maps have half the resolution, since a small image shows no more
     explicit GroundLight(int height) : light_size(height < 480 ? 128 : 256), ground_size(light_size) {}
-    /// Draws the maps of a frame. @param lamp direction towards the lamp that casts the shadow, unit @param spacing of the particles [m]
-    /// @param ground height of the ground [m] @param has_ground false: maps for the light on the solids only
-    void draw(const SceneGeometry& scene, const Material& material, const Vec3f& lamp, float spacing, float ground, bool has_ground);
+    /// Draws the maps of a frame. @param spacing of the particles [m] @param ground height of the ground [m]; none: maps for the light on
+    /// the solids only @param constants of studio.glsl
+    void draw(const SceneGeometry& scene, const Material& material, const LampLight& light, float spacing, std::optional<float> ground,
+              const std::string& constants);
     /// Area of the ground with a light map: centre x, z, half-width [m].
     const Vec3f& area() const { return area_; }
     /// Sets the uniforms of shadow.glsl; uses texture units `unit` and `unit` + 1.
@@ -48,31 +51,34 @@ public:
 
 private:
     const int light_size, ground_size;  ///< texels along a side
-    void draw_layers(const SceneGeometry& scene, float spacing);
-    void draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing);
+    void draw_layers(const SceneGeometry& scene, std::size_t lamp, float spacing);
+    void make_maps(std::size_t lamps);
+    void draw_transmission(const Material& material, const Vec3f& absorption);
+    void draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing, gl::Program& program);
 
     gl::Program layers_program_{{"mesh.vert"}, {"light.frag"}};
     gl::Program transmission_program_{{"screen.vert"}, {"transmission.frag"}};
     gl::Program lowest_program_{{"mesh.vert"}, {"lowest.frag"}};
     gl::Program nearness_program_{{"screen.vert"}, {"nearness.frag"}};
-    gl::Program ground_program_{{"screen.vert"}, {"shadow.glsl", "ground.frag"}};
+    gl::Programs ground_program_{{"screen.vert"}, {"studio.glsl", "shadow.glsl", "ground.frag"}};
     gl::Texture fluid_layers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
     gl::Texture solid_layers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
-    gl::Texture open_ = gl::texture_2d(GL_RGBA16F, light_size, light_size, true);
-    gl::Texture blockers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
+    gl::Texture open_, blockers_;  ///< the lamps' maps, side by side
+    gl::Framebuffer transmission_target_;
+    std::size_t maps_ = 0;  ///< number of maps in them
     gl::Texture lowest_ = gl::texture_2d(GL_R32F, ground_size, ground_size, false);
     gl::Texture nearness_ = gl::texture_2d(GL_RGBA16F, ground_size, ground_size, true);
     gl::Texture map_ = gl::texture_2d(GL_RGBA16F, ground_size, ground_size, true);
     gl::Framebuffer layers_target_ = gl::framebuffer({fluid_layers_.id(), solid_layers_.id()}, 0);
-    gl::Framebuffer transmission_target_ = gl::framebuffer({open_.id(), blockers_.id()}, 0);
     gl::Framebuffer lowest_target_ = gl::framebuffer({lowest_.id()}, 0);
     gl::Framebuffer nearness_target_ = gl::framebuffer({nearness_.id()}, 0);
     gl::Framebuffer map_target_ = gl::framebuffer({map_.id()}, 0);
 
-    Vec3f light_ = Vec3f::UnitY(), centre_ = Vec3f::Zero();
-    float radius_ = 1;  ///< radius of the lit scene [m]
-    Eigen::Matrix4f light_matrix_ = Eigen::Matrix4f::Identity();
-    Vec3f area_ = Vec3f(0, 0, 1e-9f);  ///< centre x, z, half-width [m]
+    LampLight light_;
+    Vec3f centre_ = Vec3f::Zero();
+    float radius_ = 1;                             ///< radius of the lit scene [m]
+    std::vector<Eigen::Matrix4f> light_matrices_;  ///< world -> clip of each lamp's map
+    Vec3f area_ = Vec3f(0, 0, 1e-9f);              ///< centre x, z, half-width [m]
 };
 
 /// Flat patch of a hot fluid's surface, which lights its surroundings.

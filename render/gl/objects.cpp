@@ -120,6 +120,9 @@ void Program::set(const char* uniform, const Eigen::Vector4f& value) { glUniform
 void Program::set(const char* uniform, const std::vector<Eigen::Vector4f>& values) {
     if (!values.empty()) glUniform4fv(location(uniform), static_cast<GLsizei>(values.size()), values[0].data());
 }
+void Program::set(const char* uniform, const std::vector<Eigen::Matrix4f>& values) {
+    if (!values.empty()) glUniformMatrix4fv(location(uniform), static_cast<GLsizei>(values.size()), GL_FALSE, values[0].data());
+}
 void Program::set(const char* uniform, const Mat3f& value) { glUniformMatrix3fv(location(uniform), 1, GL_FALSE, value.data()); }
 void Program::set(const char* uniform, const Eigen::Matrix4f& value) { glUniformMatrix4fv(location(uniform), 1, GL_FALSE, value.data()); }
 void Program::texture(const char* uniform, int unit, GLenum target, GLuint id) {

@@ -79,6 +79,7 @@ public:
     void set(const char* uniform, const Eigen::Vector4f& value);
     void set(const char* uniform, const Mat3f& value);
     void set(const char* uniform, const std::vector<Eigen::Vector4f>& values);  ///< the first values.size() elements of an array
+    void set(const char* uniform, const std::vector<Eigen::Matrix4f>& values);
     void set(const char* uniform, const Eigen::Matrix4f& value);
     /// Binds a texture to a texture unit, from which the sampler `uniform` then reads.
     void texture(const char* uniform, int unit, GLenum target, GLuint id);

@@ -305,7 +305,8 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     for (const FrameSolid& s : frame.solids) shot.patterns.insert(solid_material(s.appearance).pattern);
     if (!shows_field(look)) shot.patches = hot_patches(surface, shot.material);
     scene.go_to(0);
-    ground_light.draw(scene, shot.material, lighting.shadow_lamp(view), frame.spacing, shot.ground, look.ground);
+    ground_light.draw(scene, shot.material, lighting.lamps(look, view), frame.spacing,
+                      look.ground ? std::optional(shot.ground) : std::nullopt, lighting.constants(look));
 
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
@@ -325,7 +326,8 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
 void Renderer::Device::draw_foam(const Shot& shot, const Frame& frame, float open) {
     if (!foam_pass) foam_pass.emplace(width, height);
     foam_pass->fill(frame, shot.look.foam);
-    foam_pass->draw(samples.sum(), {shot.view, shot.camera, shot.spacing, open, lighting.shadow_lamp(shot.view), normal.id(), solid.id()},
+    foam_pass->draw(samples.sum(),
+                    {shot.view, shot.camera, shot.spacing, open, lighting.shadow_lamp(shot.look, shot.view), normal.id(), solid.id()},
                     shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
 }
 
@@ -602,8 +604,10 @@ void Renderer::Device::draw_backdrop(const Shot& shot) {
                                 shot.look.background,
                                 shot.look.table,
                                 shot.look.environment.string(),
+                                {shot.look.surround_strength, shot.look.surround_turn},
+                                shot.look.lights,
                                 shot.look.ground ? shot.ground : -1e6f,
-                                shot.look.table == "none" ? Vec3f::UnitZ() : shot.view.target};
+                                shot.look.table == "none" && shot.look.lights.empty() ? Vec3f::UnitZ() : shot.view.target};
         backdrop.draw(key, shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
     }
 }

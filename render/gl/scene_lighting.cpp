@@ -6,11 +6,13 @@
 
 #include "engine/core/random.h"
 #include "render/look/environment.h"
+#include "render/look/lamps.h"
 #include "render/look/material.h"
 
 namespace whorl {
 namespace {
 
+constexpr float darkest = 1e-4f;        // least strength of the surround: lamps light the ground relative to it
 constexpr float far_below = -1e6f;      // m, height of the ground if there is none
 constexpr float brightest = 1000;       // upper bound of radiance: the sun itself would turn single pixels of soft reflections white
 constexpr float round_share = 0.7f;     // fraction of the panorama's light that becomes ambient light
@@ -47,25 +49,63 @@ void SceneLighting::fill(const LookOptions& look) {
 
 Studio SceneLighting::studio(const LookOptions& look) const {
     Studio studio = studio_of(look.background);
-    if (file_.empty()) return studio;
+    const float strength = std::max(look.surround_strength, darkest);
+    if (file_.empty()) return scaled(studio, strength);
     const Vec3f lamp = brightest_side(light_);
     studio.sky = light_on(light_, Vec3f::UnitY());
     studio.sun = directed_share * (light_on(light_, lamp) - light_on(light_, -lamp)).cwiseMax(0.0f);
     studio.backdrop_low = light_on(light_, -Vec3f::UnitY());
-    return studio;
+    return scaled(studio, strength);
 }
 
-Vec3f SceneLighting::shadow_lamp(const View& view) const {
-    return file_.empty() ? Vec3f(studio_axes(view).transpose() * shadow_light()) : brightest_side(light_);
+Vec3f SceneLighting::shadow_lamp(const LookOptions& look, const View& view) const {
+    const Mat3f turned = turned_back(look.surround_turn);
+    return file_.empty() ? Vec3f((turned * studio_axes(view)).transpose() * shadow_light())
+                         : Vec3f(turned.transpose() * brightest_side(light_));
+}
+
+LampLight SceneLighting::lamps(const LookOptions& look, const View& view) const {
+    LampLight all;
+    const Vec3f towards = shadow_lamp(look, view);
+    if (look.lights.empty()) {
+        all.lamps.emplace_back().place = towards;
+        all.lamps[0].size = surround_lamp_size;
+        return all;
+    }
+    all.lamps = lamps_of(look.lights);
+    all.named = true;
+    const Studio light = studio(look);
+    all.share = key_share / std::max({light.sun.mean() * towards.y(), 0.1f * light.sky.mean(), 1e-9f});
+    return all;
+}
+
+void LampLight::bind(gl::Program& program) const {
+    if (!named) return;
+    std::vector<Eigen::Vector4f> place, axis, across, up, light, radiance;
+    const auto add = [](std::vector<Eigen::Vector4f>& to, const Vec3f& v, float w) { to.emplace_back(v.x(), v.y(), v.z(), w); };
+    for (const Lamp& lamp : lamps) {
+        add(place, lamp.place, lamp.near ? 1.0f : 0.0f), add(axis, lamp.axis, lamp.size), add(across, lamp.across, 0), add(up, lamp.up, 0);
+        add(light, lamp.light, 0), add(radiance, lamp.radiance, 0);
+    }
+    program.set("lamp_place", place), program.set("lamp_axis", axis), program.set("lamp_across", across), program.set("lamp_up", up);
+    program.set("lamp_light", light), program.set("lamp_radiance", radiance);
+    program.set("lamp_share", share);
+    program.set("surround_share", 1 - key_share);
 }
 
 std::string SceneLighting::constants(const LookOptions& look) const {
-    return gl::constant("table", static_cast<int>(table_material(look.table).pattern)) + gl::constant("has_environment", !file_.empty());
+    return gl::constant("table", static_cast<int>(table_material(look.table).pattern)) + gl::constant("has_environment", !file_.empty()) +
+           gl::constant("lamps", static_cast<int>(look.lights.size()));
 }
 
 void SceneLighting::bind(gl::Program& program, const LookOptions& look, const View& view, float ground, int height, int unit) const {
     const Studio light = studio(look);
+    const Mat3f turned = turned_back(look.surround_turn);
     program.set("studio", studio_axes(view));
+    program.set("boxes", Mat3f(turned * studio_axes(view)));
+    program.set("environment_axes", turned);
+    program.set("surround_strength", std::max(look.surround_strength, darkest));
+    lamps(look, view).bind(program);
     program.set("backdrop_low", light.backdrop_low);
     program.set("backdrop_high", light.backdrop_high);
     program.set("backdrop_glow", light.backdrop_glow);
@@ -83,7 +123,8 @@ void SceneLighting::bind(gl::Program& program, const LookOptions& look, const Vi
     program.set("table_roughness", table.roughness);
     program.set("table_area", Vec3f(view.target.x(), view.target.z(), 0.5f * (view.target - view.position).norm()));
     std::vector<Eigen::Vector4f> terms;
-    for (const Vec3f& c : light_) terms.emplace_back(round_share * c.x(), round_share * c.y(), round_share * c.z(), 0);
+    const float share = round_share * look.surround_strength;
+    for (const Vec3f& c : light_) terms.emplace_back(share * c.x(), share * c.y(), share * c.z(), 0);
     program.set("environment_light", terms);
     program.texture("lattice_noise", unit, GL_TEXTURE_3D, noise_.id());
     program.texture("environment_map", unit + 1, GL_TEXTURE_2D, picture_.id());

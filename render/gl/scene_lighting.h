@@ -8,9 +8,22 @@
 
 #include "render/gl/objects.h"
 #include "render/look/environment.h"
+#include "render/look/lamps.h"
 #include "render/look/look_options.h"
 
 namespace whorl {
+
+constexpr float surround_lamp_size = 0.16f;  ///< tangent of the angular radius of the surround's lamp: sets how fast shadows soften
+constexpr float key_share = 0.55f;           ///< fraction of the light on open ground that comes from the surround's lamp
+
+/// The lamps that cast shadows.
+struct LampLight {
+    std::vector<Lamp> lamps;  ///< those of the look or, if it has none, the surround's
+    bool named = false;       ///< they are the look's
+    float share = 0;          ///< lamp_share of studio.glsl
+    /// Sets the uniforms of studio.glsl that describe the look's lamps.
+    void bind(gl::Program& program) const;
+};
 
 class SceneLighting {
 public:
@@ -19,8 +32,9 @@ public:
     void fill(const LookOptions& look);
     /// The studio of the look's background, with the light of the panorama if there is one.
     Studio studio(const LookOptions& look) const;
-    /// Direction towards the lamp that casts the shadow, unit, in the world's axes.
-    Vec3f shadow_lamp(const View& view) const;
+    /// Direction towards the surround's lamp, which casts the shadow, unit, in the world's axes.
+    Vec3f shadow_lamp(const LookOptions& look, const View& view) const;
+    LampLight lamps(const LookOptions& look, const View& view) const;
     /// GLSL constants of studio.glsl and table.glsl.
     std::string constants(const LookOptions& look) const;
     /// Sets the uniforms of studio.glsl, textures.glsl and table.glsl, except those of the ground's light map; uses texture units `unit`
@@ -49,6 +63,8 @@ public:
         Vec3f eye;     ///< m
         float fov;     ///< degrees
         std::string background, table, environment;
+        std::array<float, 2> surround;  ///< strength, turn [degrees]
+        std::vector<Light> lights;
         float ground;  ///< m
         Vec3f area;    ///< of the ground's light map: a table ends around it
         bool operator==(const Key&) const = default;

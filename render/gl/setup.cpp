@@ -106,6 +106,21 @@ Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds) {
     return matrix;
 }
 
+Eigen::Matrix4f lamp_matrix(const Vec3f& place, const Bounds& bounds) {
+    const Vec3f way = bounds.centre() - place;
+    const float radius = std::max(1.02f * bounds.radius(), 1e-4f), away = std::max(way.norm(), 1e-3f * radius);
+    const float tangent = away > 1.12f * radius ? radius / std::sqrt(away * away - radius * radius) : 2;
+    const float near = std::max(away - radius, 0.02f * away), far = away + 8 * radius;
+    Eigen::Matrix4f matrix = light_matrix(-way / away, bounds);
+    for (const int row : {0, 1}) matrix.block<1, 3>(row, 0) = matrix.block<1, 3>(row, 0).normalized() / tangent;
+    matrix.block<1, 3>(3, 0) = way.transpose() / away;
+    matrix.block<1, 3>(2, 0) = matrix.block<1, 3>(3, 0) * (far + near) / (far - near);
+    matrix.block<3, 1>(0, 3) = -matrix.block<3, 3>(0, 0) * place;
+    matrix(2, 3) -= 2 * far * near / (far - near);
+    matrix(3, 3) = -way.dot(place) / away;
+    return matrix;
+}
+
 Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& pixels, int width, int height) {
     Eigen::Matrix4f shift = Eigen::Matrix4f::Identity();
     shift(0, 3) = 2 * pixels.x() / static_cast<float>(width);

@@ -39,6 +39,9 @@ Eigen::Matrix4f through_lens(const Eigen::Matrix4f& matrix, const View& view, co
 Eigen::Vector2f lens_place(int sample, int samples);
 /// World -> clip of a parallel light that sees all of the bounds. @param direction towards the light, unit
 Eigen::Matrix4f light_matrix(const Vec3f& direction, const Bounds& bounds);
+/// Perspective from a lamp at `place` [m] to clip coordinates, around the scene as far as 63 degrees from its middle. w is the distance
+/// along the axis [m].
+Eigen::Matrix4f lamp_matrix(const Vec3f& place, const Bounds& bounds);
 /// The matrix with the image shifted by a fraction of a pixel.
 Eigen::Matrix4f jittered(const Eigen::Matrix4f& matrix, const Eigen::Vector2f& pixels, int width, int height);
 /// The matrix with all points drawn at the depth of points nearer to the eye by the fraction `part` of their distance, so that an object

@@ -99,6 +99,13 @@ Studio studio_of(const std::string& background) {
     return studio;
 }
 
+Studio scaled(Studio studio, float factor) {
+    for (Vec3f* light : {&studio.backdrop_low, &studio.backdrop_high, &studio.backdrop_glow, &studio.key, &studio.window, &studio.rim,
+                         &studio.fill, &studio.sky, &studio.sun})
+        *light *= factor;
+    return studio;
+}
+
 std::vector<std::string> background_names() { return {"studio", "dark", "white", "transparent"}; }
 
 Mat3f studio_axes(const View& view) {
@@ -110,6 +117,8 @@ Mat3f studio_axes(const View& view) {
     axes.row(2) = right.cross(Vec3f(axes.row(1))).transpose();
     return axes;
 }
+
+Mat3f turned_back(float degrees) { return Eigen::AngleAxisf(-degrees * pi / 180, Vec3f::UnitY()).toRotationMatrix(); }
 
 Vec3f lamp_of_clouds() { return Vec3f(-0.62f, 0.68f, 0.38f).normalized(); }
 

@@ -110,6 +110,13 @@ KeyTable make_look_keys() {
         .one_of(background_names());
     t.key("ground", &L::ground, "", "draw a ground with a shadow under the scene");
     t.key("table", &L::table, "", "material of the ground; none: the backdrop continues").one_of(table_names());
+    t.key("surround_strength", &L::surround_strength, "", "factor on the light of the surround: the studio or the panorama")
+        .at_least(0)
+        .at_most(100);
+    t.key("surround_turn", &L::surround_turn, "degrees",
+          "rotation of the studio's lamps or of the panorama about the vertical, anticlockwise seen from above")
+        .at_least(-360)
+        .at_most(360);
     t.key("exposure", &L::exposure, "", "factor on the brightness of the image").above(0);
     t.key("samples", &L::samples, "", "samples per pixel").at_least(1).at_most(256);
     t.key("field", &L::field, "",

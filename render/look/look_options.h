@@ -34,6 +34,9 @@ struct LookOptions {
     bool ground = true;                 ///< a ground with shadow under the scene
     std::string table = "none";         ///< material of the ground: none (the backdrop continues) | plain | wood | stone | cloth
     std::filesystem::path environment;  ///< panorama (.exr) that lights the scene; empty: the studio
+    float surround_strength = 1;        ///< factor on the light of the studio or panorama
+    float surround_turn = 0;            ///< degrees, rotation of the studio's lamps or of the panorama, anticlockwise from above
+    std::vector<Light> lights;          ///< all have targets; if there are any, the studio's lamps are off
     float exposure = 1;
     int samples = 8;              ///< samples per pixel
     std::string field = "speed";  ///< speed | pressure | density | spin | vorticity | q_criterion | spin_difference | ink

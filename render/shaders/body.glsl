@@ -62,5 +62,10 @@ vec3 through_body(vec3 p, vec3 d, float way, vec3 lamp, inout vec3 through) {
     return light;
 }
 
-// Light that falls on the body where its outward normal is n: more from above, and from the window behind the scene.
-vec3 lamp_on(vec3 n) { return sky * (0.9 + 0.4 * dot(studio * n, vec3(-0.48, 0.77, -0.42))); }
+// Light that falls on the body at x, where its outward normal is n: more from above, and from the window behind the scene.
+vec3 light_on_body(vec3 x, vec3 n) {
+    if (lamps == 0) return sky * (0.9 + 0.4 * dot(boxes * n, vec3(-0.48, 0.77, -0.42)));
+    vec3 light = 0.6 * sky;
+    for (int i = 0; i < lamps; ++i) light += 0.5 * lamp_on(i, x, n, 0.4) * (has_solid_field ? past_lamp(i, x, n) : 1.0);
+    return light;
+}

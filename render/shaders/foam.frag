@@ -23,6 +23,6 @@ void main() {
     if (flies < 0.5) opacity *= fluid.a > 0.0 ? exp(-1.5 * max((fluid.a - away) / spacing - 0.3, 0.0)) : 0.2;
     vec3 n = fluid.a > 0.0 && abs(away - fluid.a) < 2.0 * spacing ? octahedral_decode(fluid.xy) : normalize(eye - world);
     // Bubbles face all directions and transmit light, so the shading shows little of the surface's shape.
-    vec3 light = ambient(normalize(n + vec3(0.0, 1.0, 0.0))) + key_colour * (0.55 + 0.45 * dot(n, lamp));
+    vec3 light = ambient(normalize(n + vec3(0.0, 1.0, 0.0))) + (lamps > 0 ? lamps_on(world, n, 0.55) : key_colour * (0.55 + 0.45 * dot(n, lamp)));
     colour = vec4(held(1.2 * light), 1.0) * opacity;
 }

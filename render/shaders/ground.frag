@@ -2,8 +2,6 @@
 in vec2 uv;
 uniform sampler2D nearness;    // nearness.frag; mip levels average over wider squares
 uniform vec4 reach;            // reach of each channel of nearness, in widths of the map
-uniform vec3 ground_area;      // centre x, z, half-width
-uniform float ground_height;
 uniform vec3 shadow_tint;      // light from the fluid, in place of the sky that it hides
 uniform float key_share;       // fraction of the light on open ground that is key light
 layout(location = 0) out vec4 light_map;
@@ -22,7 +20,18 @@ float hidden(int channel) {
 
 void main() {
     vec2 q = ground_area.xy + ground_area.z * (2.0 * uv - 1.0);
-    vec3 key = key_at(vec3(q.x, ground_height, q.y), true);
+    vec3 x = vec3(q.x, ground_height, q.y);
     float sky = 1.0 - 0.32 * hidden(0) - 0.28 * hidden(1) - 0.24 * hidden(2) - 0.16 * hidden(3);
-    light_map = vec4(key_share * key + (1.0 - key_share) * mix(shadow_tint, vec3(1.0), sky), 1.0);
+    vec3 around = mix(shadow_tint, vec3(1.0), sky);
+    if (lamps == 0) {
+        light_map = vec4(key_share * key_at(0, x, true) + (1.0 - key_share) * around, 1.0);
+        return;
+    }
+    vec3 open = vec3(surround_share), arrives = surround_share * around;
+    for (int i = 0; i < lamps; ++i) {
+        vec3 light = lamp_share * lamp_on(i, x, vec3(0.0, 1.0, 0.0), 0.0);
+        open += light;
+        arrives += light * key_at(i, x, true);
+    }
+    light_map = vec4(arrives / max(open, vec3(1e-6)), 1.0);
 }

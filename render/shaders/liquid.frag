@@ -152,6 +152,6 @@ void main() {
     float open = openness(p + n, r, 30.0);
     vec3 mirrored = mix(scatter * sky * 0.5, surroundings(x, r, roughness) + strip_light(r, roughness), open);
     float clear;
-    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), lamp_on(n), clear);
+    vec3 body = light_through(p, refract(v, n, 1.0 / refraction), light_on_body(x, n), clear);
     colour = weight * vec4(held(mix(body, mirrored, mirror)), 1.0 - clear * (1.0 - mirror));
 }

@@ -20,12 +20,12 @@ layout(location = 0) out vec4 colour;
 const vec3 front_light = vec3(-0.62, 0.68, 0.38);
 
 // Fraction of a soft light in direction l that reaches p. Estimated from the narrowest gap between the ray and the body, relative to the
-// light's width there.
-float unshadowed(vec3 p, vec3 l) {
+// light's width there. @param sharp half of (distance of the light)/(its radius)
+float unshadowed(vec3 p, vec3 l, float sharp) {
     float open = 1.0, t = 3.0;
     for (int i = 0; i < 9; ++i) {
         float f = far_distance(p + t * l);
-        open = min(open, 0.5 + 1.6 * f / t);
+        open = min(open, 0.5 + sharp * f / t);
         t += clamp(f, 3.0, 40.0);
     }
     return smoothstep(0.0, 1.0, open);
@@ -50,8 +50,9 @@ vec3 passed(float thickness) {
     return sinh(fading * (free_path + beyond)) / sinh(far) * step(far, vec3(39.9));
 }
 
-// Light of a body that light enters. @param front, back ambient light on the body's front and on its back
-vec3 scattered(vec3 x, vec3 n, vec3 l, vec3 body, vec3 front, vec3 back) {
+// Light of a body that light enters. @param l direction of a lamp @param light of the lamp on a white surface that faces it
+// @param front, back ambient light on the body's front and on its back
+vec3 scattered(vec3 x, vec3 n, vec3 l, vec3 light, float sharp, vec3 body, vec3 front, vec3 back) {
     vec3 p = place_of(x);
     float h = 2.0 + free_path;
     const vec2 s = vec2(1.0, 0.0);
@@ -63,9 +64,9 @@ vec3 scattered(vec3 x, vec3 n, vec3 l, vec3 body, vec3 front, vec3 back) {
     float facing = dot(soft, l);
     vec3 wrap = sideways * bend / (1.0 + sideways * bend);
     float way = facing < 0.0 ? way_through(p - n, l) : 0.0, thick = way_through(p - n, -n);
-    float lit = unshadowed(p + (facing < 0.0 ? way + 1.0 : 0.0) * l + n, l);
+    float lit = unshadowed(p + (facing < 0.0 ? way + 1.0 : 0.0) * l + n, l, sharp);
     // Little ambient light enters at the back where the body lies on something.
-    vec3 key = 1.5 * key_colour * lit, q = x - (thick + 3.0) * voxel * n;
+    vec3 key = light * lit, q = x - (thick + 3.0) * voxel * n;
     float gap = min(voxel * far_distance(place_of(q)), q.y - ground_height);
     if (has_solid_field) gap = min(gap, solid_distance(q));
     back *= smoothstep(0.0, 5.0 * voxel, gap);
@@ -81,6 +82,24 @@ vec3 light_in_folds(float open, vec3 body) {
 
 vec3 sky_on(vec3 n) { return has_environment ? ambient(n) : mix(0.6 * backdrop_low, sky, 0.5 + 0.5 * n.y); }
 
+// Tint of light in shadow, which has passed through the body and has taken on more of its colour. Light wraps round by `softness`.
+vec3 bled(vec3 body, float wrapped) {
+    return mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
+}
+
+// Light of a body at x that the scene's lamps light. @param around, back ambient light on its front and on its back
+vec3 lit_by_lamps(vec3 x, vec3 n, vec3 body, vec3 around, vec3 back) {
+    bool enters = scatters && has_field;
+    vec3 sum = enters ? vec3(0.0) : body * around;
+    for (int i = 0; i < lamps; ++i) {
+        vec3 l = normalize(way_to_lamp(i, x)), light = lamp_on(i, x, l, 0.0) * (has_solid_field ? past_lamp(i, x, n) : 1.0);
+        float sharp = 0.5 / max(lamp_spread(i, x), 0.05), wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
+        if (enters) sum += scattered(x, n, l, light, sharp, body, i == 0 ? around : vec3(0.0), i == 0 ? back : vec3(0.0));
+        else sum += body * light * wrapped * (has_field ? unshadowed(place_of(x) + n, l, sharp) : 1.0) * bled(body, wrapped);
+    }
+    return sum;
+}
+
 void main() {
     vec4 g = texelFetch(normal_buffer, ivec2(gl_FragCoord.xy), 0);
     vec3 v = ray_behind(to_world, uv), x = eye + g.a * v, n = octahedral_decode(g.xy);
@@ -94,19 +113,19 @@ void main() {
     vec3 body = has_inks ? inks_at(x) : body_colour;
     float matt = roughness;
     if (has_crust) body *= crust.shade, matt = mix(0.8, 1.0, smoothstep(0.0, 0.3, crust.cold));
-    vec3 l = front_light * studio;  // from studio axes to the world
+    vec3 l = front_light * boxes;  // from studio axes to the world
     float open = 1.0, seen = 1.0, lit = 1.0;
     if (has_field) {
         vec3 p = place_of(x) + n;
         open = openness(p, n, 40.0);
         seen = openness(p, r, 30.0);
-        lit = scatters ? 1.0 : unshadowed(p, l);
+        lit = scatters || lamps > 0 ? 1.0 : unshadowed(p, l, 1.6);
     }
-    // Light wraps round by `softness`. Light in shadow has passed through the body and has taken on more of its colour.
     float wrapped = clamp((dot(n, l) + softness) / (1.0 + softness), 0.0, 1.0);
-    vec3 bled = mix(vec3(1.0), body / max(max(body.r, max(body.g, body.b)), 1e-3), softness * (1.0 - wrapped));
-    vec3 around = sky_on(n) * light_in_folds(open, body);
-    vec3 diffuse = scatters && has_field ? scattered(x, n, l, body, around, sky_on(-n)) : body * (around + 1.5 * key_colour * wrapped * lit * bled);
+    vec3 around = sky_on(n) * light_in_folds(open, body), diffuse;
+    if (lamps > 0) diffuse = lit_by_lamps(x, n, body, around, sky_on(-n));
+    else if (scatters && has_field) diffuse = scattered(x, n, l, 1.5 * key_colour, 1.6, body, around, sky_on(-n));
+    else diffuse = body * (around + 1.5 * key_colour * wrapped * lit * bled(body, wrapped));
     float facing = clamp(-dot(n, v), 0.0, 1.0);
     float mirror = 0.04 + 0.96 * pow(1.0 - facing, 5.0) * (1.0 - 0.8 * matt);
     if (has_crust) mirror *= 1.0 - smoothstep(0.0, 0.3, crust.cold);

@@ -197,7 +197,7 @@ void main() {
                     way = 0.0;
                     break;
                 }
-                lamp = lamp_on(-n);
+                lamp = light_on_body(x, -n);
             }
         } else {
             light += cross_fluid(x, d, lamp, through, kind);

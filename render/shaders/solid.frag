@@ -13,7 +13,7 @@ void main() {
     float f0 = mix(0.045, 0.85, metal);
     float mirror = f0 + (1.0 - f0) * pow(clamp(1.0 + dot(n, v), 0.0, 1.0), 5.0) * (1.0 - 0.7 * roughness);
     SolidLight from = light_of_solid(world, face, reflect(v, face));
-    vec3 key = key_colour * clamp(dot(n, light), 0.0, 1.0) * from.key;
+    vec3 key = (lamps > 0 ? lamps_on(world, n, 0.0) : key_colour * clamp(dot(n, light), 0.0, 1.0)) * from.key;
     vec3 around = ambient(n);
     vec3 diffuse = albedo * (1.0 - metal) * (around * from.open + key + light_of_patches(world, n));
     vec3 mirrored = surroundings(world, r, roughness);

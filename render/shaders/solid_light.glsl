@@ -8,7 +8,7 @@ uniform sampler2D place_kept;    // x: SolidLight::seen; y: distance from the ey
 uniform mat4 to_kept;            // world -> clip of the pass
 
 struct SolidLight {
-    vec3 key;     // fraction of the light of the lamp that casts the shadow
+    vec3 key;     // fraction of the lamps' light
     float open;   // open fraction of the half space about the normal
     float seen;   // open fraction of a cone about the mirrored direction
 };
@@ -20,12 +20,23 @@ SolidLight find_light(vec3 x, vec3 n, vec3 r) {
         vec3 p = place_of(x);
         found.open = mix(1.0, openness(p + n, n, 40.0), fluid_hides);
         found.seen = mix(1.0, openness(p + n, r, 40.0), fluid_hides);
-        found.key = key_at(x, false);
+        if (lamps == 0) found.key = key_at(0, x, false);
     }
     if (has_solid_field) {
         found.open *= solid_openness(x, n);
         found.seen *= solid_openness(x + solid_voxel * n, r);
-        if (dot(n, light) > 0.0) found.key *= past_solids(x, n, light);
+        if (lamps == 0 && dot(n, light) > 0.0) found.key *= past_solids(x, n, light, 0.16, 1e6);
+    }
+    if (lamps > 0) {
+        vec3 all = vec3(0.0), arrives = vec3(0.0);
+        for (int i = 0; i < lamps; ++i) {
+            vec3 on = lamp_on(i, x, n, 0.0), key = vec3(1.0);
+            if (has_field) key = key_at(i, x, false);
+            if (has_solid_field) key *= past_lamp(i, x, n);
+            all += on;
+            arrives += on * key;
+        }
+        found.key = mix(arrives / max(all, vec3(1e-6)), vec3(1.0), lessThan(all, vec3(1e-6)));
     }
     return found;
 }

@@ -29,19 +29,26 @@ float solid_openness(vec3 x, vec3 n) {
 }
 
 // Fraction of a soft light in direction l that reaches x. Estimated from the narrowest gap between the ray and a solid, relative to the
-// light's width there.
-float past_solids(vec3 x, vec3 n, vec3 l) {
+// light's width there. @param spread (radius of the light)/(its distance) @param far distance of the light [m]
+float past_solids(vec3 x, vec3 n, vec3 l, float spread, float far) {
     float open = 1.0, t = 2.0 * solid_voxel;
     vec3 from = solid_turn * (x + n * solid_voxel) + solid_move, way = solid_turn * l;
     // There is no solid outside the field's box.
     vec3 walls = (step(0.0, way) * (solid_size - 1.0) - from) / (way + vec3(1e-9));
-    float leaves = min(walls.x, min(walls.y, walls.z));
+    float leaves = min(min(walls.x, min(walls.y, walls.z)), far);
     for (int i = 0; i < 16; ++i) {
         float d = distance_of_solid(from + t * way);
-        open = min(open, 0.5 + 0.5 * d / (0.16 * t + 0.5 * solid_voxel));
+        open = min(open, 0.5 + 0.5 * d / (spread * t + 0.5 * solid_voxel));
         t += clamp(d, 1.2 * solid_voxel, 12.0 * solid_voxel);
         if (open < 0.0) return 0.0;
         if (t > leaves) break;
     }
     return smoothstep(0.0, 1.0, open);
+}
+
+// Fraction of the light of the scene's lamp i that reaches x past the solids.
+float past_lamp(int i, vec3 x, vec3 n) {
+    vec3 way = way_to_lamp(i, x);
+    float far = length(way);
+    return past_solids(x, n, way / far, lamp_spread(i, x), lamp_place[i].w > 0.5 ? far : 1e6);
 }

@@ -7,9 +7,14 @@ uniform float pixel_angle;     // angle of a pixel [rad]
 
 // Colour of the ground at q, seen along d. @param light illumination there, relative to that of an empty scene
 vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
+    float far = smoothstep(1.2, 3.2, length(q.xz - table_area.xy) / table_area.z);
+    if (lamps > 0) {
+        // In the distance the ground is as bright as the backdrop above it.
+        vec3 lit = surround_share + lamp_share * lamps_on(q, vec3(0.0, 1.0, 0.0), 0.0), open = has_environment ? vec3(1.0) : light_on_paper();
+        light *= mix(lit / open, vec3(1.0), far);
+    }
     vec3 paper = backdrop(d) * light;
     if (table < 0) return paper;
-    float far = smoothstep(1.2, 3.2, length(q.xz - table_area.xy) / table_area.z);
     if (far >= 1.0) return paper;
     float width = pixel_angle * distance(q, eye) / max(-d.y, 0.2);
     Texture t = texture_of(table, q, vec3(0.0, 1.0, 0.0), width);
@@ -21,7 +26,7 @@ vec3 ground_seen(vec3 q, vec3 d, vec3 light) {
 // Light of a ray from p in direction d that meets no fluid and no solid. The backdrop continues as the ground, and the flags fade out
 // there, so that no horizon is visible.
 vec3 surroundings(vec3 p, vec3 d, float blur, float most) {
-    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(d, blur, most);
+    if (d.y > -1e-3 || p.y < ground_height - 1.0) return environment(p, d, blur, most);
     vec3 q = p + d * ((ground_height - p.y) / d.y);
     return ground_seen(q, d, light_on_ground(q.xz)) * (has_environment ? 1.0 : mix(flags(d), 1.0, below_horizon(d)));
 }

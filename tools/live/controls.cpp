@@ -231,10 +231,11 @@ void ChangeRecording::begin(const SceneFile& scene, const std::filesystem::path&
         const auto given = texts_by_key(plain);
         base_ = read_whole(path);
         if (base_.rfind("\xEF\xBB\xBF", 0) == 0) base_.erase(0, 3);  // a byte order mark, which is only valid at the start of a file
-        bool same_keys =
-            !names_files(scene, wanted) && plain.scene.changes.empty() && plain.scene.blocks.size() == scene.scene.blocks.size() &&
-            plain.scene.emitters.size() == scene.scene.emitters.size() && plain.scene.solids.size() == scene.scene.solids.size() &&
-            plain.scene.probes.size() == scene.scene.probes.size() && plain.camera.keys.size() == scene.camera.keys.size();
+        bool same_keys = !names_files(scene, wanted) && plain.scene.changes.empty() &&
+                         plain.scene.blocks.size() == scene.scene.blocks.size() &&
+                         plain.scene.emitters.size() == scene.scene.emitters.size() &&
+                         plain.scene.solids.size() == scene.scene.solids.size() && plain.scene.lights.size() == scene.scene.lights.size() &&
+                         plain.scene.probes.size() == scene.scene.probes.size() && plain.camera.keys.size() == scene.camera.keys.size();
         for (const auto& [key, value] : wanted) {
             const auto it = given.find(key);
             if (it == given.end() || it->second != value) entries_.push_back({0, key, value});

@@ -203,6 +203,8 @@ void follow(SceneFile& file) {
     file.scene.ages = exported || scene.exported("mesh");
     file.surface.ages = scene.viscosity_ages() || scene.any_temperature();
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
+    file.look.lights = scene.lights;
+    for (Light& light : file.look.lights) light.target = scene.target_of(light);
     file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
     follow_node(file);
