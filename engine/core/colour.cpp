@@ -1,5 +1,8 @@
 #include "engine/core/colour.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 namespace whorl {
@@ -15,6 +18,15 @@ float linear_of(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow
 
 Vec3f linear_of(const Vec3f& srgb) {
     return srgb.unaryExpr([](float c) { return linear_of(c); });
+}
+
+std::string hex_of(const Vec3f& linear) {
+    std::string text = "#";
+    for (const float light : linear) {
+        const float srgb = light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
+        text += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(255 * srgb)), 0, 255));
+    }
+    return text;
 }
 
 Vec3f colour_of(const Value& text) {

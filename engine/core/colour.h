@@ -44,6 +44,9 @@ bool read_colour(const std::string& text, Vec3f& colour);
 float linear_of(float srgb);
 Vec3f linear_of(const Vec3f& srgb);
 
+/// "#rrggbb" of linear light, 0 .. 1.
+std::string hex_of(const Vec3f& linear);
+
 /// sRGB, 0 .. 1. @throws KeyFault if the text is not a colour
 Vec3f colour_of(const Value& text);
 

@@ -64,6 +64,7 @@ public:
             if (scene_.solids[i].shape.is_open()) vessel(entry_name("solid", i), scene_.solids[i]);
         }
         lights();
+        colours();
         for (std::size_t i = 0; i < scene_.drains.size(); ++i) shape(entry_name("drain", i), scene_.drains[i].shape);
         for (std::size_t i = 0; i < scene_.streams.size(); ++i) {
             const std::string name = entry_name("stream", i);
@@ -183,6 +184,23 @@ private:
             reader_.disagree({name + ".open"}, name + ".open is for containers", "set container = true: the fluid is inside the shape");
         else if (const std::string why = vessel_error(solid.shape, key); !why.empty())
             reader_.disagree({name + "." + key, name + ".open"}, name + " " + why);
+    }
+    void colours() {
+        const std::size_t named = scene_.named_inks(), coloured = scene_.fluid_colours().size();
+        std::string last;
+        const auto check = [&](const std::string& name, const char* key, const Inks& ink, const Colour& colour) {
+            if (colour.minCoeff() < 0) return;
+            last = name + "." + key;
+            if (ink.any()) reader_.disagree({last, name + ".ink"}, name + " has a colour and inks", "remove one of them");
+        };
+        for (std::size_t i = 0; i < scene_.blocks.size(); ++i)
+            check(entry_name("block", i), "colour", scene_.blocks[i].ink, scene_.blocks[i].colour);
+        for (std::size_t i = 0; i < scene_.emitters.size(); ++i)
+            check(entry_name("emitter", i), "fluid_colour", scene_.emitters[i].ink, scene_.emitters[i].fluid_colour);
+        if (named + coloured > Inks::most && coloured > 0)
+            reader_.disagree({last}, fmt::format("fluid of {} colours and {} inks", coloured, named),
+                             "a colour is an ink of its own; leave the rest of the fluid in the colour of its material",
+                             fmt::format("allowed: at most {} together", Inks::most));
     }
     void lights() {
         if (scene_.lights.size() > Light::most)
@@ -389,6 +407,34 @@ bool Scene::viscosity_ages_by_place() const {
     for (std::size_t k = 0; k <= emitters.size(); ++k)
         if (depends_on_place(viscosity_of_source(k))) return viscosity_ages();
     return false;
+}
+
+std::size_t Scene::named_inks() const {
+    std::size_t most = 0;
+    const auto count = [&](const auto& list) {
+        for (const auto& one : list) most = std::max(most, one.ink.of.size());
+    };
+    count(blocks), count(emitters), count(streams), count(vortices);
+    return most;
+}
+
+std::vector<Colour> Scene::fluid_colours() const {
+    std::vector<Colour> all;
+    const auto add = [&](const Colour& colour) {
+        if (colour.minCoeff() >= 0 && std::find(all.begin(), all.end(), colour) == all.end()) all.push_back(colour);
+    };
+    for (const BlockKeys& block : blocks) add(block.colour);
+    for (const EmitterKeys& emitter : emitters) add(emitter.fluid_colour);
+    return all;
+}
+
+Inks Scene::inks_of(const Inks& own, const Colour& colour) const {
+    if (colour.minCoeff() < 0) return own;
+    const std::vector<Colour> all = fluid_colours();
+    Inks inks;
+    inks.of.assign(named_inks() + static_cast<std::size_t>(std::find(all.begin(), all.end(), colour) - all.begin()), Expression(0.0));
+    inks.of.emplace_back(1.0);
+    return inks;
 }
 
 FileLocation Scene::place(const std::string& key) const { return place_in(places, key); }

@@ -144,6 +144,7 @@ struct BlockKeys {
     ShapeKeys shape;
     VectorExpression velocity, spin;        ///< of x, y, z
     Inks ink;                               ///< of x, y, z
+    Colour colour{-1, -1, -1};              ///< of the fluid; negative: none
     std::optional<Expression> temperature;  ///< K, of x, y, z; empty: heat.air
     Sampling sampling = Sampling::lattice;
 };
@@ -166,6 +167,7 @@ struct EmitterKeys {
     Profile profile = Profile::plug;
     std::optional<Expression> viscosity;    ///< Pa s, as fluid.viscosity; empty: fluid.viscosity
     Inks ink;                               ///< of t, x, y, z where fluid enters the nozzle
+    Colour fluid_colour{-1, -1, -1};        ///< negative: none
     std::optional<Expression> temperature;  ///< K, likewise; empty: heat.air
     Appearance appearance{.material = "metal"};
     std::vector<EmitterKey> keys;     ///< keys or a node move position and direction, which then contain this motion (scene/motions.h)
@@ -315,12 +317,15 @@ struct Scene {
         return std::find(output.exports.begin(), output.exports.end(), kind) != output.exports.end();
     }
     bool any_flux() const { return any_probe({ProbeKind::flux}); }
+    /// Number of inks that the scene names.
+    std::size_t named_inks() const;
+    /// Colours of blocks and emitters, each once. Each is a further ink, after those that the scene names.
+    std::vector<Colour> fluid_colours() const;
+    /// Inks of a block or an emitter: its own, or the one of its colour.
+    Inks inks_of(const BlockKeys& block) const { return inks_of(block.ink, block.colour); }
+    Inks inks_of(const EmitterKeys& emitter) const { return inks_of(emitter.ink, emitter.fluid_colour); }
     /// Whether any particle carries ink.
-    bool any_ink() const {
-        const auto inked = [](const auto& one) { return one.ink.any(); };
-        return std::any_of(blocks.begin(), blocks.end(), inked) || std::any_of(emitters.begin(), emitters.end(), inked) ||
-               std::any_of(streams.begin(), streams.end(), inked) || std::any_of(vortices.begin(), vortices.end(), inked);
-    }
+    bool any_ink() const { return named_inks() > 0 || !fluid_colours().empty(); }
     bool marks_ink() const { return fluid.ink_markers > 0 && any_ink(); }
     /// Whether any key names a temperature or a heat flux, so that particles carry a temperature.
     bool any_temperature() const;
@@ -335,6 +340,9 @@ struct Scene {
     Vec3f target_of(const Light& light) const { return light.target.value_or((0.5 * (domain.min + domain.max)).cast<float>()); }
     /// Location of `key`, or of the nearest enclosing table that was given.
     FileLocation place(const std::string& key) const;
+
+private:
+    Inks inks_of(const Inks& own, const Colour& colour) const;
 };
 
 /// Time of frame k, (k - 1) frame_interval(): frame 1 shows the start. Not inline, because contracted with a difference it would differ

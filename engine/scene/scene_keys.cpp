@@ -332,6 +332,9 @@ KeyTable heat_keys() {
         .live();
     return t;
 }
+const char* const colour_of_fluid =
+    "colour of the fluid: linear red, green, blue, or \"#rrggbb\" (sRGB); the scene may have three, less the number of its inks; negative: "
+    "that of look.material, or of the inks";
 
 KeyTable block_keys() {
     KeyTableOf<BlockKeys> t("fluid at the start");
@@ -340,6 +343,7 @@ KeyTable block_keys() {
     t.key("spin", &BlockKeys::spin, "1/s", "initial spin; needs a micropolar model").of("xyz").in(InPlane::axis);
     t.key("ink", &BlockKeys::ink, "", "concentrations of up to three inks, 0 to 1, at the start").at_least(0).at_most(1).of("xyz");
     t.key("temperature", &BlockKeys::temperature, "K", "temperature at the start; auto: heat.air").above(0).of("xyz");
+    t.key("colour", &BlockKeys::colour, "", colour_of_fluid).at_most(1);
     t.key("sampling", &BlockKeys::sampling, "", "arrangement of the particles");
     return t;
 }
@@ -414,6 +418,7 @@ KeyTable emitter_keys() {
           "temperature, a function of the time and position at which fluid enters the nozzle; auto: heat.air")
         .above(0)
         .of("txyz");
+    t.key("fluid_colour", &EmitterKeys::fluid_colour, "", colour_of_fluid).at_most(1);
     add_appearance_keys(t, "appearance of the nozzle in images, which the keys below override");
     t.list("key", &EmitterKeys::keys, emitter_key_keys());
     return t;

@@ -404,7 +404,7 @@ void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& em
         const Index first = world.fluid.size();
         add_particles(scene, world.fluid, points, b, problems);
         const std::string ink = entry_name("block", b) + ".ink";
-        if (const auto wrong = set_colours(scene, world, first, scene.blocks[b].ink, ink, 0)) refuse(ink, *wrong, "");
+        if (const auto wrong = set_colours(scene, world, first, scene.inks_of(scene.blocks[b]), ink, 0)) refuse(ink, *wrong, "");
         if (const auto wrong = set_temperature(scene, world, first, 0, b, 0))
             refuse(entry_name("block", b) + ".temperature", *wrong, "allowed: more than 0");
     }

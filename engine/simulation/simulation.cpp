@@ -276,7 +276,7 @@ struct Simulation::State {
             emitter.enter(world.fluid, time, world.step.dt);
             const auto temperature = set_temperature(scene, world, first, ++source, 0, time);
             const auto viscosity = set_viscosity(scene, world, first, source);
-            const auto ink = set_colours(scene, world, first, scene.emitters[k].ink, entry_name("emitter", k) + ".ink", time);
+            const auto ink = set_colours(scene, world, first, scene.inks_of(scene.emitters[k]), entry_name("emitter", k) + ".ink", time);
             for (const auto& wrong : {temperature, viscosity, ink})
                 if (wrong && !world.report.diverged) world.report.diverged = wrong;
             set_ids(world, first, next_id);

@@ -205,6 +205,10 @@ void follow(SceneFile& file) {
     file.surface.velocity = file.camera.shutter > 0 || scene.output.format == "exr";
     file.look.lights = scene.lights;
     for (Light& light : file.look.lights) light.target = scene.target_of(light);
+    const std::vector<Colour> colours = scene.fluid_colours();
+    std::vector<std::string>& inks = file.look.inks.of;
+    inks.resize(std::max(inks.size(), colours.empty() ? 0 : scene.named_inks() + colours.size()));
+    for (std::size_t k = 0; k < colours.size(); ++k) inks[scene.named_inks() + k] = hex_of(colours[k]);
     file.camera.aspect = static_cast<float>(scene.output.size[0]) / static_cast<float>(scene.output.size[1]);
     file.camera.interval = 1 / (file.scene.time.fps * file.scene.time.slow_motion);
     follow_node(file);
