@@ -21,7 +21,7 @@ struct LookOptions {
     /// (a cloud) | tubes | ribbons (along vortex lines).
     std::string style = "liquid";
     std::string material = "honey";  ///< preset, whose values the keys below override: honey | water | paint | chocolate | lava | clay |
-                                     ///< cream | milk | wax
+                                     ///< cream | milk | wax | caramel | ketchup | slime
     Vec3f absorption = Vec3f(-1, -1, -1);  ///< 1/m, Beer-Lambert coefficient per channel (linear RGB); negative: the preset's
     Colour colour = {-1, -1, -1};          ///< linear RGB of an opaque material; negative: the preset's
     float refraction = -1;                 ///< index of refraction; negative: the preset's

@@ -57,9 +57,24 @@ const std::vector<std::pair<std::string, Material>>& fluid_presets() {
         wax.colour = {0.90f, 0.82f, 0.66f};
         wax.roughness = 0.35f;
         wax.scattering = 1.2e-3f;
-        return std::vector<std::pair<std::string, Material>>{{"honey", honey},         {"water", water}, {"paint", paint},
-                                                             {"chocolate", chocolate}, {"lava", lava},   {"clay", clay},
-                                                             {"cream", cream},         {"milk", milk},   {"wax", wax}};
+        // Jensen et al. (2001), table 1: reflectance, index, and a mean free path between those of red (4.1 mm) and green (0.96 mm).
+        Material ketchup = cream;
+        ketchup.colour = {0.16f, 0.01f, 0.002f};
+        ketchup.roughness = 0.12f;
+        ketchup.scattering = 2e-3f;
+        // No measurements of caramel and slime are known: values by eye.
+        Material caramel = cream;
+        caramel.colour = {0.45f, 0.17f, 0.035f};
+        caramel.roughness = 0.1f;
+        caramel.scattering = 1e-3f;
+        Material slime;
+        slime.absorption = {60, 4, 90};
+        slime.refraction = 1.34f;
+        slime.scatter = {0.30f, 0.85f, 0.12f};
+        slime.haze = 60;
+        return std::vector<std::pair<std::string, Material>>{
+            {"honey", honey}, {"water", water}, {"paint", paint}, {"chocolate", chocolate}, {"lava", lava},       {"clay", clay},
+            {"cream", cream}, {"milk", milk},   {"wax", wax},     {"caramel", caramel},     {"ketchup", ketchup}, {"slime", slime}};
     }();
     return presets;
 }
