@@ -1,6 +1,7 @@
 #pragma once
 /// Colours in scene files, the appearance of solids, and lights.
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -16,9 +17,12 @@ struct Colour : Vec3f {
 /// Appearance of a solid or a nozzle in images. Negative values: those of the material.
 struct Appearance {
     std::string material = "ceramic";
-    Colour colour{-1, -1, -1};  ///< diffuse colour; tint of a metal's reflection; transmission of 1 cm of glass
-    float roughness = -1;       ///< 0 mirror .. 1 matt
-    float metallic = -1;        ///< 0 or 1
+    Colour colour{-1, -1, -1};            ///< diffuse colour; tint of a metal's reflection; transmission of 1 cm of glass
+    float roughness = -1;                 ///< 0 mirror .. 1 matt
+    float metallic = -1;                  ///< 0 or 1
+    std::filesystem::path texture{};      ///< picture on a solid (PNG, JPEG), whose colour it replaces; empty: none
+    std::optional<float> texture_size{};  ///< width that the picture covers [m]; it repeats; empty: by texture_mesh, or once over the solid
+    std::filesystem::path texture_mesh{};  ///< OBJ file of the solid, which may have texture coordinates; empty: the picture is projected
     bool show = true;
     friend bool operator==(const Appearance&, const Appearance&) = default;
 };

@@ -9,7 +9,7 @@
 namespace whorl {
 namespace {
 
-constexpr std::string_view kind = "WHORLFR4";
+constexpr std::string_view kind = "WHORLFR5";
 
 template <class Archive, class V>
 void each_number(Archive& a, V& values) {
@@ -25,6 +25,13 @@ template <class Archive, class S>
 void solid_members(Archive& a, S& solid) {
     each_number(a, solid.rotation), each_number(a, solid.translation), each_number(a, solid.velocity), each_number(a, solid.spin);
     a(solid.appearance.material), each_number(a, solid.appearance.colour), a(solid.appearance.roughness), a(solid.appearance.metallic);
+    std::string texture = solid.appearance.texture.string(), mesh = solid.appearance.texture_mesh.string();
+    float size = solid.appearance.texture_size.value_or(0);
+    a(texture), a(mesh), a(size);
+    if constexpr (!std::is_const_v<S>) {
+        solid.appearance.texture = texture, solid.appearance.texture_mesh = mesh;
+        if (size > 0) solid.appearance.texture_size = size;
+    }
     a(solid.container), a(solid.ground);
 }
 

@@ -61,6 +61,10 @@ public:
             // In a file that also moves the solid, the mesh is that of the node.
             if (ShapeKeys& mesh = scene_.solids[i].shape; mesh.kind == "mesh" && mesh.file == scene_.solids[i].animation)
                 mesh.node = scene_.solids[i].node;
+            Appearance& appearance = scene_.solids[i].appearance;
+            texture(entry_name("solid", i), appearance);
+            const bool placed = !appearance.texture.empty() && !appearance.texture_size && !scene_.solids[i].shape.is_open();
+            if (placed && scene_.solids[i].shape.kind == "mesh") appearance.texture_mesh = scene_.solids[i].shape.file;
             if (scene_.solids[i].shape.is_open()) vessel(entry_name("solid", i), scene_.solids[i]);
         }
         lights();
@@ -177,6 +181,13 @@ private:
         if (s.kind != "mesh") return;
         find_file(name + ".file", s.file);
     }
+    void texture(const std::string& name, Appearance& appearance) {
+        if (!appearance.texture.empty()) find_file(name + ".texture", appearance.texture);
+        if (!appearance.texture.empty() && appearance.material == "glass")
+            reader_.disagree({name + ".texture", name + ".material"}, name + ": glass has no texture", "use another material");
+        if (appearance.texture.empty() && appearance.texture_size)
+            reader_.disagree({name + ".texture_size"}, name + ".texture_size needs a texture", "set texture, or remove it");
+    }
     void vessel(const std::string& name, SolidKeys& solid) {
         if (reader_.places.count(name + ".material") == 0) solid.appearance.material = "glass";
         std::string key;
@@ -227,6 +238,7 @@ private:
         file = found.lexically_normal();
     }
     void emitter(const std::string& name, EmitterKeys& e) {
+        texture(name, e.appearance);
         if (!e.direction.depends_on_time()) {
             Vec3d way = e.direction(0);
             direction(name + ".direction", way);

@@ -363,6 +363,14 @@ void add_appearance_keys(KeyTableOf<S>& t, const char* material) {
     add("metallic", &Appearance::metallic, "1: reflects as a metal, tinted by its colour; 0: does not; negative: the material's")
         .at_most(1)
         .live();
+    add("texture", &Appearance::texture,
+        "picture on the solid (.png, .jpg; path relative to the scene file), times `colour` if that is set; empty: none");
+    t.key("texture_size", inside(&S::appearance, &Appearance::texture_size), "m",
+          "width that the picture covers; it repeats and is projected along the axes; auto: by the texture coordinates of an OBJ mesh, or "
+          "once over the longest side")
+        .not_deciding()
+        .above(0)
+        .live();
     add("show", &Appearance::show, "whether it is drawn").live();
 }
 

@@ -21,6 +21,7 @@
 #include "render/gl/scene_lighting.h"
 #include "render/gl/setup.h"
 #include "render/gl/solid_field.h"
+#include "render/gl/solid_pictures.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "render/look/material.h"
@@ -203,6 +204,7 @@ struct Renderer::Device {
     SceneGeometry scene;
     FieldTexture field;
     SolidField solid_field{height};
+    SolidPictures pictures;
     SolidLight solid_light{width, height};
     FlowShapes flow;
     InkField inks;
@@ -277,6 +279,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     else scene.fill(frame, surface);
     field.fill(shows_field(look) ? Volume{} : surface.distance);
     solid_field.fill(frame.solids);
+    pictures.fill(frame.solids);
     const float size = (frame.domain_max - frame.domain_min).norm();
     Material material = fluid_material(look, size);
     if (surface.glows_by_temperature && material.cooling > 0) material.cooling = 1;
@@ -456,6 +459,10 @@ void Renderer::Device::draw_faces(const Shot& shot, const Eigen::Matrix4f& matri
             program.set("solid_colour", material.colour);
             program.set("metal", material.metal);
             program.set("roughness", material.roughness);
+            if (pattern == Pattern::picture) {
+                pictures.bind(program, 0, s);
+                program.set("picture_placed", scene.has_places(s) ? 1 : 0);
+            }
         };
         scene.draw_solids(program, false, prepare, [&](const FrameSolid& s) { return solid_material(s.appearance).pattern == pattern; });
     }

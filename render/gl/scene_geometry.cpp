@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/look/texture_places.h"
 #include "render/surface/smooth.h"
 
 namespace whorl {
@@ -68,16 +69,36 @@ void fill_edges(gl::Vertices& vertices, const std::vector<std::pair<Vec3f, Vec3f
 
 }  // namespace
 
-const SceneGeometry::Model& SceneGeometry::model(const std::shared_ptr<const TriangleMesh>& mesh) {
+void SceneGeometry::Model::fill(const FrameSolid& solid) {
+    mesh = solid.mesh;
+    const Bounds bounds = bounds_of(mesh->position);
+    size = bounds.empty() ? 0 : 2 * bounds.radius();
+    if (mesh->triangle.empty()) return;
+    std::vector<Eigen::Vector2f> place;
+    if (!solid.appearance.texture_mesh.empty()) place = texture_places(*mesh, solid.appearance.texture_mesh);
+    if (place.empty())
+        return vertices.fill({gl::numbers(mesh->position), gl::numbers(mesh->normal)}, mesh->triangle[0].data(), 3 * mesh->triangle.size());
+    // Corners at one point may have different coordinates, so that each triangle has its own.
+    has_places = true;
+    vertices = gl::Vertices({3, 3, 1, 4});
+    std::vector<Vec3f> position, normal;
+    std::vector<float> age(place.size()), crust;
+    std::vector<std::uint32_t> index;
+    for (const auto& t : mesh->triangle)
+        for (const std::uint32_t v : t) {
+            const Eigen::Vector2f& p = place[index.size()];
+            position.push_back(mesh->position[v]), normal.push_back(mesh->normal[v]);
+            crust.insert(crust.end(), {p.x(), p.y(), 0, 0});
+            index.push_back(static_cast<std::uint32_t>(index.size()));
+        }
+    vertices.fill({gl::numbers(position), gl::numbers(normal), {age.data(), age.size()}, {crust.data(), crust.size()}}, index.data(),
+                  index.size());
+}
+
+const SceneGeometry::Model& SceneGeometry::model(const FrameSolid& solid) {
+    const auto& mesh = solid.mesh;
     const auto [place, is_new] = models_.try_emplace(mesh.get());
-    if (is_new) {
-        place->second.mesh = mesh;
-        if (!mesh->triangle.empty())
-            place->second.vertices.fill({gl::numbers(mesh->position), gl::numbers(mesh->normal)}, mesh->triangle[0].data(),
-                                        3 * mesh->triangle.size());
-        const Bounds bounds = bounds_of(mesh->position);
-        place->second.size = bounds.empty() ? 0 : 2 * bounds.radius();
-    }
+    if (is_new) place->second.fill(solid);
     return place->second;
 }
 
@@ -116,7 +137,7 @@ void SceneGeometry::fill(const Frame& frame, Shape shape, const Bounds& fluid) {
     for (const FrameSolid& solid : frame.solids) {
         ++number;
         if (!solid.mesh || is_level_ground(solid)) continue;
-        (solid.container ? containers_ : is_glass(solid) ? glass_ : solids_).push_back({solid, &model(solid.mesh), number});
+        (solid.container ? containers_ : is_glass(solid) ? glass_ : solids_).push_back({solid, &model(solid), number});
         if (solid.container && containers_.back().model->edges.count() == 0)
             fill_edges(models_.at(solid.mesh.get()).edges, sharp_edges(*solid.mesh));
         bounds_.add(bounds_of(solid));

@@ -34,6 +34,8 @@ public:
     void draw_numbered(gl::Program& program, float interval, float tolerance) const;
     /// Draws the solids that refract.
     void draw_glass(gl::Program& program, const std::function<void(const FrameSolid&)>& prepare) const;
+    /// Whether the solid's mesh has texture coordinates.
+    bool has_places(const FrameSolid& solid) const { return models_.at(solid.mesh.get()).has_places; }
     bool any_glass() const { return !glass_.empty(); }
     bool any_solids() const { return !solids_.empty(); }
     bool any_containers() const { return !containers_.empty(); }
@@ -45,7 +47,9 @@ private:
     struct Model {
         std::shared_ptr<const TriangleMesh> mesh;  ///< kept alive: its address is the key in models_
         gl::Vertices vertices{{3, 3}}, edges{{3, 3, 1}};
-        float size = 0;  ///< diagonal of its bounds [m]
+        float size = 0;           ///< diagonal of its bounds [m]
+        bool has_places = false;  ///< the vertices have texture coordinates
+        void fill(const FrameSolid& solid);
     };
     struct Placed {
         FrameSolid solid;
@@ -55,7 +59,7 @@ private:
     enum class Shape { none, surface, particles };
     /// Fills in the solids and the bounds.
     void fill(const Frame& frame, Shape shape, const Bounds& fluid);
-    const Model& model(const std::shared_ptr<const TriangleMesh>& mesh);
+    const Model& model(const FrameSolid& solid);
 
     gl::Vertices fluid_{{3, 3, 1, 4, 3}}, particles_{{3, 3}};
     gl::Texture plates_;  // two texels per plate: middle and radius; velocity and random number

@@ -36,6 +36,7 @@ static unsigned char* zlib_compress(unsigned char* data, int length, int* compre
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
 #include <stb_image.h>
 #include <stb_image_write.h>
 
@@ -122,6 +123,20 @@ Image read_png(const std::filesystem::path& file) {
         image.rgb.insert(image.rgb.end(), pixels + 4 * i, pixels + 4 * i + 3);
         image.alpha.push_back(pixels[4 * i + 3]);
     }
+    stbi_image_free(pixels);
+    return image;
+}
+
+Image read_texture(const std::filesystem::path& file) {
+    constexpr int most = 8192;
+    Image image;
+    int channels = 0;
+    const bool fits = stbi_info(file.c_str(), &image.width, &image.height, &channels) == 0 || std::max(image.width, image.height) <= most;
+    stbi_uc* pixels = fits ? stbi_load(file.c_str(), &image.width, &image.height, &channels, 3) : nullptr;
+    if (pixels == nullptr)
+        throw InputError({file.string()}, std::string("cannot read the picture: ") + (fits ? stbi_failure_reason() : "it is too large"), "",
+                         "a PNG or JPEG file, at most 8192 x 8192 pixels");
+    image.rgb.assign(pixels, pixels + 3 * grid_count(image.width, image.height));
     stbi_image_free(pixels);
     return image;
 }

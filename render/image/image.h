@@ -28,6 +28,9 @@ Image plain_image(int width, int height, std::uint8_t grey);
 void write_png(const std::filesystem::path& file, const Image& image);
 /// @throws InputError if the file is missing or is not a PNG file
 Image read_png(const std::filesystem::path& file);
+/// A picture on a solid, without its alpha. @throws InputError if the file is missing, is not a PNG or JPEG file, or is larger than 8192 x
+/// 8192
+Image read_texture(const std::filesystem::path& file);
 std::vector<std::uint8_t> encode_png(const Image& image);
 /// JPEG has no alpha: a transparent image is laid over grey.
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);

@@ -167,6 +167,7 @@ float heat_of_crust(float age) { return std::max(std::exp(-1.2f * age), 0.35f * 
 SolidMaterial solid_material(const std::string& name) { return named(solid_presets(), name); }
 SolidMaterial solid_material(const Appearance& appearance) {
     SolidMaterial material = solid_material(appearance.material);
+    if (!appearance.texture.empty()) material.pattern = Pattern::picture, material.colour = Vec3f::Ones();
     if (appearance.colour.minCoeff() >= 0) {
         material.colour = appearance.colour;
         constexpr float centimetre = 0.01f;

@@ -74,8 +74,8 @@ Vec3f glow_of(const Vec3f& emission, float heat);
 /// Heat (0 .. 1) of a crust, whose cracks stay hot for longer. @param age in units of Material::cooling
 float heat_of_crust(float age);
 
-/// Textures of solids and of the ground, numbered as in textures.glsl. paper: the ground continues the backdrop.
-enum class Pattern { paper = -1, plain = 0, wood_rings = 1, planks = 2, rock = 3, slab = 4, cloth = 5 };
+/// Textures of solids and of the ground, numbered as in textures.glsl. paper: the ground continues the backdrop. picture: from a file.
+enum class Pattern { paper = -1, plain = 0, wood_rings = 1, planks = 2, rock = 3, slab = 4, cloth = 5, picture = 6 };
 
 /// Material of a solid.
 struct SolidMaterial {

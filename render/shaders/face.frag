@@ -7,9 +7,26 @@ in vec3 own_normal;
 uniform vec3 solid_colour;
 uniform float metal;         // 0 or 1
 uniform float roughness;
+// A picture: its repeats are projected along the solid's own axes, or the mesh has coordinates for it.
+uniform sampler2D picture_map;
+uniform vec2 picture_size;   // m
+uniform vec3 picture_middle; // m
+uniform bool picture_placed; // by the mesh
+in vec4 fluid_crust;         // xy: coordinates of the picture
 layout(location = 0) out vec4 colour;
 layout(location = 1) out vec4 normals;
 layout(location = 2) out float away;
+
+vec3 picture_at(vec2 place) { return texture(picture_map, vec2(place.x, 1.0 - place.y)).rgb; }
+
+// The picture projected along the three axes, each on the sides that face it.
+vec3 projected() {
+    vec3 q = own - picture_middle, s = sign(own_normal), w = pow(abs(normalize(own_normal)), vec3(8.0));
+    vec3 sum = w.x * picture_at(0.5 + vec2(-s.x * q.z, q.y) / picture_size);
+    sum += w.y * picture_at(0.5 + vec2(q.x, -s.y * q.z) / picture_size);
+    sum += w.z * picture_at(0.5 + vec2(s.z * q.x, q.y) / picture_size);
+    return sum / (w.x + w.y + w.z);
+}
 
 void main() {
     vec3 way = world - eye, n = normalize(world_normal);
@@ -17,7 +34,8 @@ void main() {
     if (dot(n, way) > 0.0) n = -n;
     vec3 albedo = solid_colour;
     vec2 face = octahedral_encode(n), relief = face;
-    if (pattern > 0) {
+    if (pattern == 6) albedo *= picture_placed ? picture_at(fluid_crust.xy) : projected();
+    else if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;
         n = in_relief(n, world, t.height);

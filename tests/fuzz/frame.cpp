@@ -8,7 +8,7 @@ using namespace whorl;
 
 namespace {
 
-constexpr std::string_view kind = "WHORLFR4";
+constexpr std::string_view kind = "WHORLFR5";
 
 Frame from_bytes(std::string_view bytes) { return read_frame(fuzz::as_file(bytes, ".frame")); }
 

@@ -212,7 +212,8 @@ std::map<std::string, std::string> texts_by_key(const SceneFile& file) {
 /// Whether the scene names files. Their paths are relative to the scene's folder, so a recording in another folder needs absolute paths.
 bool names_files(const SceneFile& scene, const std::map<std::string, std::string>& values) {
     return !scene.look.environment.empty() || std::any_of(values.begin(), values.end(), [](const auto& value) {
-        return value.first.ends_with(".file") || (value.first.ends_with(".animation") && value.second != "\"\"");
+        const bool optional = value.first.ends_with(".animation") || value.first.ends_with(".texture");
+        return value.first.ends_with(".file") || (optional && value.second != "\"\"");
     });
 }
 

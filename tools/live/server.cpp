@@ -371,7 +371,7 @@ struct LiveServer::Http {
         if (order.contains("set")) how.set = changes_of(order["set"], controls.file());
         for (const KeyValue& c : how.set)
             if (c.path == "name" || c.path == "look.environment" || c.path.find("file") != std::string::npos ||
-                c.path.rfind("output", 0) == 0)
+                c.path.ends_with(".texture") || c.path.rfind("output", 0) == 0)
                 return refuse(response, 400, c.path.substr(0, 100) + " is set on the command line or in the scene file only");
         const auto text = [&](const char* key, std::string& to) {
             if (order.contains(key)) to = order[key].is_string() ? order[key].get<std::string>() : "?";

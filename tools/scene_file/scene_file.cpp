@@ -12,6 +12,7 @@
 #include "engine/io/csv.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/model_traits.h"
+#include "render/image/image.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "tools/process/process.h"
@@ -214,6 +215,22 @@ void follow(SceneFile& file) {
     follow_node(file);
 }
 
+/// Reads the pictures on solids and nozzles as a check. @throws InputError with the place of the key if one cannot be read
+void check_textures(const SceneFile& file) {
+    const auto check = [&](const std::string& name, const Appearance& appearance) {
+        if (!appearance.texture.empty()) try {
+                read_texture(appearance.texture);
+            } catch (const InputError& e) {
+                const Problem& problem = e.problems().front();
+                throw InputError(file.scene.place(name + ".texture"),
+                                 fmt::format("{}.texture = \"{}\": {}", name, appearance.texture.string(), problem.what), "",
+                                 "allowed: " + problem.allowed);
+            }
+    };
+    for (std::size_t k = 0; k < file.scene.solids.size(); ++k) check(entry_name("solid", k), file.scene.solids[k].appearance);
+    for (std::size_t k = 0; k < file.scene.emitters.size(); ++k) check(entry_name("emitter", k), file.scene.emitters[k].appearance);
+}
+
 SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
@@ -221,6 +238,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     if (file.scene.domain.dimensions == 2 && file.scene.places.count("look.style") == 0) file.look.style = "particles";
     check_look(file);
     find_environment(file);
+    check_textures(file);
     follow(file);
     return with_first_changes(file, request.changes);
 }
@@ -298,8 +316,8 @@ std::map<std::string, std::uint64_t> input_checksums(const SceneFile& file) {
         if (!input.empty()) sums[input.string()] = checksum(read_whole(input));
     };
     for (const BlockKeys& block : file.scene.blocks) add(block.shape.file);
-    for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file), add(solid.animation);
-    for (const EmitterKeys& emitter : file.scene.emitters) add(emitter.animation);
+    for (const SolidKeys& solid : file.scene.solids) add(solid.shape.file), add(solid.animation), add(solid.appearance.texture);
+    for (const EmitterKeys& emitter : file.scene.emitters) add(emitter.animation), add(emitter.appearance.texture);
     if (file.camera.path) add(file.camera.animation);
     for (const DrainKeys& drain : file.scene.drains) add(drain.shape.file);
     for (const ProbeKeys& probe : file.scene.probes) add(probe.compare);
