@@ -356,7 +356,7 @@ void add_appearance_keys(KeyTableOf<S>& t, const char* material) {
     };
     // The names of render/look/material.cpp, which the engine cannot include; a test compares the two lists.
     add("material", &Appearance::material, material)
-        .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "cloth"})
+        .one_of({"ceramic", "white", "metal", "wood", "clay", "dark", "rock", "glass", "ice", "cloth"})
         .live();
     add("colour", &Appearance::colour, "linear red, green, blue, or \"#rrggbb\" (sRGB); negative: the material's").at_most(1).live();
     add("roughness", &Appearance::roughness, "0 mirror, 1 matt; negative: the material's").at_most(1).live();

@@ -1,8 +1,15 @@
 #include "render/gl/glass_pass.h"
 
+#include <algorithm>
+
 #include "render/look/material.h"
 
 namespace whorl {
+namespace {
+
+constexpr float polished = 0.05f;  // roughness up to which the surface of glass is smooth
+
+}  // namespace
 
 GlassPass::GlassPass(int width, int height, GLuint glass)
     : width_(width), height_(height), seen_(gl::texture_2d(GL_RGBA16F, width, height, true)),
@@ -50,6 +57,7 @@ void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& 
             const SolidMaterial material = solid_material(solid.appearance);
             program.set("glass_refraction", material.refraction);
             program.set("glass_absorption", material.absorption);
+            program.set("uneven", std::max(material.roughness - polished, 0.0f));
         });
         glDisable(GL_BLEND);
         glDepthFunc(GL_LESS);

@@ -45,7 +45,10 @@ void GroundLight::draw(const SceneGeometry& scene, const Material& material, con
         draw_layers(scene, k, spacing);
         gl::draw_into(transmission_target_, light_size, light_size);
         glViewport(static_cast<int>(k) * light_size, 0, light_size, light_size);
-        draw_transmission(material, absorption);
+        transmission_program_.use();
+        const float away = lamp.near ? (centre_ - lamp.place).norm() : 1;
+        transmission_program_.set("map_width", 2 * away / light_matrices_[k].block<1, 3>(0, 0).norm());
+        draw_transmission(material, absorption, scene.any_glass());
     }
     average(open_);
     average(blockers_);
@@ -66,10 +69,13 @@ void GroundLight::make_maps(std::size_t lamps) {
     maps_ = lamps;
 }
 
-void GroundLight::draw_transmission(const Material& material, const Vec3f& absorption) {
+void GroundLight::draw_transmission(const Material& material, const Vec3f& absorption, bool has_glass) {
     transmission_program_.use();
     transmission_program_.texture("fluid_layers", 0, GL_TEXTURE_2D, fluid_layers_.id());
     transmission_program_.texture("solid_layers", 1, GL_TEXTURE_2D, solid_layers_.id());
+    transmission_program_.texture("glass_layers", 2, GL_TEXTURE_2D, glass_layers_.id());
+    transmission_program_.texture("glass_depth", 3, GL_TEXTURE_2D, glass_depth_.id());
+    transmission_program_.set("has_glass", has_glass ? 1 : 0);
     transmission_program_.set("shadow_absorption", absorption);
     transmission_program_.set("haze", material.haze);
     transmission_program_.set("glow", material.refracts ? Vec3f(0.25f * material.scatter) : Vec3f::Zero().eval());
@@ -93,7 +99,24 @@ void GroundLight::draw_layers(const SceneGeometry& scene, std::size_t k, float s
     scene.draw_fluid(layers_program_);
     layers_program_.set("is_solid", 1);
     scene.draw_solids(layers_program_, false, [](const FrameSolid&) {});
+    if (scene.any_glass()) draw_glass(scene);
     glDisable(GL_BLEND);
+}
+
+/// Adds up the layers of glass; the uniforms and the blending of draw_layers() are set.
+void GroundLight::draw_glass(const SceneGeometry& scene) {
+    if (glass_layers_.id() == 0) {
+        glass_layers_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
+        glass_depth_ = gl::texture_2d(GL_RGBA32F, light_size, light_size, true);
+        glass_target_ = gl::framebuffer({glass_layers_.id(), glass_depth_.id()}, 0);
+    }
+    gl::draw_into(glass_target_, light_size, light_size);
+    glClear(GL_COLOR_BUFFER_BIT);
+    layers_program_.set("is_solid", 0);
+    layers_program_.set("is_glass", 1);
+    scene.draw_glass(layers_program_,
+                     [&](const FrameSolid& solid) { layers_program_.set("absorption", solid_material(solid.appearance).absorption); });
+    layers_program_.set("is_glass", 0);
 }
 
 void GroundLight::draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing, gl::Program& program) {

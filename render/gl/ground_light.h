@@ -52,8 +52,9 @@ public:
 private:
     const int light_size, ground_size;  ///< texels along a side
     void draw_layers(const SceneGeometry& scene, std::size_t lamp, float spacing);
+    void draw_glass(const SceneGeometry& scene);
     void make_maps(std::size_t lamps);
-    void draw_transmission(const Material& material, const Vec3f& absorption);
+    void draw_transmission(const Material& material, const Vec3f& absorption, bool has_glass);
     void draw_ground(const SceneGeometry& scene, const Vec3f& tint, float ground, float spacing, gl::Program& program);
 
     gl::Program layers_program_{{"mesh.vert"}, {"light.frag"}};
@@ -69,6 +70,8 @@ private:
     gl::Texture lowest_ = gl::texture_2d(GL_R32F, ground_size, ground_size, false);
     gl::Texture nearness_ = gl::texture_2d(GL_RGBA16F, ground_size, ground_size, true);
     gl::Texture map_ = gl::texture_2d(GL_RGBA16F, ground_size, ground_size, true);
+    gl::Texture glass_layers_, glass_depth_;  ///< created for the first solid of glass
+    gl::Framebuffer glass_target_;
     gl::Framebuffer layers_target_ = gl::framebuffer({fluid_layers_.id(), solid_layers_.id()}, 0);
     gl::Framebuffer lowest_target_ = gl::framebuffer({lowest_.id()}, 0);
     gl::Framebuffer nearness_target_ = gl::framebuffer({nearness_.id()}, 0);

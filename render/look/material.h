@@ -86,7 +86,7 @@ struct SolidMaterial {
     float refraction = 0;              ///< index of refraction; 0: opaque
     Vec3f absorption = Vec3f::Zero();  ///< 1/m, of a solid that refracts
 };
-/// ceramic | white | metal | wood | clay | dark | rock | glass | cloth; any other name: ceramic.
+/// ceramic | white | metal | wood | clay | dark | rock | glass | ice | cloth; any other name: ceramic.
 SolidMaterial solid_material(const std::string& name);
 /// The material of that name with the values that the appearance overrides.
 SolidMaterial solid_material(const Appearance& appearance);

@@ -17,6 +17,7 @@ uniform bool has_fluid;             // the fluid has a distance field
 uniform float behind;               // distance behind the glass at which a flow without a distance field is assumed [m]; 0: none
 uniform float glass_refraction;     // refractive index
 uniform vec3 glass_absorption;      // 1/m
+uniform float uneven;               // how far the surface's normals wander; 0: polished
 uniform float weight;
 layout(location = 0) out vec4 glass;
 
@@ -35,6 +36,14 @@ vec3 glass_normal(vec3 x, out float sharp) {
                       glass_distance(p + h.yyx) - glass_distance(p - h.yyx)) / (2.0 * glass_voxel);
     sharp = 1.0 - smoothstep(0.75, 0.92, length(slope));
     return normalize(slope * glass_turn + vec3(0.0, 1e-9, 0.0));
+}
+
+// Normal n of the surface at x, which wanders over some millimetres where the surface is uneven.
+vec3 wandering(vec3 n, vec3 x) {
+    if (uneven <= 0.0) return n;
+    vec3 p = 150.0 * x, q = 600.0 * x;
+    vec3 off = vec3(noise(p, 0.0), noise(p + 17.0, 0.0), noise(p + 31.0, 0.0)) + 0.5 * vec3(noise(q, 0.0), noise(q + 17.0, 0.0), noise(q + 31.0, 0.0));
+    return normalize(n + uneven * (off - 0.75));
 }
 
 // Distance from x, on the surface, along d through the glass to its surface [m].
@@ -161,7 +170,7 @@ const int in_air = 0, in_glass = 1, in_fluid = 2;
 float index_of(int medium) { return medium == in_air ? 1.0 : medium == in_glass ? glass_refraction : refraction; }
 
 void main() {
-    vec3 v = normalize(world - eye), n = normalize(world_normal), x = world, through = vec3(1.0), light = vec3(0.0), lamp = vec3(0.0);
+    vec3 v = normalize(world - eye), n = wandering(normalize(world_normal), world), x = world, through = vec3(1.0), light = vec3(0.0), lamp = vec3(0.0);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     float mirror = fresnel(-dot(n, v), glass_refraction);
     vec3 r = reflect(v, n), d = refract(v, n, 1.0 / glass_refraction);
@@ -177,7 +186,7 @@ void main() {
         if (medium == in_air) {
             if (!meets_glass(x, d, way, kind)) break;
             kind = background;
-            n = glass_normal(x, sharp);
+            n = wandering(glass_normal(x, sharp), x);
             if (dot(n, d) > 0.0) n = -n;
             through *= 1.0 - fresnel(-dot(n, d), glass_refraction);
             d = refract(d, n, 1.0 / glass_refraction);
@@ -188,7 +197,7 @@ void main() {
             way = way_in_glass(x, d);
             through *= exp(-glass_absorption * way);
             x += way * d;
-            n = glass_normal(x, sharp);
+            n = wandering(glass_normal(x, sharp), x);
             if (touches_fluid(x)) {
                 sharp = 0.0;
                 beyond = in_fluid;
