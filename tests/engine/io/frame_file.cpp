@@ -31,6 +31,7 @@ TEST_CASE("a frame reads back bit-identically, and a damaged file is named", "[i
     solid.translation = {0.1f, 0.2f, 0.3f};
     solid.velocity = {1, 2, 3}, solid.spin = {0, 0, -4};
     solid.appearance.material = "wood", solid.appearance.colour = {0.1f, 0.2f, 0.3f}, solid.container = true;
+    solid.appearance.texture = "a.png", solid.appearance.texture_size = 0.1f, solid.appearance.texture_mesh = "a.obj";
     frame.solids = {solid, FrameSolid{}};
     frame.emitters = {{Vec3f(0, 1, 0), Vec3f(1, 0, 0), Vec3f(0, 0, 1), 0.02f, 0.01f, true}};
 

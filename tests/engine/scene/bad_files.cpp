@@ -157,7 +157,7 @@ TEST_CASE("several mistakes are reported together, by location, with the command
         "fixed_step\n"
         "--set fluid.viscosity=-1: fluid.viscosity = -1 is out of range; allowed: at least 0\n"
         "--set quality.draft.seed=1: unknown key \"quality\"; allowed: name, seed, time, domain, fluid, models, pressure, viscosity, "
-        "micropolar, boundary, heat, block, emitter, solid, drain, stream, vortex, probe, change, panel, output, budget\n"
+        "micropolar, boundary, heat, block, emitter, solid, light, drain, stream, vortex, probe, change, panel, output, budget\n"
         "--set block[1].radius=1: block[1].shape is missing; kind of shape; allowed: box, sphere, cylinder, capsule, cone, torus or mesh");
 }
 
