@@ -3,9 +3,9 @@
 #include <tiny_gltf.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstring>
 #include <numbers>
-#include <span>
 
 #include "engine/core/errors.h"
 #include "engine/core/smooth_keys.h"
@@ -185,7 +185,7 @@ private:
                  "use LINEAR or CUBICSPLINE (in Blender: linear or Bezier keyframes)");
         return track;
     }
-    /// The numbers of an accessor with `width` numbers per entry: floats, or integers that stand for -1 to 1.
+    /// The floats of an accessor with `width` of them per entry.
     std::vector<double> numbers(int index, int width) const {
         const auto& m = model_;
         const auto within = [](int i, const auto& list) { return i >= 0 && i < static_cast<int>(list.size()); };
@@ -194,34 +194,23 @@ private:
         if (a.sparse.isSparse || !within(a.bufferView, m.bufferViews))
             fail("has an animation in a sparse accessor, which is not supported");
         const tinygltf::BufferView& view = m.bufferViews[static_cast<std::size_t>(a.bufferView)];
-        const int stride = a.ByteStride(view), size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
-        if (!within(view.buffer, m.buffers) || stride <= 0 || size <= 0 ||
-            tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)) != width)
+        if (a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
+            fail("has an animation with numbers other than floats, which are not supported");
+        const int stride = a.ByteStride(view);
+        if (!within(view.buffer, m.buffers) || stride <= 0 || tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)) != width)
             fail("has a damaged animation: a list of numbers has another type");
         const std::vector<unsigned char>& bytes = m.buffers[static_cast<std::size_t>(view.buffer)].data;
-        const std::size_t begin = view.byteOffset + a.byteOffset, row = static_cast<std::size_t>(width * size),
-                          step = static_cast<std::size_t>(stride);
-        if (a.count > 0 && (begin + row > bytes.size() || (bytes.size() - begin - row) / step < a.count - 1))
+        std::vector<float> row(static_cast<std::size_t>(width));
+        const std::size_t size = 4 * row.size(), step = static_cast<std::size_t>(stride), begin = view.byteOffset + a.byteOffset;
+        const bool ends = std::max({view.byteOffset, a.byteOffset, begin + size}) > bytes.size();
+        if (a.count > 0 && (ends || (bytes.size() - begin - size) / step < a.count - 1))
             fail("has a damaged animation: the file ends before its last key");
         std::vector<double> all;
-        for (std::size_t k = 0; k < a.count; ++k)
-            for (int c = 0; c < width; ++c)
-                all.push_back(number(bytes.data() + begin + k * step + static_cast<std::size_t>(c * size), a.componentType));
-        return all;
-    }
-    double number(const unsigned char* at, int type) const {
-        const auto as = [at](auto value) {
-            std::memcpy(&value, at, sizeof value);
-            return static_cast<double>(value);
-        };
-        switch (type) {
-            case TINYGLTF_COMPONENT_TYPE_FLOAT: return as(float());
-            case TINYGLTF_COMPONENT_TYPE_BYTE: return std::max(as(std::int8_t()) / 127, -1.0);
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return as(std::uint8_t()) / 255;
-            case TINYGLTF_COMPONENT_TYPE_SHORT: return std::max(as(std::int16_t()) / 32767, -1.0);
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return as(std::uint16_t()) / 65535;
-            default: fail("has an animation with numbers of an unknown type");
+        for (std::size_t k = 0; k < a.count; ++k) {
+            std::memcpy(row.data(), bytes.data() + begin + k * step, size);
+            all.insert(all.end(), row.begin(), row.end());
         }
+        return all;
     }
 
     const std::string& file_;

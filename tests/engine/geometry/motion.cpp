@@ -140,6 +140,7 @@ TEST_CASE("unusable animations are refused by name", "[geometry]") {
     CHECK(message([](auto& f) { f.json["accessors"][1]["count"] = 1000000; }).find("the file ends before its last key") !=
           std::string::npos);
     CHECK(message([](auto& f) { f.json["accessors"][1]["bufferView"] = 77; }).find("sparse accessor") != std::string::npos);
+    CHECK(message([](auto& f) { f.json["accessors"][1]["componentType"] = 5122; }).find("numbers other than floats") != std::string::npos);
     CHECK(message([](auto& f) { f.json["accessors"][1]["type"] = "VEC3"; }).find("another type") != std::string::npos);
     CHECK_THROWS_WITH(AnimationFile("a.fbx"), Catch::Contains("\".fbx\" is not a kind of animation file; allowed: .gltf, .glb"));
     CHECK_THROWS_WITH(AnimationFile(scratch / "none.glb"), Catch::Contains("it is not a valid glTF 2.0 file: "));
