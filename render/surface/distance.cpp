@@ -162,7 +162,7 @@ private:
 
 // Exact closest points of all voxels within `margin` of the surface. The nearest triangle decides on which side of the surface a voxel is.
 // If several triangles share the nearest point (on an edge or a corner), the one that faces the voxel most squarely decides. Voxels without
-// a near triangle are on the same side as the voxel before them in their row. Each row begins outside.
+// a near triangle are on the same side as the voxel before them in their row. Each row begins and ends outside.
 // @param side set for each voxel: -1 inside, 1 outside
 void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Closest& closest, std::vector<std::int8_t>& side) {
     const Slabs slabs(mesh, e, margin);
@@ -228,6 +228,8 @@ void near_surface(const TriangleMesh& mesh, const Volume& e, float margin, Close
                     if (distance2[i] < infinity) last = over[i] < 0 ? -1 : 1;
                     of_row[i] = last;
                 }
+                // A folded triangle at a sharp edge may put a voxel on the wrong side, and the rest of its row.
+                for (int i = e.nx - 1; i >= 0 && of_row[i] < 0 && !(distance2[i] < infinity); --i) of_row[i] = 1;
             }
     });
 }
