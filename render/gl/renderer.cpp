@@ -513,7 +513,7 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
     glDisable(GL_STENCIL_TEST);
 }
 
-/// Sets the uniforms of the inside of a transparent fluid (body.glsl).
+/// Sets the uniforms of the fluid's inside (body.glsl).
 void Renderer::Device::set_body(gl::Program& program, const Material& material) const {
     inks.bind(program, ink_unit, field.voxel());
     program.set("roughness", material.roughness);
@@ -521,6 +521,7 @@ void Renderer::Device::set_body(gl::Program& program, const Material& material) 
     program.set("absorption", Vec3f(material.absorption * field.voxel()));
     program.set("scatter", material.scatter);
     program.set("haze", material.haze * field.voxel());
+    program.set("body_colour", body_colour(material));
 }
 
 void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matrix, float weight) {
@@ -543,7 +544,6 @@ void Renderer::Device::shade_fluid(const Shot& shot, const Eigen::Matrix4f& matr
     program.set("to_clip", matrix);
     program.set("weight", weight);
     set_body(program, material);
-    program.set("body_colour", body_colour(material));
     program.set("emission", material.emission);
     program.set("cooling", shot.has_age ? material.cooling : 0.0f);
     program.set("softness", material.refracts ? 0.5f : material.softness);

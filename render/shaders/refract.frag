@@ -14,6 +14,7 @@ uniform vec3 glass_move;
 uniform float glass_voxel;          // m
 uniform vec3 glass_size;            // voxels
 uniform bool has_fluid;             // the fluid has a distance field
+uniform vec3 body_colour;           // of an opaque fluid
 uniform float behind;               // distance behind the glass at which a flow without a distance field is assumed [m]; 0: none
 uniform float glass_refraction;     // refractive index
 uniform vec3 glass_absorption;      // 1/m
@@ -130,7 +131,8 @@ vec3 light_from(vec3 x, vec3 d, float way, int kind) {
     if (kind <= ground) shown = shown && front == 0.0;
     if (kind == opaque) shown = shown && front > 0.0 && off < 3.0 * solid_voxel;
     if (kind == fluid) shown = shown && (of_fluid > 0.0 || behind > 0.0);
-    return shown ? textureLod(seen, at, 0.0).rgb : surroundings(x, d, 0.02, 1.8);
+    if (shown) return textureLod(seen, at, 0.0).rgb;
+    return kind == fluid && !clear_fluid ? body_colour * ambient(-d) : surroundings(x, d, 0.02, 1.8);
 }
 
 // Whether the fluid touches the glass at x, on its surface.
