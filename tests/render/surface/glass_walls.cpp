@@ -14,7 +14,7 @@ using namespace whorl::test;
 namespace {
 
 constexpr float cavity = 8, depth = 8, gap = 0.9f;  // spacings
-const Vec3f place(3, -2, 5);
+const Vec3f cavity_origin(3, -2, 5);
 
 /// Distance from the cavity's walls and floor, positive inside the cavity: of a cylinder on y = 0, or of a sphere about (0, 8, 0).
 float in_cavity(const Vec3f& own, bool sphere) {
@@ -29,7 +29,7 @@ Frame filled_vessel(bool sphere, const Mat3f& turn) {
     if (sphere) keys.rim = 4;
     else keys.from = {0, 0, 0}, keys.to = {0, 14, 0};
     FrameSolid vessel = solid_of(make_shape(keys)->mesh(Real(0.5), 0), "glass");
-    vessel.rotation = turn, vessel.translation = place + turn * Vec3f(0, sphere ? cavity : 0, 0);
+    vessel.rotation = turn, vessel.translation = cavity_origin + turn * Vec3f(0, sphere ? cavity : 0, 0);
     Frame frame;
     frame.spacing = 1;
     frame.solids = {vessel};
@@ -40,7 +40,7 @@ Frame filled_vessel(bool sphere, const Mat3f& turn) {
             const float part = (static_cast<float>(k) + 0.5f) / static_cast<float>(count);
             const auto add = [&](float across, float y, float angle) {
                 const Vec3f own(across * std::cos(angle), y, across * std::sin(angle));
-                if (y < depth) frame.position.push_back(turn * own + place);
+                if (y < depth) frame.position.push_back(turn * own + cavity_origin);
             };
             if (sphere) add(2 * r * std::sqrt(part * (1 - part)), cavity + r * (2 * part - 1), 2.39996f * static_cast<float>(k));
             else
@@ -60,7 +60,7 @@ TEST_CASE("fluid touches the glass of an open vessel although its particles keep
     float beyond = 0, widest = 0;
     int on_wall = 0;
     for (const Vec3f& x : surface.mesh.position) {
-        const Vec3f own = turn.transpose() * (x - place);
+        const Vec3f own = turn.transpose() * (x - cavity_origin);
         const float in = in_cavity(own, sphere);
         beyond = std::max(beyond, -in);
         if (own.y() > depth - 2) continue;  // the free surface
@@ -71,7 +71,7 @@ TEST_CASE("fluid touches the glass of an open vessel although its particles keep
     CHECK(widest < 0.15f);
     CHECK(on_wall > 1000);
     // The distance volume, in which rays are refracted, agrees.
-    CHECK(std::abs(interpolated(surface.distance, place)) < 0.1f);
+    CHECK(std::abs(interpolated(surface.distance, cavity_origin)) < 0.1f);
 }
 
 }  // namespace
