@@ -151,6 +151,41 @@ def fine_films(m):
     return markdown(columns, cells)
 
 
+# Scenes and the moments [s] up to which their images are measured; what draft and standard set for drawing.
+drawn_scenes = {"honey_coil": 1, "dam_break_obstacle": 0.4, "lava": 3, "stirred_tank": 0.4, "chocolate_cake": 2}
+drawn_as = {"draft": (), "standard": ("look.samples=8", "surface.smoothing=8", "camera.shutter=180")}
+image_stages = {"surface": "surface", "draw": "drawing", "write": "PNG file", "encode": "video"}
+
+
+def stage_seconds(m, run, name, settings, options):
+    """CPU seconds per frame that whorl draw prints, by stage, and the number of images."""
+    folder = m.out / f"pictures/{name}"
+    log = folder.with_name(folder.name + ".log")
+    panel = run.folder / "panels/1"
+    m.whorl("draw", panel if panel.exists() else run.folder, "--threads", 1, "--overwrite", "--out", folder, *options, *m.sets(settings),
+            log=log)
+    if m.dry:
+        return dict.fromkeys(image_stages, 0.0), 2
+    line = re.search(r"CPU seconds per frame: (.*)", log.read_text(encoding="utf-8"))[1]
+    found = {stage: float(seconds) for stage, seconds in (part.rsplit(" ", 1) for part in line.split(", ")) if stage in image_stages}
+    return found, len(list(folder.glob("frames/*")))
+
+
+@table("image_stages", "CPU time of an image by stage, at draft and standard", "10 minutes")
+def time_of_stages(m):
+    cells = []
+    for scene, until in filter(lambda item: m.wanted(item[0]), drawn_scenes.items()):
+        run = m.render(f"scenes/{scene}.toml", f"pictures/stages_{scene}", f"time.fps={4 / until:g}", images=True,
+                       options=["--quality", "draft", "--until", until, "--no-draw"])
+        for quality, settings in drawn_as.items():
+            name = f"stages_{scene}_{quality}"
+            whole, frames = stage_seconds(m, run, name, settings, [])
+            first, _ = stage_seconds(m, run, f"{name}_first", settings, ["--frames", 1])  # nearly all of it is the start of the program
+            seconds = [(frames * whole.get(stage, 0) - first.get(stage, 0)) / (frames - 1) for stage in image_stages]
+            cells.append([f"`{scene}`", quality, *(f"{max(part, 0):.2f}" for part in seconds), f"{sum(seconds):.2f}"])
+    return markdown(" | ".join(["scene", "", *(f"{name} [CPU s]" for name in image_stages.values()), "sum [CPU s]"]), cells)
+
+
 @table("gallery", "one frame of every scene", "1 to 5 minutes per scene that `films` has not run", files="docs/pictures/gallery",
        section=False)
 def gallery(m):
