@@ -27,7 +27,7 @@ public:
 
 private:
     int width_, height_;
-    gl::Programs program_{{"foam.vert"}, {"studio.glsl", "octahedral.glsl", "foam.frag"}};
+    gl::Programs program_{{"foam.vert"}, {"studio.glsl", "field.glsl", "octahedral.glsl", "foam.frag"}};
     gl::Vertices corners_{{3, 3, 4, 1}};
     gl::Framebuffer target_;
     GLuint picture_ = 0;

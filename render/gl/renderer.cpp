@@ -331,7 +331,10 @@ void Renderer::Device::draw_foam(const Shot& shot, const Frame& frame, float ope
     foam_pass->fill(frame, shot.look.foam);
     foam_pass->draw(samples.sum(),
                     {shot.view, shot.camera, shot.spacing, open, lighting.shadow_lamp(shot.look, shot.view), normal.id(), solid.id()},
-                    shot.constants, [&](gl::Program& program) { set_studio(program, shot); });
+                    shot.constants, [&](gl::Program& program) {
+                        set_studio(program, shot);
+                        field.bind(program, field_unit);
+                    });
 }
 
 /// Draws one sample. Each sample has its own position in the pixel, position on the lens, and moment while the shutter is open.
