@@ -88,6 +88,8 @@ Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light) 
         if (dense < least_density) dense = 0;
     find_blocks(grid, density, cloud);
     const std::vector<float> to_lamp = depth_towards(grid, density, thickness, light.towards);
+    std::vector<float> to_rim;
+    if (!light.rim.isZero()) to_rim = depth_towards(grid, density, thickness, light.rim_towards);
     // The sky light comes from four directions, the corners of a regular tetrahedron. One of them is the direction of the lamp.
     const Vec3f w = light.towards, u = w.unitOrthogonal(), v = w.cross(u);
     std::vector<float> open(nodes, 0);
@@ -102,7 +104,8 @@ Cloud lit_cloud(const FlowGrid& grid, float thickness, const CloudLight& light) 
         if (density[m] <= 0) return;
         const Vec3f colour = grid.value[m].head<3>() / grid.value[m][3];
         const float shade = std::exp(-to_lamp[m]);
-        const Vec3f falls = shade * light.lamp + (open[m] + shade / 4) * light.sky + Vec3f::Constant(light.glow);
+        Vec3f falls = shade * light.lamp + (open[m] + shade / 4) * light.sky + Vec3f::Constant(light.glow);
+        if (!to_rim.empty()) falls += std::exp(-to_rim[m]) * light.rim;
         cloud.lit[m].head<3>() = density[m] * colour.cwiseProduct(falls);
         cloud.lit[m][3] = density[m];
     });

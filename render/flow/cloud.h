@@ -9,10 +9,12 @@ namespace whorl {
 
 /// Light on a cloud, linear RGB.
 struct CloudLight {
-    Vec3f towards = Vec3f::UnitY();  ///< direction to the lamp, unit vector
-    Vec3f lamp = Vec3f::Ones();      ///< radiance of an unshaded white body in the light of the lamp
-    Vec3f sky = Vec3f::Zero();       ///< radiance of an unshaded white body in the ambient light
-    float glow = 0;                  ///< emitted radiance over the colour of the cloud
+    Vec3f towards = Vec3f::UnitY();      ///< direction to the lamp, unit vector
+    Vec3f lamp = Vec3f::Ones();          ///< radiance of an unshaded white body in the light of the lamp
+    Vec3f sky = Vec3f::Zero();           ///< radiance of an unshaded white body in the ambient light
+    Vec3f rim_towards = Vec3f::UnitY();  ///< direction to the rim light, unit vector
+    Vec3f rim = Vec3f::Zero();           ///< radiance of an unshaded white body in the rim light
+    float glow = 0;                      ///< emitted radiance over the colour of the cloud
 };
 
 /// Lit cloud on the nodes of a grid. A density of 1 is that of the strongest field.

@@ -30,6 +30,14 @@ float thickness_of(const FlowGrid& grid, float opacity) { return 4 * opacity / s
 
 Vec3f lamp_of(const View& view) { return studio_axes(view).transpose() * lamp_of_clouds(); }
 
+/// In a dark studio a light from behind separates the cloud from the backdrop.
+CloudLight light_of(const LookOptions& look, const View& view) {
+    const Studio studio = studio_of(look.background);
+    const Vec3f behind = studio_axes(view).transpose() * Vec3f(0.45f, 0.55f, -0.7f).normalized();
+    const float rim = look.background == "dark" ? 0.08f : 0;
+    return {lamp_of(view), 2.2f * studio.sun, 0.9f * studio.sky, behind, rim * studio.rim, 0.12f};
+}
+
 VortexLines lines_of(const Frame& frame, const LookOptions& look, const View& view, const std::vector<Eigen::Vector4f>& glow) {
     const auto vorticity = frame.vector.find("vorticity");
     if (vorticity == frame.vector.end()) return {};
@@ -87,8 +95,7 @@ Bounds FlowShapes::fill_cloud(const FlowGrid& grid, const LookOptions& look, con
     const Vec3f low = grid.origin - 0.5f * grid.cell;  // nodes are at the centres of texels
     cloud_box_.add(low), cloud_box_.add(low + grid.extent());
     cloud_thickness_ = thickness_of(grid, look.opacity);
-    const Studio studio = studio_of(look.background);
-    const Cloud cloud = lit_cloud(grid, cloud_thickness_, {lamp_of(view), 2.2f * studio.sun, 0.9f * studio.sky, 0.12f});
+    const Cloud cloud = lit_cloud(grid, cloud_thickness_, light_of(look, view));
     gl::fill_3d(cloud_light_, grid.n[0], grid.n[1], grid.n[2], cloud.lit[0].data(), 4);
     gl::fill_3d(cloud_blocks_, cloud.blocks[0], cloud.blocks[1], cloud.blocks[2], cloud.most.data());
     cloud_cell_ = grid.cell;

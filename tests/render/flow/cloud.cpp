@@ -52,6 +52,11 @@ TEST_CASE("an object in a cloud's light casts a shadow, and empty blocks are mar
     CHECK(upper[0] == Approx(std::exp(-200.0f / 24 / 2)).epsilon(1e-3));
     CHECK(lower[0] == Approx(upper[0] * std::exp(-200.0f / 24)).epsilon(1e-2));
     CHECK(upper[3] == 1);
+    // The rim light comes from below: the plates swap.
+    light.lamp = Vec3f::Zero(), light.rim = Vec3f(1, 1, 1), light.rim_towards = -Vec3f::UnitY();
+    const Cloud rimmed = lit_cloud(grid, 200, light);
+    CHECK(rimmed.lit[grid.index(12, 4, 12)][0] == Approx(upper[0]).epsilon(1e-3));
+    CHECK(rimmed.lit[grid.index(12, 20, 12)][0] == Approx(lower[0]).epsilon(1e-2));
     CHECK(cloud.blocks == std::array<int, 3>{3, 3, 3});
     CHECK(cloud.most[13 + 3] == 1);  // the middle block of the upper layer
     CHECK(cloud.most[0] == 0);
