@@ -52,7 +52,7 @@ std::vector<ScaleWarning> warnings_of_scale(const Scene& scene, const SceneShape
     }
     const auto cold = [&](const std::string& name, const std::optional<Expression>& T) {
         if (T && T->is_constant() && (*T)(0) < coldest && has_units(scene))
-            add(name + ".temperature", fmt::format(" = {:g} is {:.4g} degrees C; temperatures are in K", (*T)(0), (*T)(0) - 273.15));
+            add(name + ".temperature", fmt::format(" = {:g} is {:.0f} degrees C; temperatures are in K", (*T)(0), (*T)(0) - 273.15));
     };
     for (std::size_t i = 0; i < scene.blocks.size(); ++i) cold(entry_name("block", i), scene.blocks[i].temperature);
     for (std::size_t i = 0; i < scene.solids.size(); ++i) cold(entry_name("solid", i), scene.solids[i].heat.temperature);
