@@ -47,8 +47,8 @@ std::string planes(double depth) {
             Vec3d normal = Vec3d::Zero(), position = Vec3d::Zero();
             normal[axis] = side;
             if (side < 0) position[axis] = axis == 2 ? depth : 0.1;
-            all += fmt::format("[[solid]]\nshape = \"plane\"\nnormal = [{}, {}, {}]\nposition = [{}, {}, {}]\nslip = \"free\"\n", normal.x(),
-                               normal.y(), normal.z(), position.x(), position.y(), position.z());
+            all += fmt::format("[[solid]]\nshape = \"plane\"\nnormal = [{}, {}, {}]\nposition = [{}, {}, {}]\nslip = \"free\"\n",
+                               normal.x(), normal.y(), normal.z(), position.x(), position.y(), position.z());
         }
     return all;
 }
@@ -56,8 +56,8 @@ std::string planes(double depth) {
 }  // namespace
 
 TEST_CASE("water that circulates in a closed room gains no energy from edges and corners", "[validation][projection]") {
-    // The viscosity takes 1 % of the energy. The first steps, in which the lattice gives way, add up to 2.3 %. Without the treatment of edges
-    // the energy doubles, or the run diverges.
+    // The viscosity takes 1 % of the energy. The first steps, in which the lattice gives way, add up to 2.3 %. Without the treatment of
+    // edges the energy doubles, or the run diverges.
     constexpr double depth = 0.05;
     for (const std::string& walls : {box(depth, "no"), box(depth, "free"), planes(depth)}) {
         INFO(walls);
