@@ -258,7 +258,7 @@ TEST_CASE("a well conducting drop radiates as a lumped body", "[temperature]") {
     Warm drop(Domain{Vec3::Constant(-1), Vec3::Constant(1), {}}, options);
     drop.begin(Vec3::Zero(), Vec3::Constant(static_cast<Real>(8 * d)), 1200);
     const double time = 500, before = 1200;
-    drop.run(time, 40);
+    drop.run(time, 100);
     const double A = 6 * 64 * d * d, m = rho * 512 * d * d * d;
     const double exact = std::pow(1 / (before * before * before) + 3 * 0.8 * 5.670374e-8 * A * time / (m * c), -1.0 / 3);
     CAPTURE(drop.temperature(0), exact);
