@@ -11,8 +11,8 @@ uniform float roughness;
 uniform sampler2D picture_map;
 uniform vec2 picture_size;   // m
 uniform vec3 picture_middle; // m
-uniform bool picture_placed; // by the mesh
-in vec4 fluid_crust;         // xy: coordinates of the picture
+uniform bool picture_placed; // by picture_place
+in vec2 picture_place;
 layout(location = 0) out vec4 colour;
 layout(location = 1) out vec4 normals;
 layout(location = 2) out float away;
@@ -34,7 +34,7 @@ void main() {
     if (dot(n, way) > 0.0) n = -n;
     vec3 albedo = solid_colour;
     vec2 face = octahedral_encode(n), relief = face;
-    if (pattern == 6) albedo *= picture_placed ? picture_at(fluid_crust.xy) : projected();
+    if (pattern == 6) albedo *= picture_placed ? picture_at(picture_place) : projected();
     else if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;

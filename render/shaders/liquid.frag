@@ -134,7 +134,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         float mirror = fresnel(-dot(n, d), refraction) - 0.06;
         if (mirror > 0.0) {
             vec3 r = reflect(d, n);
-            light += mirror * through * mix(scatter * sky * 0.5, environment(r, min(blur, 1.0), 1.8), openness(p + n, r, 30.0));
+            light += mirror * through * mix(scatter * sky * 0.5, environment(world_of(p), r, min(blur, 1.0), 1.8), openness(p + n, r, 30.0));
             through *= 1.0 - mirror;
         }
         d = refract(d, n, 1.0 / refraction);

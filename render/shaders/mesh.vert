@@ -15,6 +15,7 @@ out vec3 world;
 out vec3 world_normal;
 out vec3 own;
 out vec3 own_normal;
+out vec2 picture_place;     // coordinates of a solid's picture, which it has in place of a crust
 out float fluid_age;
 flat out vec4 fluid_crust;  // of one corner
 out vec3 moved;             // displacement since the frame's time [m]
@@ -26,6 +27,7 @@ void main() {
     own_normal = normal;
     fluid_age = age;
     fluid_crust = crust;
+    picture_place = crust.xy;
     moved = moment * velocity;
     world = rotation * position + translation + moved;
     world_normal = rotation * normal;

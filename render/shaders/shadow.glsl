@@ -12,7 +12,7 @@ uniform float light_size;     // (radius of the light)/(its distance)
 // Position in the maps of q in the square of lamp i, away from the other squares on this mip level.
 vec2 in_square(int i, vec2 q, float level) {
     if (lamps < 2) return q;
-    float margin = 0.5 * exp2(ceil(level)) / float(textureSize(open_map, 0).y);
+    float margin = 0.5 * exp2(floor(level)) * (1.0 + fract(level)) / float(textureSize(open_map, 0).y);
     q = clamp(q, margin, 1.0 - margin);
     return vec2((q.x + float(i)) / float(lamps), q.y);
 }
@@ -34,8 +34,8 @@ vec3 key_at(int i, vec3 x, bool past_solids) {
     float level = max(log2(radius) - 1.0, 0.0);
     float apart = 0.5 * radius / float(textureSize(open_map, 0).y);
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < 8; ++i) {
-        float r = sqrt((float(i) + 0.5) / 8.0), angle = 2.39996 * float(i);
+    for (int k = 0; k < 8; ++k) {
+        float r = sqrt((float(k) + 0.5) / 8.0), angle = 2.39996 * float(k);
         sum += textureLod(open_map, in_square(i, q + 1.6 * apart * r * vec2(cos(angle), sin(angle)), level), level);
     }
     sum *= 0.125;

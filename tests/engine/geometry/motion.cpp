@@ -50,7 +50,7 @@ TEST_CASE("keys move a solid through each key without overshoot, with rates exac
     CHECK(rate_error(motion, 0.5, 2.5) < 1e-6);
 }
 
-TEST_CASE("a node moves with its parents; linear keys give the exact velocity of its points", "[geometry]") {
+TEST_CASE("a node moves with its parents, and linear keys give the exact velocity of its points", "[geometry]") {
     const test::ScratchFolder scratch;
     const double w = 2.5, end = 2;
     test::AnimatedNodes file = test::turning_node("Spoon", w, end, {0.2, 0.1, 0});

@@ -17,28 +17,20 @@ namespace {
 /// One Taylor-Green cell with a side of 0.1 m. @param depth of the room [m]; 0: in 2D
 Simulation room(double depth, double spacing, double viscosity, const std::string& walls, const std::string& more = "") {
     const bool plane = depth == 0;
-    return simulation_of(fmt::format(R"toml(
-[time]
-end = 10
-[domain]
-dimensions = {}
-min = [-0.03, -0.03, -0.03]
-max = [0.13, 0.13, 0.13]
-gravity = [0, 0, 0]
-[fluid]
-spacing = {}
-viscosity = {}
-[[block]]
-shape = "box"
-min = [0, 0, 0]
-max = [0.1, 0.1, {}]
-velocity = ["0.2*sin(10*pi*x)*cos(10*pi*y)", "-0.2*cos(10*pi*x)*sin(10*pi*y)", "0"]
-{}{})toml",
-                                     plane ? 2 : 3, spacing, viscosity, plane ? 0.1 : depth, more, walls));
+    const auto point = [&](double x, double y, double z) {
+        return plane ? fmt::format("[{}, {}]", x, y) : fmt::format("[{}, {}, {}]", x, y, z);
+    };
+    return simulation_of(fmt::format("[time]\nend = 10\n[domain]\ndimensions = {}\nmin = {}\nmax = {}\ngravity = {}\n", plane ? 2 : 3,
+                                     point(-0.03, -0.03, -0.03), point(0.13, 0.13, 0.13), point(0, 0, 0)) +
+                         fmt::format("[fluid]\nspacing = {}\nviscosity = {}\n[[block]]\nshape = \"box\"\nmin = {}\nmax = {}\n", spacing,
+                                     viscosity, point(0, 0, 0), point(0.1, 0.1, depth)) +
+                         "velocity = [\"0.2*sin(10*pi*x)*cos(10*pi*y)\", \"-0.2*cos(10*pi*x)*sin(10*pi*y)\"" + (plane ? "]\n" : ", 0]\n") +
+                         more + walls);
 }
 std::string box(double depth, const std::string& slip) {
-    return fmt::format("[[solid]]\nshape = \"box\"\nmin = [0, 0, {}]\nmax = [0.1, 0.1, {}]\ncontainer = true\nslip = \"{}\"\n",
-                       depth > 0 ? 0.0 : -0.1, depth > 0 ? depth : 0.1, slip);
+    const std::string low = depth > 0 ? ", 0" : "", high = depth > 0 ? fmt::format(", {}", depth) : "";
+    return fmt::format("[[solid]]\nshape = \"box\"\nmin = [0, 0{}]\nmax = [0.1, 0.1{}]\ncontainer = true\nslip = \"{}\"\n", low, high,
+                       slip);
 }
 std::string planes(double depth) {
     std::string all;
@@ -84,7 +76,7 @@ TEST_CASE("a vortex with a spin that hardly changes follows its equations betwee
     // theta is so large that the spin keeps curl u/2 of the start. With "eringen", mu = 0 and the rate r = nu_t k^2, k^2 = 2 (10 pi)^2, the
     // amplitude is (1 + exp(-r t))/2.
     Simulation simulation = room(0, 4e-3, 0, box(0, "free"),
-                                 "spin = [0, 0, \"0.2*10*pi*sin(10*pi*x)*sin(10*pi*y)\"]\n[models]\nmicropolar = \"eringen\"\n"
+                                 "spin = [0, 0, \"2*pi*sin(10*pi*x)*sin(10*pi*y)\"]\n[models]\nmicropolar = \"eringen\"\n"
                                  "[micropolar]\ntransfer_viscosity = 0.1\nxsph_velocity = 0\nxsph_spin = 0\n");
     const double start = mean_square_speed(simulation);
     run_until(simulation, 0.5);

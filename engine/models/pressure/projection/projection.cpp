@@ -68,35 +68,31 @@ void Projection::set_source(const Kernel& W, const Fields& f, Real dt) {
     });
 }
 
-/// Damps the part of the velocities that deviates from a linear flow, which no pressure resolves, between particles near the surface, and
-/// between particles near the edges of walls. Near a surface the rate is eight times the frequency of the shortest waves. With half of it
-/// gaps in a stretching surface grow, and a steep slosh diverges. At edges the rate is that at which the fastest fluid passes two
-/// spacings. Without it water that circulates in a closed box gains energy from the edges.
+/// Damps the part of the velocities that deviates from a linear flow, which no pressure resolves, between particles near the free surface,
+/// or in a full room between particles near the edges of walls. Near a surface the rate is eight times the frequency of the shortest waves.
+/// With half of it gaps in a stretching surface grow, and a steep slosh diverges. At edges the rate is that at which the fastest fluid
+/// passes two spacings. Without it water that circulates in a closed box gains energy from the edges.
 void Projection::damp_unresolved(const Fields& f) const {
     const ProjectionSystem& s = *system_;
     const auto& [context, step, role, u, p, solved, a] = f;
-    const bool surfaces = s.options.free_surface && s.shortest_waves(step) > 0;
-    if (!surfaces && !s.any_walls) return;
-    const Real fastest = std::sqrt(parallel_max(u.size(), 0, [&](Index i) { return u[i].squaredNorm(); }));
-    const auto share = [&](Real rate) { return std::min(Real(0.5), step.dt * rate) * step.volume; };
-    const Real of_surface = share(8 * s.shortest_waves(step)), of_edge = share(fastest / (2 * step.spacing));
+    if (s.options.free_surface ? !(s.shortest_waves(step) > 0) : !s.any_walls) return;
+    const Real rate = s.options.free_surface
+                          ? 8 * s.shortest_waves(step)
+                          : std::sqrt(parallel_max(u.size(), 0, [&](Index i) { return u[i].squaredNorm(); })) / (2 * step.spacing);
+    const Real share = std::min(Real(0.5), rate * step.dt) * step.volume;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
     std::vector<Mat3> half_gradient(u.size(), Mat3::Zero());
-    std::vector<char> where(u.size(), 0);
-    constexpr char surface = 1, edge = 2;
+    std::vector<char> damped(u.size(), 0);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(u.size(), [&](Index i) {
-            where[i] = surfaces && s.near_surface[i]                                          ? surface
-                       : s.any_walls && walls_near(context, i, Real(1.5) * step.spacing).meet ? edge
-                                                                                              : 0;
-            if (where[i] != 0) half_gradient[i] = difference_sum(W, context.pairs, i, step.volume, u.data()) * s.whole.correction[i] / 2;
+            damped[i] = s.options.free_surface ? s.near_surface[i] : walls_near(context, i, Real(1.5) * step.spacing).meet;
+            if (damped[i]) half_gradient[i] = difference_sum(W, context.pairs, i, step.volume, u.data()) * s.whole.correction[i] / 2;
         });
         parallel_for(u.size(), [&](Index i) {
-            if (where[i] == 0 || role[i] != 0) return;
-            const Real own = where[i] == surface ? of_surface : of_edge;
+            if (!damped[i] || role[i] != 0) return;
             context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-                if (where[j] == where[i] && role[j] == 0)
-                    change[i] += own * W.value(distance) * (u[j] - u[i] + (half_gradient[i] + half_gradient[j]) * r);
+                if (damped[j] && role[j] == 0)
+                    change[i] += share * W.value(distance) * (u[j] - u[i] + (half_gradient[i] + half_gradient[j]) * r);
             });
         });
     });

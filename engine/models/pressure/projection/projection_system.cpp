@@ -241,7 +241,7 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
                     });
                     s.touches[k++] = {q, flux, above - d / 2};
                 });
-                if (const NearWalls walls = walls_near(context, i, step.support); walls.meet) {
+                if (const NearWalls walls = s.options.free_surface ? NearWalls{} : walls_near(context, i, step.support); walls.meet) {
                     wall_trace = wall_kernel = wall_slopes = 0;
                     wall.setZero(), wall_spread.setZero();
                     each_site_behind(walls, step, [&](const Vec3& to, Real distance) { add_wall(s.gate[i] * V, to, distance); });
