@@ -183,7 +183,7 @@ TEST_CASE("the page gets the variables of each key, and each scene once", "[tool
     const json keys = live.get("/keys").json();
     std::map<std::string, std::string> variables;
     for (const json& key : keys.at("keys")) variables[key.at("path")] = key.at("variables");
-    CHECK(variables.at("fluid.viscosity") == "x, y, z, age");
+    CHECK(variables.at("fluid.viscosity") == "x, y, z, age, temperature");
     CHECK(variables.at("emitter[0].speed") == "t");
     std::multiset<std::string> films;
     for (const json& name : keys.at("scenes")) films.insert(name.get<std::string>());
