@@ -1,9 +1,15 @@
 #include "engine/models/boundary/near_walls.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace whorl {
+
+bool NearWalls::meet(Real reach) const {
+    for (std::size_t k = 0; k < count && height[k] < reach; ++k)
+        for (std::size_t l = 0; l < k; ++l)
+            if (std::abs(normal[k].dot(normal[l])) < Real(0.9)) return true;
+    return false;
+}
 
 NearWalls walls_near(const InteractionContext& context, Index i, Real reach) {
     NearWalls found;
@@ -33,14 +39,9 @@ NearWalls walls_near(const InteractionContext& context, Index i, Real reach) {
         });
         if (nearest < 0) break;
         const Vec3 normal = seen[directions++] = boundary.normal[nearest];
-        bool between = true, crosses = false;
-        for (std::size_t k = 0; k < found.count; ++k) {
-            between = between && facing(normal, least, k);
-            crosses = crosses || std::abs(found.normal[k].dot(normal)) < Real(0.9);
-        }
-        if (!between) continue;
-        found.meet = found.meet || crosses;
-        found.normal[found.count] = normal, found.height[found.count] = least, found.nearest[found.count++] = nearest;
+        bool between = true;
+        for (std::size_t k = 0; k < found.count; ++k) between = between && facing(normal, least, k);
+        if (between) found.normal[found.count] = normal, found.height[found.count++] = least;
     }
     return found;
 }

@@ -10,12 +10,12 @@ namespace whorl {
 struct NearWalls {
     static constexpr std::size_t most = 6;
     std::size_t count = 0;
-    bool meet = false;                ///< whether two of them are not parallel
-    std::array<Vec3, most> normal;    ///< into the fluid
-    std::array<Real, most> height;    ///< of the particle above the wall [m]
-    std::array<Index, most> nearest;  ///< boundary particle of the wall
+    std::array<Vec3, most> normal;  ///< into the fluid
+    std::array<Real, most> height;  ///< of the particle above the wall [m]
     /// Height above wall k of the point at `from_particle` [m], relative to the particle.
     Real above(std::size_t k, const Vec3& from_particle) const { return height[k] + from_particle.dot(normal[k]); }
+    /// Whether two of the walls within `reach` [m] of the particle are not parallel.
+    bool meet(Real reach) const;
 };
 
 /// The walls within `reach` [m] of particle i that face each other or meet in a concave edge. Of walls that meet in a convex edge, only the

@@ -82,10 +82,9 @@ void Projection::damp_unresolved(const Fields& f) const {
     const Real share = std::min(Real(0.5), rate * step.dt) * step.volume;
     std::vector<Vec3> change(u.size(), Vec3::Zero());
     std::vector<Mat3> half_gradient(u.size(), Mat3::Zero());
-    std::vector<char> damped(u.size(), 0);
+    const std::vector<char>& damped = s.options.free_surface ? s.near_surface : s.near_edge;
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(u.size(), [&](Index i) {
-            damped[i] = s.options.free_surface ? s.near_surface[i] : walls_near(context, i, Real(1.5) * step.spacing).meet;
             if (damped[i]) half_gradient[i] = difference_sum(W, context.pairs, i, step.volume, u.data()) * s.whole.correction[i] / 2;
         });
         parallel_for(u.size(), [&](Index i) {

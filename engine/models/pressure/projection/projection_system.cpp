@@ -199,14 +199,13 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
     const BoundaryParticles& boundary = context.boundary;
     const Index n = context.pairs.size();
     s.whole.resize(n), s.spread.resize(n), s.inward.resize(n);
-    s.gate.resize(n), s.air.assign(n, 0), s.surface.assign(n, 0), s.near_surface.assign(n, 0);
+    s.gate.resize(n), s.air.assign(n, 0), s.surface.assign(n, 0), s.near_surface.assign(n, 0), s.near_edge.assign(n, 0);
     s.first_touch.assign(static_cast<std::size_t>(n) + 1, 0);
     s.any_walls = boundary.size() > 0 && !context.solid_pairs.other.empty();
     if (s.any_walls)
         for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(context.solid_pairs.count(i));
     s.touches.resize(s.first_touch[n]);
-    s.mirrors.find(context, std::none_of(context.solids.all.begin(), context.solids.all.end(),
-                                         [](const Solid& solid) { return solid.slides_freely(); }));
+    s.mirrors.find(context);
     const Real d = step.spacing, V = step.volume;
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
 
@@ -230,27 +229,22 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
             };
             if (s.any_walls && context.solid_pairs.count(i) > 0) {
                 s.gate[i] = s.options.gate.weight(W, i, context.solid_pairs, boundary.volume, 1);
+                const NearWalls walls = s.options.free_surface ? NearWalls{} : walls_near(context, i, step.support);
+                const bool meet = walls.meet(step.support);
+                s.near_edge[i] = meet && walls.meet(Real(1.5) * d);
                 std::size_t k = s.first_touch[i];
                 context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
                     const Vec3& normal = boundary.normal[q];
                     const Real volume = s.gate[i] * of_layer * boundary.volume[q], above = r.dot(normal);
+                    const bool open = above > 0 && !(meet && covered(walls, normal, -r, d));
                     Real flux = 0;
                     each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real) {
-                        if (above > 0) flux += 2 * volume * W.slope(distance) * to.dot(normal);
-                        add_wall(volume, to, distance);
+                        if (open) flux += 2 * volume * W.slope(distance) * to.dot(normal);
+                        if (!meet) add_wall(volume, to, distance);
                     });
                     s.touches[k++] = {q, flux, above - d / 2};
                 });
-                if (const NearWalls walls = s.options.free_surface ? NearWalls{} : walls_near(context, i, step.support); walls.meet) {
-                    wall_trace = wall_kernel = wall_slopes = 0;
-                    wall.setZero(), wall_spread.setZero();
-                    each_site_behind(walls, step, [&](const Vec3& to, Real distance) { add_wall(s.gate[i] * V, to, distance); });
-                    k = s.first_touch[i];
-                    context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
-                        if (covered(walls, boundary.normal[q], -r, d)) s.touches[k].flux = 0;
-                        ++k;
-                    });
-                }
+                if (meet) each_site_behind(walls, step, [&](const Vec3& to, Real distance) { add_wall(s.gate[i] * V, to, distance); });
                 match_fluxes(context, i, own.imbalance, s);
             }
             s.spread[i] = own.spread + wall_spread;

@@ -132,6 +132,7 @@ struct ProjectionSystem {
     Column<Vec3> surface_normal;    ///< outward normal of particles with a surface_pressure
     Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
+    std::vector<char> near_edge;           ///< 1: in a full room, within 1.5 d of two walls that meet
     Mirrors mirrors;                       ///< images of the fluid behind flat walls along which it slips freely
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;
