@@ -28,7 +28,7 @@ std::vector<std::string> background_names();
 
 /// Rotation from world to studio axes: x to the right of the image, y up, z towards the viewer.
 Mat3f studio_axes(const View& view);
-/// Rotation about y by an angle [degrees] that takes away a surround's turn: world -> axes of a panorama, studio -> axes of its lamps.
+/// Rotation about y by an angle [degrees] that undoes the turn of a surround: world -> axes of a panorama, studio -> axes of its lamps.
 Mat3f turned_back(float degrees);
 /// Direction to the light that casts the shadow, unit vector in studio axes: high, behind and to the left. The light passes through the
 /// fluid, and the shadow falls towards the viewer.

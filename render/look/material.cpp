@@ -89,7 +89,7 @@ const std::vector<std::pair<std::string, SolidMaterial>>& solid_presets() {
         {"dark", {{0.05f, 0.05f, 0.055f}, 0.35f, 0, Pattern::plain}},
         {"rock", {{0.10f, 0.09f, 0.085f}, 1.0f, 0, Pattern::rock}},
         {"glass", {{0.85f, 0.9f, 0.9f}, 0.05f, 0, Pattern::plain, 1.5f, {4, 1, 2}}},
-        // Ratios of the absorption as measured (Warren and Brandt 2008), ten times as strong: a piece of ice stands for a block.
+        // Ratios of the absorption as measured (Warren and Brandt 2008), ten times as strong, so that a small piece looks like a block.
         {"ice", {{0.9f, 0.95f, 1.0f}, 0.25f, 0, Pattern::plain, 1.31f, {2.5f, 0.6f, 0.2f}}},
         {"cloth", {{0.72f, 0.68f, 0.60f}, 1.0f, 0, Pattern::cloth}},
     };

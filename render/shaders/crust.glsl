@@ -72,12 +72,12 @@ Crust crust_at(vec4 nearest, vec3 x, float age, float width) {
     float old = age / cooling, groove = 1e3, fire = 0.0, rim = 0.0;
     for (int k = 0; k < 3; ++k) {
         Crack crack = crack_between(own, other[k], old);
-        float beside = crack.edge - crack.gape;
+        float from_edge = crack.edge - crack.gape;
         // The middle is the hottest. A crack thinner than a pixel is faint.
-        float inside = 1.0 - smoothstep(-0.5 * width, 0.5 * width + 0.02, beside), thin = clamp(2.0 * crack.gape / width, 0.0, 1.0);
+        float inside = 1.0 - smoothstep(-0.5 * width, 0.5 * width + 0.02, from_edge), thin = clamp(2.0 * crack.gape / width, 0.0, 1.0);
         fire = max(fire, inside * thin * crack.heat * (1.0 - 0.45 * clamp(crack.edge / max(crack.gape, 1e-3), 0.0, 1.0)));
-        rim = max(rim, crack.heat * smoothstep(0.0, 0.4, crack.gape) * exp(-4.0 * max(beside, 0.0)));
-        groove = min(groove, beside);
+        rim = max(rim, crack.heat * smoothstep(0.0, 0.4, crack.gape) * exp(-4.0 * max(from_edge, 0.0)));
+        groove = min(groove, from_edge);
     }
     Crust c;
     c.cold = smoothstep(0.7, 1.5, old + 0.9 * (rough - 0.5) + 0.15 * min(groove, 3.0));

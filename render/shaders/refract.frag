@@ -141,8 +141,8 @@ bool touches_fluid(vec3 x) {
     return has_fluid && near_distance(p) + length(outside) < 0.5 + 0.1 * glass_voxel / voxel;
 }
 
-// Where a ray from x along d through air ends, if it does not meet glass: moves x to the glass, and returns whether there is any.
-// @param way output: m @param kind output: object that it meets
+// Moves x to the glass that a ray from x along d through air meets, and returns whether it meets any.
+// @param way output: distance to the object that the ray meets without glass [m] @param kind output: that object
 bool meets_glass(inout vec3 x, vec3 d, out float way, out int kind) {
     way = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6;
     kind = way < 1e6 ? ground : background;

@@ -41,7 +41,7 @@ Crust crust_of(Span<const Vec3f> vertex, const Frame& frame, Span<const float> g
         middle.push_back(frame.position[i]);
     }
     const ParticleRows rows(middle, plate_reach * frame.spacing);
-    // Of two middles close together the larger plate swallows the other: the line between them would be undetermined.
+    // If two middles are close together, the larger plate replaces the other: the line between them would be undetermined.
     const float close = 0.8f * plate_distance * frame.spacing;
     std::vector<float> shrinks(middle.size(), 0);
     for (std::size_t k = 0; k < middle.size(); ++k)

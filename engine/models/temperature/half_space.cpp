@@ -11,7 +11,7 @@ HalfSpace::HalfSpace(KernelForm kernel, Real support, Real spacing) : kernel_(ke
     const double R = static_cast<double>(support), d = static_cast<double>(spacing);
     over_step_ = static_cast<Real>(steps / R), face_ = plane ? spacing : spacing * spacing;
     with_kernel(kernel, support, [&](const auto& W) {
-        // Of the sphere with radius r, the area beyond the plane, and the integral of the distance from the plane's parallel through the
+        // For the sphere with radius r: its area beyond the plane, and the integral of the distance from the plane's parallel through the
         // particle over that area.
         for (int k = 0; k <= steps; ++k) {
             const double s = R * k / steps, dr = (R - s) / parts;

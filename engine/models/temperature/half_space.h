@@ -1,5 +1,5 @@
 #pragma once
-/// Sums over a half-space of solid or air beside a particle, and the areas that follow from them.
+/// Sums over a half-space of solid or air next to a particle, and the areas that follow from them.
 #include <algorithm>
 #include <vector>
 
@@ -26,9 +26,9 @@ public:
     /// lattice, the area is d^(D-1) p, and 0 below p = 0.4. On lattices and on particles up to a fifth of a spacing off them, the total is
     /// within 7 % for boxes of 8 spacings and more, balls with a radius of 4 and sheets of 1, 3 and more layers; a sheet of two layers with
     /// a support of 3 spacings has up to a fifth too much.
-    /// @param moment sum over fluid and solids @param beside part of it by solids beside the surface, which cover as much of the air
-    Real shown_area(Real moment, Real beside = 0) const {
-        const Real open = std::max(Real(0.3), 1 - beside / full_), p = (full_ - moment) / (lacking_ * open),
+    /// @param moment sum over fluid and solids @param by_solids part of it by solids next to the surface, which cover as much of the air
+    Real shown_area(Real moment, Real by_solids = 0) const {
+        const Real open = std::max(Real(0.3), 1 - by_solids / full_), p = (full_ - moment) / (lacking_ * open),
                    t = std::clamp(Real(2.5) * p - 1, Real(0), Real(1));
         return face_ * p * t * t * (3 - 2 * t);
     }

@@ -43,7 +43,7 @@ void Heat::meet_air(const InteractionContext& context, Read<field::role> role, R
         Real moment = moment_[i];
         if (role[i] < 0 || half_space_.shown_area(moment) == 0) return;
         Vec3 out = lacking_[i];
-        Mat3 beside = Mat3::Zero();  // moments of solids, by the directions along their surfaces
+        Mat3 by_solids = Mat3::Zero();  // moments of solids, by the directions along their surfaces
         bool near = false;
         for (const Solid& solid : context.solids.all) {
             const Real s = solid.distance(x[i]);
@@ -51,10 +51,10 @@ void Heat::meet_air(const InteractionContext& context, Read<field::role> role, R
             near = true;
             const Vec3 normal = solid.normal(x[i]);
             const Real behind = half_space_.moment(s);
-            moment += behind, out += half_space_.pull(s) * normal, beside += behind * (Mat3::Identity() - normal * normal.transpose());
+            moment += behind, out += half_space_.pull(s) * normal, by_solids += behind * (Mat3::Identity() - normal * normal.transpose());
         }
         const Vec3 outward = out / std::max(out.norm(), min_positive);
-        const Real area = half_space_.shown_area(moment, near ? outward.dot(beside * outward) : 0);
+        const Real area = half_space_.shown_area(moment, near ? outward.dot(by_solids * outward) : 0);
         if (area == 0) return;
         // In a corner of a solid more is covered than by the nearest face.
         if (Real behind = 0; near && context.solids.nearest(x[i] + d * outward, behind) >= 0 && behind < d / 4) return;

@@ -37,7 +37,7 @@ private:
     HeatOptions options_;
     std::vector<SolidHeat> solids_;
     HalfSpace half_space_;
-    // Of a step.
+    // Values of one step.
     std::vector<Real> moment_;              ///< sum_j V |W'| r; then n
     std::vector<Real> conductance_, gain_;  ///< of solids and air [W/K], and what they give at the temperature before the step [W]
     std::vector<Real> change_;              ///< of the temperature [K]

@@ -299,7 +299,7 @@ TEST_CASE("OBJ, PLY, STL and glTF, ascii and binary, give the same cube", "[geom
             REQUIRE(shape->distance(2 * x + Vec3(1, 0, 0)) == Approx(2 * cube->distance(x)).margin(1e-5));
         }
     }
-    // Of a named node, the mesh in the axes of the node.
+    // The mesh of a named node, in the axes of the node.
     std::string moved = gltf;
     moved.replace(moved.find("[1, 0, 0]}]"), 11, "[1, 0, 7], \"name\": \"cube\"}]");
     const std::filesystem::path file = temporary("moved.gltf", moved);

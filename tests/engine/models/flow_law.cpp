@@ -86,21 +86,21 @@ TEST_CASE("only fluid with a yield stress or flow index has a shear rate, and a 
 }
 
 TEST_CASE("a yield stress is refused with other viscosities, spin, or without a viscosity, and the fix is named", "[plan][yield]") {
-    const auto told = [](const std::string& law, const std::string& models) {
+    const auto message_of = [](const std::string& law, const std::string& models) {
         return messages_with({}, text::time(1) + text::domain({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}) + text::fluid(0.02, 0, law) +
                                      "[models]\n" + models + "\n" + text::block({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}));
     };
     const std::string ppe = "pressure = \"ppe\"\n";
     for (const std::string other : {"explicit", "xsph", "none", "full_assembled"})
-        CHECK_THAT(told(bingham, ppe + "viscosity = \"" + other + "\""),
+        CHECK_THAT(message_of(bingham, ppe + "viscosity = \"" + other + "\""),
                    Catch::Contains("fluid.yield_stress makes the viscosity depend on the strain rate, which models.viscosity = \"" + other +
                                    "\" does not support; use models.viscosity = \"full\" with viscosity.correction = true, or "
                                    "models.pressure = \"coupled\""));
-    CHECK_THAT(told(bingham, ppe + "viscosity = \"full\"\n[viscosity]\ncorrection = false"), Catch::Contains("does not support"));
-    CHECK_THAT(told(bingham, "micropolar = \"bender\""), Catch::Contains("micropolar fluids have one viscosity"));
-    CHECK_THAT(told("yield_stress = 30\n", ""), Catch::Contains("set fluid.viscosity, the plastic viscosity of a Bingham fluid"));
-    CHECK_THAT(told("viscosity = 3\nflow_index = 0.5\n", ""), Catch::Contains("fluid.flow_index = 0.5 needs a consistency"));
-    CHECK_THAT(told("viscosity = 3\nconsistency = 2\n", ""), Catch::Contains("both give K; remove fluid.viscosity"));
-    CHECK(told(bingham, "") == "no error");
-    CHECK(told("yield_stress = 30\nconsistency = 2\nflow_index = 0.5\n", ppe) == "no error");
+    CHECK_THAT(message_of(bingham, ppe + "viscosity = \"full\"\n[viscosity]\ncorrection = false"), Catch::Contains("does not support"));
+    CHECK_THAT(message_of(bingham, "micropolar = \"bender\""), Catch::Contains("micropolar fluids have one viscosity"));
+    CHECK_THAT(message_of("yield_stress = 30\n", ""), Catch::Contains("set fluid.viscosity, the plastic viscosity of a Bingham fluid"));
+    CHECK_THAT(message_of("viscosity = 3\nflow_index = 0.5\n", ""), Catch::Contains("fluid.flow_index = 0.5 needs a consistency"));
+    CHECK_THAT(message_of("viscosity = 3\nconsistency = 2\n", ""), Catch::Contains("both give K; remove fluid.viscosity"));
+    CHECK(message_of(bingham, "") == "no error");
+    CHECK(message_of("yield_stress = 30\nconsistency = 2\nflow_index = 0.5\n", ppe) == "no error");
 }

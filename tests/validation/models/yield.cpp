@@ -1,4 +1,4 @@
-/// Fluids that stand until their yield stress is exceeded, against exact flows (docs/physics.md 4, "Yield stress").
+/// Fluids that do not flow until their yield stress is exceeded, against exact flows (docs/physics.md 4, "Yield stress").
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -88,7 +88,7 @@ struct Coaxial {
     }
 };
 
-/// As compare() of a film. The plug is the fluid slower than 2 % of the inner cylinder.
+/// Compares the profile like compare() of a film. The plug is the fluid slower than 2 % of the inner cylinder.
 Found compare(const Coaxial& flow, const Simulation& s) {
     Found found;
     const double fastest = flow.exact(flow.a);
