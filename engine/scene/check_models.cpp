@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/models/viscosity/ageing_viscosity.h"
 #include "engine/models/viscosity/assembled_viscosity.h"
 #include "engine/scene/checks.h"
 #include "engine/scene/names.h"
@@ -122,7 +123,11 @@ void check_slip(const Scene& scene, const Plan& plan, const KeyProblems& report)
 
 void check_flow_law(const Scene& scene, const Plan& plan, const KeyProblems& report) {
     if (!scene.fluid.flow_law().acts()) return;
-    const std::string key = scene.fluid.yield_stress > 0 ? "fluid.yield_stress" : "fluid.flow_index";
+    const std::string key = scene.fluid.flow_law().yields() ? "fluid.yield_stress" : "fluid.flow_index";
+    const auto [coldest, warmest] = temperature_range(scene);
+    for (const double T : sample_times(coldest, warmest))
+        if (const double tau = scene.fluid.yield_stress(0, Vec3d::Zero(), T); !is_viscosity(tau))
+            return report(key, fmt::format("{} is {:.4g} Pa at {:.4g} K", key, tau, T), "", allowed_instead_of(tau));
     if (!plan.traits.pressure.solves_viscosity && !plan.traits.viscosity.yields)
         report(key,
                fmt::format("{} makes the viscosity depend on the strain rate, which models.viscosity = {} does not support", key,

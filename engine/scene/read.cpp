@@ -113,7 +113,7 @@ private:
                              "set fluid.consistency [Pa s^n], which then replaces fluid.viscosity");
         const bool thick = fluid.viscosity.text() != "0" || std::any_of(scene_.emitters.begin(), scene_.emitters.end(),
                                                                         [](const EmitterKeys& e) { return e.viscosity.has_value(); });
-        if (fluid.yield_stress > 0 && !thick)
+        if (fluid.flow_law().yields() && !thick)
             reader_.disagree({"fluid.yield_stress"}, "fluid with a yield stress needs a viscosity for its flow",
                              "set fluid.viscosity, the plastic viscosity of a Bingham fluid [Pa s], or fluid.consistency [Pa s^n]");
     }
@@ -135,14 +135,17 @@ private:
         }
         if (scene_.any_temperature()) return;
         const std::string fix = "give a [[block]], [[emitter]] or [[solid]] a temperature [K]";
+        const auto cold = [&](const std::string& key) {
+            reader_.disagree({key}, key + " depends on temperature, and the scene has none", fix);
+        };
+        if (depends_on_temperature(scene_.fluid.yield_stress)) cold("fluid.yield_stress");
         for (const Key& key : scene_keys().find_part("heat")->table->keys)
             if (const std::string name = "heat." + key.name; key.get(&scene_.heat).toml() != key.standard.toml())
                 reader_.disagree({name}, name + " has no effect: the scene has no temperature", fix);
         for (std::size_t k = 0; k <= scene_.emitters.size(); ++k) {
             const bool own = k > 0 && scene_.emitters[k - 1].viscosity;
             if ((k > 0 && !own) || !depends_on_temperature(scene_.viscosity_of_source(k))) continue;
-            const std::string key = own ? entry_name("emitter", k - 1) + ".viscosity" : "fluid.viscosity";
-            reader_.disagree({key}, key + " depends on temperature, and the scene has none", fix);
+            cold(own ? entry_name("emitter", k - 1) + ".viscosity" : "fluid.viscosity");
         }
     }
     void frames() {
@@ -389,6 +392,12 @@ Scene read_scene(const std::string& file, const ReadRequest& request) { return r
 
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request) {
     return read_root(parse_toml(text, file), file, request);
+}
+
+FlowLaw FluidKeys::flow_law(double T) const {
+    FlowLaw law{yield_stress(0, Vec3d::Zero(), T), flow_index};
+    if (depends_on_temperature(yield_stress)) law.of_particles = std::make_shared<Column<Real>>();
+    return law;
 }
 
 bool Scene::any_temperature() const {

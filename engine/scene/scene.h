@@ -97,10 +97,11 @@ struct FluidKeys {
     double spacing = 0;                 ///< m
     double density = 1000;              ///< kg/m^3
     Expression viscosity{0.0};          ///< Pa s, a function of the initial x, y, z, of age and of temperature
-    double yield_stress = 0;            ///< Pa
+    Expression yield_stress{0.0};       ///< Pa, a function of temperature
     std::optional<double> consistency;  ///< Pa s^n; if set, also the value of viscosity
     double flow_index = 1;              ///< n
-    FlowLaw flow_law() const { return {yield_stress, flow_index}; }
+    /// @param T a temperature for FlowLaw::yield_stress [K]
+    FlowLaw flow_law(double T = 0) const;
     double surface_tension = 0;        ///< N/m
     double ink_diffusion = 0;          ///< m^2/s
     int ink_markers = 2;               ///< per spacing, along each axis

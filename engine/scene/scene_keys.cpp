@@ -79,9 +79,10 @@ KeyTable fluid_keys() {
         .of("xyzaT")
         .live();
     t.key("yield_stress", &FluidKeys::yield_stress, "Pa",
-          "shear stress up to which the fluid does not flow, so that it stands and flows as a plug: cream, paste, mud; needs coupled "
-          "pressure or full viscosity")
+          "shear stress up to which the fluid does not flow, so that it stands and flows as a plug: cream, paste, mud; a function of the "
+          "particle's temperature in K; needs coupled pressure or full viscosity")
         .at_least(0)
+        .of("T")
         .live();
     t.key("consistency", &FluidKeys::consistency, "Pa s^n",
           "K in the stress yield_stress + K (shear rate)^flow_index; auto: fluid.viscosity, for a flow_index of 1")

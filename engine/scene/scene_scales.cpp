@@ -294,7 +294,7 @@ private:
 
     void steps(double support) {
         n_.speed = std::max(n_.speed, std::sqrt(n_.speed * n_.speed + 2 * n_.gravity * n_.fall));
-        if (const FlowLaw law = scene_.fluid.flow_law(); law.acts())  // in the fastest shear over a spacing
+        if (const FlowLaw law = scene_.fluid.flow_law(temperature_range(scene_)[1]); law.acts())  // in the fastest shear over a spacing
             for (double* mu : {&n_.viscosity, &n_.least_viscosity}) *mu = law.apparent_viscosity(*mu, n_.speed / d_);
         n_.nu = n_.viscosity / scene_.fluid.density;
         n_.step = n_.speed > 0 ? std::min(scene_.time.max_step, scene_.time.cfl * d_ / n_.speed) : scene_.time.max_step;

@@ -154,6 +154,7 @@ private:
         force();
         // Gravity, pressure and viscosity are one solve. Its work, the potential energy that the move releases, and the energy that the
         // contact removes therefore all count as work of viscosity.
+        melting_yield_stress(law);
         if (law.acts()) stage("coupled solve", "pressure", CoupledYieldingSolve{system, law}, &EnergyBudget::viscosity);
         else stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
@@ -355,14 +356,19 @@ private:
         else stage("ageing", "viscosity", AgeingViscosity{std::move(of_source)});
     }
 
+    void melting_yield_stress(const FlowLaw& law) {
+        if (law.of_particles) stage("melting yield stress", "viscosity", MeltingYieldStress{scene_.fluid.yield_stress, law.of_particles});
+    }
+
     void explicit_viscosity() { stage("explicit viscosity", "viscosity", ExplicitViscosity{viscosity()}, &EnergyBudget::viscosity); }
 
     void implicit_viscosity() {
         if (plan_.viscosity == ViscosityModel::full_assembled)
             stage("assembled viscosity", "viscosity", AssembledViscosity(viscosity()), &EnergyBudget::viscosity);
-        else if (const FlowLaw law = scene_.fluid.flow_law(); law.acts())
+        else if (const FlowLaw law = scene_.fluid.flow_law(); law.acts()) {
+            melting_yield_stress(law);
             stage("full viscosity", "viscosity", YieldingViscosity(viscosity(), law), &EnergyBudget::viscosity);
-        else if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(viscosity()), &EnergyBudget::viscosity);
+        } else if (scene_.viscosity.correction) stage("full viscosity", "viscosity", FullViscosity(viscosity()), &EnergyBudget::viscosity);
         else stage("uncorrected viscosity", "viscosity", UncorrectedViscosity(viscosity()), &EnergyBudget::viscosity);
     }
 

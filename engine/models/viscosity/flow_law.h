@@ -19,8 +19,11 @@
 /// viscosity d tau/d gamma among the particle and its neighbours. With mu they would bear a stress of the order of tau_y where fluid shears
 /// within a few spacings: a plug would be thicker by half a spacing, and a layer that slides on a thin film would not start to move.
 #include <cmath>
+#include <memory>
 
 #include "engine/core/column.h"
+#include "engine/math/expression.h"
+#include "engine/models/temperature/temperature.h"
 #include "engine/particles/field.h"
 #include "engine/particles/step_context.h"
 
@@ -39,24 +42,35 @@ struct apparent_viscosity {
 }  // namespace field
 
 struct FlowLaw {
-    double yield_stress = 0;   ///< tau_y [Pa]
-    double index = 1;          ///< n
-    int most_solves = 6;       ///< per step
-    double tolerance = 0.02;   ///< change of the dissipated power at which a step accepts its viscosities
-    double rigid_rate = 1e-3;  ///< largest g_0 [1/s]
-    double contrast = 1e4;     ///< least ratio of (tau_y/K)^(1/n) to g_0
-    double penalised = 3;      ///< limit of the penalties, over d tau/d gamma
-    double looseness = 30;     ///< factor on the tolerance of solves whose viscosities may change again
+    double yield_stress = 0;                          ///< tau_y [Pa]
+    double index = 1;                                 ///< n
+    int most_solves = 6;                              ///< per step
+    double tolerance = 0.02;                          ///< change of the dissipated power at which a step accepts its viscosities
+    double rigid_rate = 1e-3;                         ///< largest g_0 [1/s]
+    double contrast = 1e4;                            ///< least ratio of (tau_y/K)^(1/n) to g_0
+    double penalised = 3;                             ///< limit of the penalties, over d tau/d gamma
+    double looseness = 30;                            ///< factor on the tolerance of solves whose viscosities may change again
+    std::shared_ptr<Column<Real>> of_particles = {};  ///< tau_y of each particle [Pa], if it depends on temperature
 
+    bool yields() const { return yield_stress > 0 || of_particles; }
     /// Whether the viscosity depends on the strain rate.
-    bool acts() const { return yield_stress > 0 || index != 1; }
+    bool acts() const { return yields() || index != 1; }
     /// mu(gamma) [Pa s]. @param K [Pa s^n] @param gamma [1/s]
-    double apparent_viscosity(double K, double gamma) const;
+    double apparent_viscosity(double K, double gamma) const { return apparent_viscosity(yield_stress, K, gamma); }
+    double apparent_viscosity(double tau_y, double K, double gamma) const;
     /// d tau/d gamma [Pa s].
-    double tangent_viscosity(double K, double gamma) const;
+    double tangent_viscosity(double K, double gamma) const { return tangent_viscosity(yield_stress, K, gamma); }
+    double tangent_viscosity(double tau_y, double K, double gamma) const;
 
 private:
-    double rate_of_rigid(double K) const;
+    double rate_of_rigid(double tau_y, double K) const;
+};
+
+/// Stage before the solve: tau_y of each particle at its temperature. An invalid one ends the run.
+struct MeltingYieldStress {
+    Expression of_temperature;
+    std::shared_ptr<Column<Real>> tau_y;
+    void operator()(const StepContext& step, StepReport& report, Read<field::position> x, Read<field::temperature> T) const;
 };
 
 /// gamma of a strain rate. @param D symmetric [1/s]
@@ -79,6 +93,9 @@ struct FlowViscosity {
     bool again(int solves);
     /// Sets mu and soft at gamma.
     void update();
+
+private:
+    double yield_stress(Index i) const { return law.of_particles ? static_cast<double>((*law.of_particles)[i]) : law.yield_stress; }
 };
 
 }  // namespace whorl

@@ -81,6 +81,28 @@ TEST_CASE("viscosity is the expression of each particle's temperature and place 
         CHECK(mu[i] == Approx(T[i] + 100 * start[i].x()).margin(0.01));
 }
 
+TEST_CASE("yield stress is the expression of each particle's temperature, and resumes bit-identically", "[sim][temperature][yield]") {
+    const auto pressure = GENERATE(as<std::string>{}, "ppe", "coupled");
+    const auto square = [&](const std::string& tau) {  // without weight; its viscosity alone stops the strain within 1 s
+        return text::time(1, "max_step = 5e-3") + text::domain({-0.2, -0.2}, {0.2, 0.2}, "gravity = [0, 0]") +
+               text::fluid(0.01, 0, "viscosity = 1\nyield_stress = " + tau + "\n") +
+               text::models(pressure, pressure == "ppe" ? "full" : "") +
+               text::block({-0.05, -0.05}, {0.05, 0.05}, "temperature = \"x < 0 ? 300 : 400\"\nvelocity = [\"10*y\", \"0\"]");
+    };
+    Simulation plain = simulation_of(square("30")), same = simulation_of(square("\"30 + 0*temperature\"")),
+               frozen = simulation_of(square("\"temperature < 350 ? 3000 : 0\""));
+    for (Simulation* s : {&plain, &same, &frozen}) run_until(*s, 0.03);
+    const auto u = plain.world().fluid.column<field::velocity>(), same_u = same.world().fluid.column<field::velocity>();
+    for (std::size_t i = 0; i < u.size(); ++i) REQUIRE(u[i] == same_u[i]);
+    const auto gamma = frozen.world().fluid.column<field::shear_rate>();
+    const auto x = frozen.world().fluid.column<field::position>();
+    for (std::size_t i = 0; i < gamma.size(); ++i) {  // 10 1/s at the start; two spacings between them follow both
+        if (x[i].x() < -0.02f) CHECK(gamma[i] < 1);
+        if (x[i].x() > 0.02f) CHECK(gamma[i] > 3);
+    }
+    CHECK(differing_bits(square("\"temperature < 350 ? 3000 : 0\""), 0.02) == "");
+}
+
 TEST_CASE("an emitter sets its temperature, frames and diagnostics have it", "[sim][temperature]") {
     Simulation run = simulation_of(text::time(1, "fps = 10") + text::domain({-0.1, -0.3, -0.1}, {0.1, 0.3, 0.1}, "gravity = [0, 0, 0]") +
                                    text::fluid(0.01) + text::models("none", "none") +
@@ -128,6 +150,10 @@ TEST_CASE("a temperature that is given in degrees C gets a warning", "[sim][temp
 TEST_CASE("keys of heat without a temperature, and impossible ones, are refused", "[sim][temperature]") {
     CHECK(refusal(dam("ppe", "", "") + "[heat]\nfilm = 10\n") == "heat.film has no effect: the scene has no temperature");
     CHECK(refusal(dam("ppe", "viscosity = \"temperature\"\n", "")) == "fluid.viscosity depends on temperature, and the scene has none");
+    CHECK(refusal(dam("coupled", "viscosity = 1\nyield_stress = \"temperature\"\n", "")) ==
+          "fluid.yield_stress depends on temperature, and the scene has none");
+    CHECK(refusal(dam("coupled", "viscosity = 10\nyield_stress = \"320 - temperature\"\n", "temperature = 330\n"))
+              .find("fluid.yield_stress is -0.0") == 0);
     CHECK(refusal(dam("ppe", "", "temperature = 300\n") + "[heat]\nmelting_range = [310, 300]\n") ==
           "heat.melting_range goes from 310 to 300 K");
     CHECK(refusal(dam("ppe", "", "temperature = 300\n", "temperature = 300\nheat_flux = 1\n")) ==
