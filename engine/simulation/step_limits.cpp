@@ -58,16 +58,6 @@ struct LimitMaker {
         });
     }
 
-    /// Limit for the coupled solve with free-slip walls. With longer steps the particles at such walls fall and are stopped again in turn,
-    /// so honey at rest sinks.
-    void free_slip() {
-        if (std::none_of(scene.solids.begin(), scene.solids.end(), [](const SolidKeys& s) { return s.slip == Slip::free; })) return;
-        limit("free slip", "0.05 sqrt(d / g)", [d = d](const World& w, double) {
-            const double g = w.step.gravity.norm();
-            return g > 0 ? 0.05 * std::sqrt(d / g) : never;
-        });
-    }
-
     void sound() {
         const double c = plan.sound_speed, damping = scene.pressure.sound_damping;
         const std::string formula = number(scene.time.cfl) + " R/2 / (c + max |u|)";
@@ -143,7 +133,6 @@ std::vector<StepLimit> step_limits(const Scene& scene, const Plan& plan) {
     const bool projects = traits.pressure.source == PressureSource::velocity;
     make.constant("max_step", make.number(scene.time.max_step) + " s", scene.time.max_step);
     make.flow();
-    if (traits.pressure.solves_viscosity) make.free_slip();
     if (traits.pressure.has_sound) make.sound();
     if (traits.micropolar.spins) make.spin();
     else if (plan.viscosity == ViscosityModel::explicit_laplacian) make.viscous();

@@ -33,7 +33,7 @@ struct Form {
     std::vector<std::int16_t> role;
     Form(const std::vector<Vec3>& x, Real K, const Domain& domain = {}) : mu(x.size(), 1000 * K * d * d), role(x.size(), 0) {
         rows.build(x, role, domain, d, options);
-        form.set(rows, mu, {}, 1, 1000, d, options);
+        form.set(rows, mu, 1, 1000, d, options);
     }
 };
 

@@ -172,6 +172,11 @@ private:
     void add_coupling(Index row);
     void add_strains(const RowSlice& slice, Index lane);
     void add(int a, int b, const Mat6& m);
+    /// nullptr if the entry is a particle
+    const WallPoint* wall_of(RowBlock::LocalIndex at) const {
+        return at < block_.touched.size() ? nullptr : &block_.walls[at - block_.touched.size()];
+    }
+    Mat3 sliding(const WallPoint& wall) const;
 
     const StrainForm& form_;
     const RigidAggregates& aggregates_;
@@ -200,13 +205,20 @@ void CoarseRows::find_springs() {
         const RowSlice& slice = block_.slices[k];
         const CoefficientLanes& c = form_.coefficients(block_, k);
         SymmetricLanes own;
-        form_.rows().pairs_of(block_, slice, at_).each([&](std::size_t, const PairLanes& p) {
+        const auto add = [&](std::size_t, const PairLanes& p) {
             const Lanes3& r = p.r;
             const Lanes even = c.smooth * p.w, along = c.pair * p.w / p.r2;
             const Lanes3 t = along * r;
             const SymmetricLanes W{even + t.x * r.x, even + t.y * r.y, even + t.z * r.z, t.x * r.y, t.x * r.z, t.y * r.z};
             own.xx += W.xx, own.yy += W.yy, own.zz += W.zz, own.xy += W.xy, own.xz += W.xz, own.yz += W.yz;
             scatter(W, p.other, springs_.data());
+        };
+        const SliceView<false> pairs = form_.rows().pairs_of(block_, slice, at_);
+        pairs.each_plain(add);
+        pairs.each_wall([&](std::size_t at, PairLanes p) {
+            for (Index lane = 0; lane < lane_count; ++lane)
+                if (const WallPoint* wall = wall_of(p.other[lane]); wall && wall->slides()) p.w[lane] = 0;
+            add(at, p);
         });
         scatter(own, slice.row, springs_.data());
     }
@@ -250,10 +262,12 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
         add_monomials(r[0], r[1], r[2], pair[3][lane], shares_[k].sums.v);
         pair += 4;
     });
-    // Walls do not belong to an aggregate.
+    // Walls do not belong to an aggregate. Those on which the fluid slides are in sliding().
     for (Index k = slice.plain(); slice.walls > 0 && k < slice.width; ++k) {
         const Lanes* wall = pairs_.data() + 4 * static_cast<std::size_t>(k);
         if (!(wall[3][lane] > 0)) continue;
+        const auto entry = block_.other[slice.begin + static_cast<std::size_t>(k * lane_count + lane)];
+        if (wall_of(entry)->slides()) continue;
         const auto held = std::find_if(shares_.begin(), shares_.end(), [](const Share& s) { return s.aggregate < 0; });
         const std::size_t at = static_cast<std::size_t>(held - shares_.begin());
         if (held == shares_.end()) shares_.push_back(Share{-1, Vec3::Zero()});
@@ -299,8 +313,27 @@ void CoarseRows::add_strains(const RowSlice& slice, Index lane) {
                 add(a, b, features_.product(k, l));
 }
 
+/// Diagonal block of a pair with a wall on which the fluid slides (StrainForm::diagonal()). Its other terms are neglected in Ac.
+Mat3 CoarseRows::sliding(const WallPoint& wall) const {
+    const Index i = block_.begin + wall.row;
+    const StrainCoefficients c = form_.coefficients(i);
+    const CoupledRows& rows = form_.rows();
+    const Vec3 r = rows.in_spacings(wall.position - rows.position(i)), g = wall.weight * (rows.inverse_moment(i) * r);
+    const Real K = c.shear / 2, left = std::max(Real(0), 1 - g.dot(r));
+    const Mat3 W = (K + c.bulk) * g * g.transpose() + (K * g.squaredNorm() + left * c.smooth * wall.weight) * Mat3::Identity() +
+                   left * c.pair * wall.weight / r.squaredNorm() * r * r.transpose();
+    const Mat3 C = wall.stick * Mat3::Identity() + (1 - wall.stick) * wall.normal * wall.normal.transpose();
+    return C * W * C;
+}
+
 void CoarseRows::add_springs() {
     find_springs();
+    if (form_.rows().any_slip)
+        for (const WallPoint& wall : block_.walls) {
+            if (number_[wall.row] < 0 || !wall.slides()) continue;
+            const Mat36 E = motion(aggregates_.arm(block_.begin + wall.row));
+            add(number_[wall.row], number_[wall.row], Mat6(E.transpose().lazyProduct(Mat36(sliding(wall) * E))));
+        }
     for (std::size_t place = 0; place < number_.size(); ++place) {
         const Index j = block_.touched[place];
         if (number_[place] < 0) continue;

@@ -175,8 +175,13 @@ void CoupledShift::operator()(Update<field::position> x, Update<field::velocity>
         thread_local Column<Vec4> moved_here;
         if (moved_here.size() < block.entries()) moved_here.resize(block.entries());
         for (std::size_t l = 0; l < block.touched.size(); ++l) moved_here[l] = moved[block.touched[l]];
-        for (std::size_t k = 0; k < block.walls.size(); ++k)
-            moved_here[block.touched.size() + k] = with_spare(step.dt / d * block.walls[k].velocity);
+        for (std::size_t k = 0; k < block.walls.size(); ++k) {
+            const WallPoint& wall = block.walls[k];
+            const Vec4& own = moved_here[wall.row];
+            Vec3 path = step.dt / d * wall.velocity;
+            if (wall.slides()) path += wall.slipping(Vec3(own.v[0], own.v[1], own.v[2]) - path);
+            moved_here[block.touched.size() + k] = with_spare(path);
+        }
         const Vec4* at = s.rows.positions(block);
         for (const RowSlice& slice : block.slices) {
             const Lanes3 dx = shifting.of(block, slice, s.rows.pairs_of(block, slice, at), moved_here.data());
@@ -235,7 +240,8 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     for (const Solid& solid : solids.all)
         fastest = std::max(
             fastest, solid.pose.velocity_at(step.domain.min).norm() + 2 * solid.pose.angular_velocity.norm() * step.domain.size().norm());
-    const Real farthest_touch = d * static_cast<Real>(std::max(s.options.closest, s.options.sliding_closest) + 0.05);
+    const Real closest = d * static_cast<Real>(s.options.closest), touch = d * static_cast<Real>(s.options.wall_touch),
+               reach = d * static_cast<Real>(s.options.wall_reach);
     const KeepRotation rotation(s, role, x.values, u.values);
     // By particle, if a probe or KeepRotation needs them: the solid that stopped the particle, and the velocity before the stop.
     const auto recorded = static_cast<std::size_t>(solids.any_probed() || rotation.acts() ? x.size() : 0);
@@ -246,12 +252,10 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
         const Vec3 was_touching = slip[i];
         slip[i] = Vec3::Zero();
         const Vec3 from = s.rows.position(i);
-        if (s.rows.nearest_solid[i] > 2 * ((x[i] - from).norm() + dt * fastest) + farthest_touch) return;
+        if (s.rows.nearest_solid[i] > 2 * ((x[i] - from).norm() + dt * fastest) + (was_touching == Vec3::Zero() ? touch : reach)) return;
         for (std::size_t k = 0; k < solids.all.size(); ++k) {
             const Solid& solid = solids.all[k];
-            const Real closest = d * static_cast<Real>(solid.sticks() ? s.options.closest : s.options.sliding_closest);
-            // A sliding particle rests at the closest distance; with the margin it counts as touching despite rounding.
-            const Real touching = closest + Real(0.05) * d;
+            const Real touching = solid.sticks() ? closest + Real(0.05) * d : was_touching == Vec3::Zero() ? touch : reach;
             const Vec3 to = carried(solid, x[i], -dt);
             const Vec3 path = step.domain.minimum_image(to - from);
             const Real length = path.norm();

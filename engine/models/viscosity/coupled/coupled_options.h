@@ -53,11 +53,11 @@ struct CoupledOptions {
     double evening_rate = 1,
            evening_range = 2;  ///< the same along thin threads, in which no close particle fills the gaps that stretching widens
 
-    /// Distances from a no-slip wall. Below wall_touch a particle touches the wall. Below wall_spread it also does if a particle within
-    /// `bridge` touches. Beyond wall_reach it detaches. New particles touch up to wall_reach, because a lattice may fill a gap loosely.
+    /// Distances from a wall. Below wall_touch a particle touches the wall. Below wall_spread it also does if a particle within `bridge`
+    /// touches and the fluid sticks. Beyond wall_reach it detaches. New particles touch up to wall_reach, because a lattice may fill a gap
+    /// loosely.
     double wall_touch = 0.55, wall_spread = 0.9, wall_reach = 1.6;
-    double closest = 0.3;          ///< least distance of a particle from a no-slip solid
-    double sliding_closest = 0.5;  ///< the same from solids on which the particle slides: half the thickness of a layer
+    double closest = 0.3;  ///< least distance of a particle from a solid
 
     int aggregate = 48;          ///< particles in an aggregate of the coarse level
     int many = 5600;             ///< in fluids of n > many particles an aggregate has `aggregate` sqrt(n/many)

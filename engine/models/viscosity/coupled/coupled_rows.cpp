@@ -101,13 +101,14 @@ struct CoupledRows::Walls {
     int dimensions = 3;
     Real dt = 0;
     Span<std::int32_t> held;
+    Span<Vec3> slip;
     Column<Real>& nearest;                 ///< CoupledRows::nearest_solid
     Column<Real> height{};                 ///< distance from the nearest no-slip solid [m]
     std::vector<std::int32_t> touching{};  ///< field::held by each particle's own distance, without its neighbours
 
     void find(Span<const Vec3> x, Span<const std::int16_t> role, Real spacing, const CoupledOptions& o);
-    /// Writes field::held. @returns whether walls hold the particle
-    bool hold(Index i, const Found& found, const CoupledOptions& o) const;
+    /// Writes field::held.
+    void hold(Index i, const Found& found, const CoupledOptions& o) const;
 };
 
 /// Candidates of one row: all particles within the widest support in use. Lengths in spacings.
@@ -137,7 +138,7 @@ struct CoupledRows::Scratch {
     Real find_candidates(Index i, const Found& found, const CoupledOptions& options);
     void find_bridges(Index i, Real h, const Found& found, const CoupledOptions& options);
     void append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options);
-    void find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held, const CoupledOptions& options,
+    void find_walls(RowBlock& block, Index i, const Vec3& at, Real h, Real d, const Walls& walls, const CoupledOptions& options,
                     Neighbourhood& n) const;
     Real uncovered(const Vec3& normal, int dimensions) const;
     void arrange(RowBlock& block) const;
@@ -247,23 +248,23 @@ void CoupledRows::Walls::find(Span<const Vec3> x, Span<const std::int16_t> role,
             const Real distance = solid.distance(x[i]);
             nearest[i] = std::min(nearest[i], distance);
             if (solid.sticks()) height[i] = std::min(height[i], distance);
+            else if (held[i] == 0 && distance < static_cast<Real>(o.wall_reach) * d) slip[i] = solid.normal(x[i]);
         }
         const Real reach = static_cast<Real>(held[i] < 0 ? o.wall_touch : o.wall_reach) * d;
         touching[i] = height[i] < reach ? 1 : -1;
     });
 }
 
-bool CoupledRows::Walls::hold(Index i, const Found& found, const CoupledOptions& o) const {
+void CoupledRows::Walls::hold(Index i, const Found& found, const CoupledOptions& o) const {
     held[i] = touching[i];
     const Real touch = static_cast<Real>(o.wall_touch) * found.spacing, spread = static_cast<Real>(o.wall_spread) * found.spacing;
     if (held[i] < 0 && height[i] < spread)
         for (const Index j : found.close(i))
             if (touching[j] > 0 && height[j] < touch) held[i] = 1;
-    return held[i] > 0;
 }
 
 void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
-                        const CoupledOptions& options, const Solids& solids, Real dt, Span<std::int32_t> held) {
+                        const CoupledOptions& options, const Solids& solids, Real dt, Span<std::int32_t> held, Span<Vec3> slip) {
     const auto n = static_cast<Index>(x.size());
     static std::atomic<unsigned long> count{0};
     builds_ = ++count;
@@ -280,7 +281,7 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     found.search(x, domain, options);
     found.list_close(static_cast<Real>(options.bridge) * spacing);
 
-    Walls near_walls{solids, dimensions_, dt, held, nearest_solid};
+    Walls near_walls{solids, dimensions_, dt, held, slip, nearest_solid};
     near_walls.find(x, role, spacing, options);
     neighbourhood.assign(x.size(), {});
     blocks.resize((n + block_size - 1) / block_size);
@@ -295,11 +296,13 @@ void CoupledRows::build(Span<const Vec3> x, Span<const std::int16_t> role, const
     }
     number_slots();
     pairs = slices = walls = 0;
+    any_slip = false;
     widest_slice = 0;
     for (RowBlock& block : blocks) {
         block.first_slice = slices;
         slices += block.slices.size();
         walls += block.walls.size();
+        for (const WallPoint& wall : block.walls) any_slip |= wall.slides();
         for (const Index in_row : block.count) pairs += static_cast<std::size_t>(in_row);
         for (const RowSlice& slice : block.slices) widest_slice = std::max(widest_slice, slice.width);
     }
@@ -320,9 +323,10 @@ void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const st
         neighbourhood[i].density = weigh(static_cast<Index>(s.index.size()), s.r2.data(), support, h, s.w.data()) / at_rest;
         s.find_bridges(i, h, found, o);
         s.append_row(i, h, role, o);
-        if (!near_walls.nearest.empty() && near_walls.nearest[i] < static_cast<Real>(o.support) * found.spacing)
-            s.find_walls(block, position(i), h, found.spacing, near_walls, near_walls.hold(i, found, o), o, neighbourhood[i]);
-        else if (!near_walls.nearest.empty()) near_walls.held[i] = -1;
+        if (!near_walls.nearest.empty() && near_walls.nearest[i] < static_cast<Real>(o.support) * found.spacing) {
+            near_walls.hold(i, found, o);
+            s.find_walls(block, i, position(i), h, found.spacing, near_walls, o, neighbourhood[i]);
+        } else if (!near_walls.nearest.empty()) near_walls.held[i] = -1;
         s.row_first.push_back(s.row_other.size());
         s.row_h.push_back(h);
     }
@@ -428,8 +432,8 @@ Real CoupledRows::Scratch::uncovered(const Vec3& normal, int dimensions) const {
 }
 
 /// Finds the solids near the particle: their part of its density, and the wall points that hold it.
-void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, Real d, const Walls& walls, bool held,
-                                      const CoupledOptions& o, Neighbourhood& n) const {
+void CoupledRows::Scratch::find_walls(RowBlock& block, Index i, const Vec3& at, Real h, Real d, const Walls& walls, const CoupledOptions& o,
+                                      Neighbourhood& n) const {
     const Solids& solids = walls.solids;
     const Real dt = walls.dt;
     const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
@@ -444,7 +448,8 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         open *= 1 - std::max(Real(0), filled(walls.dimensions, solid, at, normal, height, support) - no_lattice);
     };
     const auto add = [&](const Solid& solid, Index k, const Vec3& normal, Real height) {
-        if (!held || !solid.sticks() || !(height < reach) || block.walls.size() - before == most_walls) return;
+        const bool touches = solid.sticks() ? walls.held[i] > 0 : walls.slip[i] != Vec3::Zero();
+        if (!touches || !(height < reach) || block.walls.size() - before == most_walls) return;
         WallPoint wall;
         wall.row = static_cast<Index>(row_first.size()) - 1;
         wall.solid = k;
@@ -456,7 +461,12 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, const Vec3& at, Real h, R
         wall.velocity = velocity_over(solid, wall.position, dt);
         wall.weight = hold * 2 * half_moment / up;
         const Real lone = std::max(Real(0), 1 - std::accumulate(w.begin(), w.end(), Real(0)) / few);
-        wall.lateral = hold * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());
+        if (!solid.sticks()) {
+            const Real b = static_cast<Real>(solid.slip_length), whole = up * d + b;
+            wall.stick = up * d / whole;
+            wall.friction = solid.partial_slip() ? hold * b / (whole * whole) : 0;
+        }
+        wall.lateral = wall.stick * hold * lone * half_moment / 2 * (Mat3::Identity() - normal * normal.transpose());
         if (walls.dimensions == 2) wall.lateral(2, 2) = 0;
         n.volume *= 1 + hold * (up - Real(0.5));
         block.walls.push_back(wall);
@@ -562,7 +572,11 @@ const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u, bool mo
     for (const WallPoint& wall : block.walls) {
         const Vec4 point = with_spare(wall.position);
         quad(*to++) = (quad(point) - first) * of_spacing_;
-        if constexpr (with) *to++ = with_spare(moving ? wall.velocity : Vec3(Vec3::Zero()));
+        if constexpr (with) {
+            Vec3 velocity = moving ? wall.velocity : Vec3(Vec3::Zero());
+            if (wall.slides()) velocity += wall.slipping(u[block.begin + wall.row] - velocity);
+            *to++ = with_spare(velocity);
+        }
     }
     return memory.data();
 }

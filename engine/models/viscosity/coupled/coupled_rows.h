@@ -52,6 +52,14 @@ struct WallPoint {
     Index solid = 0;
     Real weight = 0;
     Mat3 lateral = Mat3::Zero();  ///< contribution to M along the wall
+    /// Share s of the tangential velocity of the particle relative to the wall that the fluid between them has, h/(h + b) with the slip
+    /// length b: the pair's velocity is C (u_wall - u_i), C = n n^T + s (1 - n n^T). 1: the fluid sticks, 0: it slides freely
+    Real stick = 1;
+    Real friction = 0;  ///< b/(h + b)^2 times the covered part of the wall: friction per area over mu (u_wall - u_i)_t [1/m]
+
+    bool slides() const { return stick < 1; }
+    /// (1 - C) v
+    Vec3 slipping(const Vec3& v) const { return (1 - stick) * (v - normal * normal.dot(v)); }
 };
 
 /// Rows of lane_count particles, interleaved: pair k of the row in lane l is at begin + lane_count k + l of the block's `other`. Shorter
@@ -187,11 +195,12 @@ public:
 
     /// @param spacing d [m] @param role field::role; the gate does not apply to pairs of two prescribed particles
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options) {
-        build(x, role, domain, spacing, options, {}, 0, {});
+        build(x, role, domain, spacing, options, {}, 0, {}, {});
     }
-    /// @param solids the no-slip ones become neighbours @param dt [s], for their velocities @param held field::held
+    /// @param solids become neighbours of the particles that touch them @param dt [s], for their velocities @param held field::held
+    /// @param slip field::contact_normal
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options,
-               const Solids& solids, Real dt, Span<std::int32_t> held);
+               const Solids& solids, Real dt, Span<std::int32_t> held, Span<Vec3> slip);
 
     Index size() const { return static_cast<Index>(neighbourhood.size()); }
     int dimensions() const { return dimensions_; }
@@ -202,10 +211,12 @@ public:
     std::size_t pairs = 0;                     ///< number of pairs in all rows, without padding
     std::size_t slices = 0;                    ///< slices in all blocks
     std::size_t walls = 0;                     ///< number of pairs with walls
+    bool any_slip = false;                     ///< whether fluid slides on any of these walls
     Index widest_slice = 0;
 
     /// Position of the particle when the rows were built [m].
     Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
+    Vec3 in_spacings(const Vec3& length) const { return of_spacing_ * length; }
     /// Positions of the particles that the block touches, in spacings relative to the block's first particle. They are in memory of the
     /// calling thread, valid until its next call. @param u vectors to store with the positions @param moving true: walls have their
     /// velocities; false: walls are at rest

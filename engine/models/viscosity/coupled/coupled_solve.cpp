@@ -12,16 +12,11 @@
 namespace whorl {
 namespace {
 
-/// The unknown part of a velocity: zero for a prescribed particle, the tangential part for a particle that slides on a solid.
+/// The unknown part of a velocity: zero for a prescribed particle.
 struct Unknowns {
     Span<const std::int16_t> role;
-    Span<const Vec3> slip;
-    bool any_slip = false;
 
-    Vec3 part(Index i, const Vec3& v) const {
-        if (role[i] != 0) return Vec3::Zero();
-        return any_slip ? Vec3(v - slip[i] * slip[i].dot(v)) : v;
-    }
+    Vec3 part(Index i, const Vec3& v) const { return role[i] != 0 ? Vec3(Vec3::Zero()) : v; }
     void restrict_to(Span<Vec3> v) const {
         parallel_for(static_cast<Index>(v.size()), [&](Index i) { v[i] = part(i, v[i]); });
     }
@@ -30,9 +25,10 @@ struct Unknowns {
 }  // namespace
 
 void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density,
-                                      Update<field::held> held, const Solids& solids, const StepContext& step) const {
+                                      Update<field::held> held, Update<field::contact_normal> slip, const Solids& solids,
+                                      const StepContext& step) const {
     CoupledSystem& s = *system;
-    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt, held.values);
+    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt, held.values, slip.values);
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
@@ -80,7 +76,7 @@ struct CoupledStep {
     const Real dt = step.dt, d = step.spacing;
     const double fastest = largest_speed(u.values);  ///< at the start of the step [m/s]
 
-    Unknowns unknowns{role.values, slip.values};
+    Unknowns unknowns{role.values};
     Index free_particles = 0;
     bool nothing_held = false;  ///< no solid and no nozzle acts, so momentum is conserved
     Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
@@ -90,35 +86,26 @@ struct CoupledStep {
     Column<Real> pressure{};    ///< q [m/s]: the multiplier plus the part of the bulk term that does not depend on u
     Column<Vec3> balancing{};   ///< part of the load that corrects the force of a known pressure [m/s], see balance()
     Column<Vec3> load{};        ///< right-hand side, then the residual until the end of the step [m/s]
-    Column<Real> held{};        ///< see find_held()
     Column<Vec3> work{};
 
     void set_up_form() {
-        system.friction.set(x.values, role.values, mu.values, solids, step);
-        form.set(system.rows, mu.values, system.friction.counted, dt, step.rest_density, d, options);
+        system.friction.set(system.rows, mu.values, step);
+        form.set(system.rows, mu.values, dt, step.rest_density, d, options);
         form.set_friction(system.friction.coefficient);
     }
 
     void find_unknowns() {
-        for (Index i = 0; i < n; ++i) {
-            free_particles += role[i] == 0;
-            unknowns.any_slip |= slip[i] != Vec3::Zero();
-        }
-        nothing_held = free_particles == n && !unknowns.any_slip && !system.friction.acts() && system.rows.walls == 0;
+        for (Index i = 0; i < n; ++i) free_particles += role[i] == 0;
+        nothing_held = free_particles == n && system.rows.walls == 0;
     }
 
-    /// Sets the velocities of nozzles and solids. A sliding particle has a known velocity along the normal.
+    /// Sets the velocities of nozzles and solids.
     void set_known_velocities() {
         known.resize(n), solved.resize(n), load.resize(n), work.resize(n);
         parallel_for(n, [&](Index i) {
             known[i] = Vec3::Zero();
             if (role[i] > 0) u[i] = solids.all[role[i] - 1].velocity_at(x[i]);
             if (role[i] != 0) known[i] = u[i];
-            else if (unknowns.any_slip && slip[i] != Vec3::Zero()) {
-                Real distance = 0;
-                const int solid = solids.nearest(x[i], distance);
-                if (solid >= 0) known[i] = slip[i] * slip[i].dot(solids.all[solid].velocity_at(x[i]));
-            }
         });
     }
 
@@ -175,7 +162,7 @@ struct CoupledStep {
         if (!coarse) M.clear();
         else if (M.due(step.at_frame_time, options.refresh_every))
             M.refresh(form, x.values, role.values, options, step.domain, d, aggregate.values), changed = false;
-        M.set(form, x.values, role.values, slip.values, step.domain, d, aggregate.values);
+        M.set(form, x.values, role.values, step.domain, d, aggregate.values);
         if (changed) M.factor(form);
         if (!options.diagonal) M.be_identity();
     }
@@ -230,9 +217,9 @@ struct CoupledStep {
         return std::max(reference, 0.03 * preconditioned_norm(load));
     }
 
-    /// Frees the arrays that the load now includes, unless find_held() or a ledger needs them.
+    /// Frees the arrays that the load now includes, unless release_slipping() or a ledger needs them.
     void let_go() {
-        if (!unknowns.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
+        if (!system.rows.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
     }
 
     /// @returns v.y
@@ -264,7 +251,7 @@ struct CoupledStep {
         }
         const SolveReport report =
             conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
-        if (!unknowns.any_slip) return report;
+        if (!system.rows.any_slip) return report;
         // Removes the momentum of the residual. Otherwise the motion of sliding fluid as a whole would be too small by the tolerance.
         Column<Vec3> rest(n);
         parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, M.coarse(i)); });
@@ -320,7 +307,6 @@ struct CoupledStep {
         keep_momentum();
         keep_volume(report.solves.back().report);
         take_over();
-        find_held();
         write_ledgers();
         count_pushes(report);
         release_slipping();
@@ -434,22 +420,9 @@ struct CoupledStep {
         });
     }
 
-    /// Sets held = slip.(A u - b) [m/s], with b the load: the change of normal velocity by which a solid with slip acts on its particles.
-    /// Positive if the solid pushes.
-    void find_held() {
-        if (!unknowns.any_slip) return;
-        Column<Vec3> brought(n);
-        form.apply(u.values, work, true);
-        parallel_for(n, [&](Index i) { brought[i] = loaded(i, u[i] - change[i]); });
-        form.add_stress(pressure, curvature, brought);
-        held.resize(n);
-        parallel_for(n, [&](Index i) { held[i] = slip[i].dot(work[i] - brought[i]); });
-    }
-
     /// Writes the momentum that the fluid lost to the ledgers of the solids. Walls receive the forces of the rows on their points, by
-    /// strain and by pressure. Walls with slip receive the friction, and the normal force on their particles. The residual of the solve is
-    /// distributed over all of them. A rotating vessel also receives the opposite of balance(), which replaces forces between fluid and
-    /// wall.
+    /// strain and by pressure, and the friction of slip. The residual of the solve is distributed over all of them. A rotating vessel also
+    /// receives the opposite of balance(), which replaces forces between fluid and wall.
     void write_ledgers() {
         if (!solids.any_probed()) return;
         const auto m = static_cast<double>(step.mass);
@@ -457,8 +430,9 @@ struct CoupledStep {
             solid.receive(kind, Wrench::at(solid.image(at).cast<double>() - solid.centre(), m * velocity.cast<double>()));
         };
         const auto walls_take = [&](Push kind, Real sign) {
-            form.each_wall_force(
-                [&](const WallPoint& wall, const Vec3& f) { push(solids.all[wall.solid], kind, wall.position, sign * f); });
+            form.each_wall_force([&](const RowBlock&, const WallPoint& wall, const Vec3& f) {
+                push(solids.all[wall.solid], kind, wall.position, sign * f);
+            });
         };
         if (!balancing.empty()) {
             Solid& vessel = solids.all[options.vessel];
@@ -475,17 +449,13 @@ struct CoupledStep {
         parallel_for(n, [&](Index i) { part[i] = pressure[i] - part[i]; });
         form.find_wall_forces(part, {});
         walls_take(Push::pressure, 1);
-        for (Index i = 0; i < n; ++i) {
-            if (role[i] != 0) continue;
-            Real distance = 0;
-            if (slip[i] != Vec3::Zero())
-                if (const int k = solids.nearest(x[i], distance); k >= 0) push(solids.all[k], Push::pressure, x[i], -held[i] * slip[i]);
-            if (!system.friction.acts()) continue;
-            for (Solid& solid : solids.all)
-                if (const auto share = ContactFriction::share_of(solid, x[i], mu[i], step);
-                    share.counted > 0 || share.coefficient != Mat3::Zero())
-                    push(solid, Push::viscous, x[i], share.coefficient * (u[i] - share.wall));
-        }
+        for (const RowBlock& block : system.rows.blocks)
+            for (const WallPoint& wall : block.walls) {
+                const Index i = block.begin + wall.row;
+                if (wall.friction > 0 && role[i] == 0)
+                    push(solids.all[wall.solid], Push::viscous, wall.position,
+                         ContactFriction::of(wall, mu[i], step) * (u[i] - wall.velocity));
+            }
         rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
     }
 
@@ -502,11 +472,22 @@ struct CoupledStep {
             static_cast<double>(step.mass) * static_cast<double>(dt) / static_cast<double>(step.rest_density) * pushes;
     }
 
-    /// Releases the particles that a solid with slip would have to pull, because solids only push.
+    /// Releases the particles that a solid with slip pulls and that are under tension, because solids only push. (Errors of the force may
+    /// pull for a step in fluid under pressure. Without its wall the pressure would move the particle into the wall.)
     void release_slipping() {
-        if (!unknowns.any_slip) return;
+        if (!system.rows.any_slip) return;
+        Column<Real> pull(n, 0);
+        const auto add = [&](Real sign) {
+            form.each_wall_force([&](const RowBlock& block, const WallPoint& wall, const Vec3& f) {
+                if (wall.slides()) pull[block.begin + wall.row] += sign * f.dot(wall.normal);
+            });
+        };
+        form.find_wall_forces(u.values);
+        add(-1);
+        form.find_wall_forces(pressure, curvature);
+        add(1);
         parallel_for(n, [&](Index i) {
-            if (held[i] < 0) slip[i] = Vec3::Zero();
+            if (pull[i] > 0 && p[i] < 0) slip[i] = Vec3::Zero();
         });
     }
 };

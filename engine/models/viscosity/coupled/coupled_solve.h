@@ -11,7 +11,7 @@ namespace whorl {
 struct CoupledNeighbourhood {
     std::shared_ptr<CoupledSystem> system;
     void operator()(Read<field::position> x, Read<field::role> role, Write<field::density> density, Update<field::held> held,
-                    const Solids& solids, const StepContext& step) const;
+                    Update<field::contact_normal> slip, const Solids& solids, const StepContext& step) const;
 };
 
 struct CoupledGradient {

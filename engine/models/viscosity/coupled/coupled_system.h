@@ -35,8 +35,7 @@ struct held {
     using type = std::int32_t;
     static constexpr std::string_view name = "held", unit = "", meaning = "whether a wall that the fluid sticks to has been touched";
 };
-/// Unit normal of the solid with slip (free, or with a slip length) that the particle touches, or zero. The velocity along this normal is
-/// that of the solid.
+/// Unit normal of the solid with slip (free, or with a slip length) that the particle touches, or zero.
 struct contact_normal {
     using type = Vec3;
     static constexpr std::string_view name = "contact_normal", unit = "", meaning = "normal of the slippery solid that is touched";

@@ -39,10 +39,22 @@ PairSums sum_pairs(const SliceView<true>& pairs, KeptPair* kept) {
     return sum;
 }
 
+/// Returns to the particles the part of the forces on walls that the fluid does not transmit because it slides.
+/// @param out forces on the block's entries
+void return_sliding(const RowBlock& block, Vec4* out) {
+    for (std::size_t k = 0; k < block.walls.size(); ++k) {
+        const WallPoint& wall = block.walls[k];
+        if (!wall.slides()) continue;
+        Vec4& on_wall = out[block.touched.size() + k];
+        const Vec4 back = with_spare(wall.slipping(Vec3(on_wall.v[0], on_wall.v[1], on_wall.v[2])));
+        quad(out[wall.row]) += quad(back);
+        quad(on_wall) -= quad(back);
+    }
+}
+
 }  // namespace
 
-void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
-                     const CoupledOptions& o) {
+void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& o) {
     rows_ = &rows;
     friction_ = {};
     spacing_ = spacing;
@@ -55,9 +67,8 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                 const Index i = block.begin + block.slices[k].row[lane];
                 const Neighbourhood& n = rows.neighbourhood[i];
                 const double K = n.volume * double(viscosity[i]) * dt / (double(density) * spacing * spacing);
-                const double sheared = counted.empty() ? K : (1 - counted[i]) * K,
-                             base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
-                double penalised = sheared, pressed = K;
+                const double base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
+                double penalised = K, pressed = K;
                 if (!soft_.empty()) {
                     pressed = std::min(K, o.rigid_bulk);
                     Real softest = soft_[i];
@@ -66,7 +77,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Span<c
                     penalised *= std::min(1.0, static_cast<double>(softest / viscosity[i]));
                 }
                 StrainCoefficients c;
-                c.shear = static_cast<Real>(2 * sheared);
+                c.shear = static_cast<Real>(2 * K);
                 c.bulk = static_cast<Real>(2 * pressed * o.bulk / (2 + n.unresolved * o.bulk));
                 c.smooth = static_cast<Real>(base * (penalised * o.smoothing));
                 c.pair = static_cast<Real>(base * (penalised * o.pair_smoothing));
@@ -104,6 +115,7 @@ void StrainForm::find_forces(Span<const Vec3> u, bool moving, bool at_walls) con
             }
             scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
+        if (rows.any_slip) return_sliding(block, out);
     });
 }
 
@@ -149,6 +161,7 @@ void StrainForm::find_stress(Span<const Real> q, Span<const Mat3> T, bool at_wal
             });
             scatter(Lanes3{-total.x, -total.y, -total.z}, slice.row, out);
         }
+        if (rows.any_slip) return_sliding(block, out);
     });
 }
 

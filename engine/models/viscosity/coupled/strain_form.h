@@ -93,9 +93,7 @@ void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> 
 class StrainForm {
 public:
     /// @param viscosity mu [Pa s] of each particle @param dt [s] @param density rho [kg/m^3] @param spacing d [m]
-    /// @param counted fraction of a particle's volume whose shear is in the friction (ContactFriction::counted); empty: none
-    void set(const CoupledRows& rows, Span<const Real> viscosity, Span<const Real> counted, Real dt, Real density, Real spacing,
-             const CoupledOptions& options);
+    void set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& options);
 
     /// Limits the viscosity of a particle's penalties, until the next call, to the smallest of these values among the particle and its
     /// neighbours. @param soft [Pa s], must outlive set(); empty: the particle's own viscosity counts
@@ -125,13 +123,13 @@ public:
     /// Computes only the forces on walls: those of apply(u, y, true) and of add_stress().
     void find_wall_forces(Span<const Vec3> u) const { find_forces(u, true, true); }
     void find_wall_forces(Span<const Real> q, Span<const Mat3> T) const { find_stress(q, T, true); }
-    /// Calls f(wall, force on it [m/s]) with the forces of the last apply(), add_stress() or find_wall_forces().
+    /// Calls f(block, wall, force on it [m/s]) with the forces of the last apply(), add_stress() or find_wall_forces().
     template <class F>
     void each_wall_force(const F& f) const {
         for (const RowBlock& block : rows_->blocks)
             for (std::size_t k = 0; k < block.walls.size(); ++k) {
                 const Vec4& v = forces_[block.place + block.touched.size() + k];
-                f(block.walls[k], Vec3(v.v[0], v.v[1], v.v[2]));
+                f(block, block.walls[k], Vec3(v.v[0], v.v[1], v.v[2]));
             }
     }
     /// velocity_gradients() of these rows.

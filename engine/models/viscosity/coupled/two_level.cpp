@@ -26,29 +26,15 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     if (groups > 0) coarse_.factor(coarse_matrix(form, coarse_.motions()));
 }
 
-void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
-                   Real spacing, Span<const std::int32_t> aggregate) {
+void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
+                   Span<const std::int32_t> aggregate) {
     coarse_.place(x, role, aggregate, coarse_.groups(), domain, spacing);
     inverse_diagonal_.resize(x.size());
     form.diagonal(inverse_diagonal_);
-    bool any_slip = false;
-    for (std::size_t i = 0; i < x.size(); ++i) any_slip |= slip[i] != Vec3::Zero();
-    slip_.clear();
-    if (any_slip) slip_.assign(slip.begin(), slip.end());
     parallel_for(static_cast<Index>(x.size()), [&](Index i) {
         Mat3& B = inverse_diagonal_[i];
-        if (role[i] != 0) {
-            B.setZero();
-            return;
-        }
-        if (any_slip && slip[i] != Vec3::Zero()) {
-            // Inverse of (I - n n^T) B (I - n n^T) + n n^T, without the term n n^T of this inverse
-            const Mat3 normal = slip[i] * slip[i].transpose(), tangent = Mat3::Identity() - normal;
-            const Mat3 held = tangent * B * tangent + normal;
-            B = tangent * held.inverse() * tangent;
-            return;
-        }
-        B = B.inverse().eval();
+        if (role[i] != 0) B.setZero();
+        else B = B.inverse().eval();
     });
 }
 
@@ -59,9 +45,7 @@ void TwoLevel::factor(const StrainForm& form) {
 double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
     coarse_.solve(r);
     return parallel_sum(static_cast<Index>(r.size()), [&](Index i) {
-        Vec3 sum = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
-        if (!slip_.empty()) sum -= slip_[i] * slip_[i].dot(sum);
-        z[i] = sum;
+        z[i] = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
         return dot_entry(r[i], z[i]);
     });
 }

@@ -20,9 +20,8 @@ public:
     void clear() { coarse_.clear(); }
 
     /// Sets the diagonal blocks and the positions of the aggregates of this step.
-    /// @param slip field::contact_normal: the velocity along it is prescribed
-    void set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, Span<const Vec3> slip, const Domain& domain,
-             Real spacing, Span<const std::int32_t> aggregate);
+    void set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
+             Span<const std::int32_t> aggregate);
     /// Sets z = r until the next set(), for comparison.
     void be_identity() { clear(), inverse_diagonal_.assign(inverse_diagonal_.size(), Mat3::Identity()); }
     /// Factors Ac again, for other viscosities and the aggregates of the last set().
@@ -38,7 +37,6 @@ public:
 private:
     CoarseLevel coarse_;
     std::vector<Mat3> inverse_diagonal_;
-    std::vector<Vec3> slip_;  ///< empty if nothing slips
 };
 
 /// Ac = R^T (1 + K) R for the rigid motions of the aggregates. Particles without an aggregate are fixed.
