@@ -269,7 +269,7 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
                 at = from + (travelled / length) * path;
                 distance = solid.distance(at);
             }
-            if (travelled >= length || length == 0) at = to, distance = solid.distance(to);
+            if (travelled >= length || length == 0 || (travelled == 0 && !solid.sticks())) at = to, distance = solid.distance(to);
             if (!(distance < touching)) continue;
             const Vec3 normal = solid.normal(at);
             if (distance < closest) at += (closest - distance) * normal;
