@@ -34,33 +34,42 @@ PressurePreconditioner jacobi(const PressureMatrix& matrix) {
 
 PressurePreconditioner poisson_unpreconditioned(const PressureMatrix&) { return {NoPreconditioner{}}; }
 
-/// Flood fill from the unknowns next to the surface. Components that it does not reach are closed (a full box, a pocket). It visits the
-/// pairs in order, so the result does not depend on the number of threads.
+/// Joins the components of the unknowns along the couplings. The first couplings of all rows come first, because they connect all unknowns
+/// of most fluids, and then the others are not visited.
 void ClosedRegions::find(const PressureMatrix& matrix, Span<const char> touches_surface, double tied) {
     const Index n = matrix.size();
-    all.clear();
-    std::vector<char> reached(n, 0);
-    std::vector<Index> queue;
-    const auto spread = [&] {
-        for (std::size_t head = 0; head < queue.size(); ++head) {
-            const Index i = queue[head];
-            for (std::size_t k = matrix.first[i]; k < matrix.first[i + 1]; ++k) {
-                const Index j = matrix.other[k];
-                if (!reached[j] && matrix.c[k] > 0) reached[j] = 1, queue.push_back(j);
-            }
+    std::vector<Index> parent(n), region(n, -1);
+    const auto root = [&](Index i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    Index components = 0;
+    for (Index i = 0; i < n; ++i) parent[i] = i, components += matrix.unknown[i] != 0;
+    const auto join = [&](Index i, std::size_t begin, std::size_t end) {
+        for (std::size_t k = matrix.first[i] + begin; k < std::min(matrix.first[i] + end, matrix.first[i + 1]); ++k) {
+            const Index a = root(i), b = root(matrix.other[k]);
+            if (a != b && matrix.c[k] > 0) parent[std::max(a, b)] = std::min(a, b), --components;
         }
     };
+    constexpr std::size_t several = 8;
+    for (std::size_t k = 0; k < several && components > 1; ++k)
+        for (Index i = 0; i < n; ++i) join(i, k, k + 1);
+    for (Index i = 0; i < n && components > 1; ++i) join(i, several, matrix.other.size());
+
+    constexpr Index open = -2;
     for (Index i = 0; i < n; ++i)
-        if (matrix.unknown[i] && touches_surface[i]) reached[i] = 1, queue.push_back(i);
-    spread();
+        if (matrix.unknown[i] && touches_surface[i]) region[root(i)] = open;
+    all.clear();
     for (Index i = 0; i < n; ++i) {
-        if (!matrix.unknown[i] || reached[i]) continue;
-        queue.assign(1, i);
-        reached[i] = 1;
-        spread();
+        if (!matrix.unknown[i] || region[root(i)] == open) continue;
+        Index& own = region[root(i)];
+        if (own < 0) own = static_cast<Index>(all.size()), all.emplace_back();
+        all[own].members.push_back(i);
+    }
+    for (ClosedRegion& one : all) {
         double pins = 0, diagonals = 0;
-        for (Index k : queue) pins += matrix.pin[k], diagonals += matrix.diagonal[k];
-        all.push_back({queue, pins < tied * diagonals});
+        for (Index k : one.members) pins += matrix.pin[k], diagonals += matrix.diagonal[k];
+        one.singular = pins < tied * diagonals;
     }
 }
 
