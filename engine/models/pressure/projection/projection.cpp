@@ -99,7 +99,8 @@ void Projection::damp_unresolved(const Fields& f) const {
 }
 
 /// u -= share dt g, with g = grad p/rho of the last step. p starts with this share of the last pressure. Large g are dropped, because the
-/// pressure of an impact must not act again in the next step.
+/// pressure of an impact must not act again in the next step. `solved` becomes the first guess of the solve, with which the mean over this
+/// step would equal that over the last step: errors that alternate from step to step continue to alternate.
 void Projection::take_old_share(const Fields& f, Real share) {
     const auto& [context, step, role, u, p, solved, a] = f;
     const Real most = system_->most_carried(step);
@@ -107,6 +108,7 @@ void Projection::take_old_share(const Fields& f, Real share) {
         const bool goes_on = role[i] == 0 && a[i].norm() < most;
         if (goes_on) u[i] -= (system_->expected ? share - 1 : share) * step.dt * a[i];
         phi_[i] = goes_on ? solved[i] : 0;
+        solved[i] = (p[i] - share * solved[i]) / (1 - share);
         p[i] = share * phi_[i];
         a[i].setZero();
     });
@@ -174,6 +176,14 @@ SolveReport Projection::solve(const Kernel& W, const PressurePreconditioner& M, 
     return report;
 }
 
+const PressurePreconditioner& Projection::preconditioner(const StepContext& step) {
+    const ProjectionOptions& options = system_->options;
+    const bool keeps = !options.free_surface && !step.at_frame_time && kept_steps_ + 1 < kept_most && kept_for_ == matrix_.size();
+    kept_steps_ = keeps ? kept_steps_ + 1 : 0;
+    if (!keeps) kept_ = options.preconditioner(matrix_), kept_for_ = matrix_.size();
+    return kept_;
+}
+
 void Projection::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Update<field::velocity> u,
                             Update<field::pressure> p, Update<field::solved_pressure> solved, Update<field::pressure_acceleration> a) {
     const ProjectionSystem& s = *system_;
@@ -193,7 +203,7 @@ void Projection::operator()(const InteractionContext& context, StepReport& repor
         on_bodies_.build(s, context, role, matrix_.unknown);
         closed_.find(matrix_, touches_surface_, 0.01);
         closed_.take_pins_away(matrix_);
-        const PressurePreconditioner M = s.options.preconditioner(matrix_);
+        const PressurePreconditioner& M = preconditioner(step);
         begin_ledgers(f);
         all.levels = M.levels;
         all.set_up_seconds = wall_seconds() - start;

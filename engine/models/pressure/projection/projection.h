@@ -116,6 +116,9 @@ private:
     template <class Kernel>
     void build(const Kernel& W, const Fields& f);
     void find_held(const Fields& f);
+    /// Preconditioner of matrix_. In a full room it is that of an earlier step for up to `kept_most` steps, in which no particle moves by
+    /// more than a spacing.
+    const PressurePreconditioner& preconditioner(const StepContext& step);
     template <class Kernel>
     void set_source(const Kernel& W, const Fields& f, Real dt);
     void take_old_share(const Fields& f, Real share);
@@ -131,6 +134,10 @@ private:
     PressureMatrix matrix_;
     PressureOnBodies on_bodies_;
     ClosedRegions closed_;
+    static constexpr int kept_most = 4;  ///< divides the number of steps between two sorts of the particles
+    PressurePreconditioner kept_;
+    int kept_steps_ = 0;   ///< number of steps since kept_ was set up
+    Index kept_for_ = -1;  ///< number of particles then
     std::vector<char> touches_surface_, beside_held_;
     Column<Real> b_, phi_, of_air_;
 };
