@@ -26,15 +26,20 @@ CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Ker
     const ProjectionSystem& s = *system_;
     const StepContext& step = context.step;
     const Vec3 own_u = u[i], own_w = w[i];
-    DifferenceSums of_u = difference_sums(W, context.pairs, i, step.volume, u.data(), whole);
-    DifferenceSums of_w = difference_sums(W, context.pairs, i, step.volume, w.data(), whole);
+    const bool mirrored = s.mirrors.count(i) > 0 && !s.near_surface[i];
+    DifferenceSums of_u, of_w;
+    if (mirrored && !(terms.smoothing_velocity > 0)) of_w = difference_sums<1>(W, context.pairs, i, step.volume, {w.data()}, whole)[0];
+    else {
+        const auto both = difference_sums<2>(W, context.pairs, i, step.volume, {u.data(), w.data()}, whole);
+        of_u = both[0], of_w = both[1];
+    }
     Mat3 G_u = of_u.gradient * s.viscous.correction[i];
     const Mat3 G_w = of_w.gradient * s.viscous.correction[i];
     Real trace = s.viscous.trace[i], trace_w = trace;
     Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
-    if (s.mirrors.count(i) > 0 && !s.near_surface[i]) {
-        const MirroredSums mirrored = mirrored_sums(W, s, context, i, u, of_images, [](Index) { return Real(1); });
-        of_u.laplacian = mirrored.laplacian, G_u = mirrored.gradient, trace = mirrored.trace, imbalance = mirrored.imbalance;
+    if (mirrored) {
+        const MirroredSums sums = mirrored_sums(W, s, context, i, u, of_images, [](Index) { return Real(1); });
+        of_u.laplacian = sums.laplacian, G_u = sums.gradient, trace = sums.trace, imbalance = sums.imbalance;
     }
     each_sticking_layer(W, s, context, i, terms.of_layer, terms.slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
         of_u.laplacian += F * continued * (own_u - surface_velocity(context, q));

@@ -206,6 +206,12 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
         for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(context.solid_pairs.count(i));
     s.touches.resize(s.first_touch[n]);
     s.mirrors.find(context);
+    s.slides.resize(s.mirrors.size());
+    parallel_for(s.mirrors.size(), [&](Index g) {
+        const Mirrors::Image& image = s.mirrors.image(g);
+        s.slides[g] = std::all_of(image.wall, image.wall + image.count,
+                                  [&](const Mirrors::Wall& wall) { return context.solids.all[wall.solid].slides_freely(); });
+    });
     const Real d = step.spacing, V = step.volume;
     const Real of_layer = s.any_walls ? layer_factor(step.kernel, step.support, d) : 0;
 

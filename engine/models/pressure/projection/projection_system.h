@@ -5,6 +5,7 @@
 /// Order of a step; the neighbours are found at the positions to which the flow takes the particles:
 ///   ProjectionDrift, neighbours, ProjectionGeometry, Gravity, CorrectedViscosity, Kick, Projection, ProjectionMove, PushOutOfSolids.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -133,7 +134,8 @@ struct ProjectionSystem {
     Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<char> near_edge;           ///< 1: in a full room, within 1.5 d of two walls that meet
-    Mirrors mirrors;                       ///< images of the fluid behind flat walls along which it slips freely
+    Mirrors mirrors;                       ///< images of the fluid behind flat walls
+    std::vector<char> slides;              ///< 1: the fluid slips freely along all walls that make the image
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
     std::vector<WallTouch> touches;
     bool any_walls = false;
@@ -259,16 +261,17 @@ struct DifferenceSums {
     Vec3 smooth = Vec3::Zero();     ///< sum V W (f_j - f_i), with the kernel `smoothing` as W
 };
 
-/// @param smoothing a second kernel; if it is not given, `smooth` stays 0
-template <class Kernel, class Smoothing = std::nullptr_t>
-DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume, const Vec3* f,
-                               const Smoothing& smoothing = nullptr) {
+/// Sums of several fields f.
+/// @param smoothing a second kernel; nullptr: `smooth` stays 0
+template <std::size_t fields, class Kernel, class Smoothing>
+std::array<DifferenceSums, fields> difference_sums(const Kernel& W, const FluidPairs& pairs, Index i, Real volume,
+                                                   const std::array<const Vec3*, fields>& f, const Smoothing& smoothing) {
     constexpr bool smooths = !std::is_null_pointer_v<Smoothing>;
-    DifferenceSums all;
-    const Vec3 own = f[i];
-    pairs.groups_of(i, [&](const Pairs::Group& group) {
+    std::array<DifferenceSums, fields> all;
+    const auto add = [&](const Pairs::Group& group, const Vec3* field, DifferenceSums& sums) {
+        const Vec3 own = field[i];
         Real other[3][Pairs::Group::most], lap[3] = {0, 0, 0}, smooth[3] = {0, 0, 0}, S[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-        group.gather(f, other);
+        group.gather(field, other);
         for (Index l = 0; l < group.padded(); ++l) {
             const Real F = W.slope(group.distance[l]);
             const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
@@ -283,9 +286,12 @@ DifferenceSums difference_sums(const Kernel& W, const FluidPairs& pairs, Index i
             S[3] -= q * x, S[4] -= q * y, S[5] -= q * z;
             S[6] -= t * x, S[7] -= t * y, S[8] -= t * z;
         }
-        all.laplacian += volume * Vec3(lap[0], lap[1], lap[2]);
-        all.smooth += volume * Vec3(smooth[0], smooth[1], smooth[2]);
-        for (int k = 0; k < 9; ++k) all.gradient(k / 3, k % 3) += volume * S[k];
+        sums.laplacian += volume * Vec3(lap[0], lap[1], lap[2]);
+        sums.smooth += volume * Vec3(smooth[0], smooth[1], smooth[2]);
+        for (int k = 0; k < 9; ++k) sums.gradient(k / 3, k % 3) += volume * S[k];
+    };
+    pairs.groups_of(i, [&](const Pairs::Group& group) {
+        for (std::size_t k = 0; k < fields; ++k) add(group, f[k], all[k]);
     });
     return all;
 }
@@ -298,28 +304,43 @@ struct MirroredSums {
     Real trace = 0;                 ///< of -sum_j V W'/r r r^T
     Vec3 imbalance = Vec3::Zero();  ///< sum_j V W'/r r [1/m]
 };
-/// Whether the fluid slips freely along all walls that make an image.
-inline bool slides_along(const Mirrors::Image& image, const Solids& solids) {
-    return std::all_of(image.wall, image.wall + image.count,
-                       [&](const Mirrors::Wall& wall) { return solids.all[wall.solid].slides_freely(); });
-}
 /// @param of_images velocities of the images @param weight j -> factor of a neighbour in `laplacian`
 template <class Kernel, class Weight>
 MirroredSums mirrored_sums(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Span<const Vec3> u,
                            Span<const Vec3> of_images, const Weight& weight) {
-    MirroredSums all;
-    Mat3d moment = Mat3d::Zero();
-    const auto add = [&](Real share, Real part, const Vec3& r, Real distance, const Vec3& difference) {
-        const Real F = share * context.step.volume * W.slope(distance);
-        all.laplacian += F * part * difference;
-        all.gradient -= F * difference * r.transpose();
-        all.imbalance += F * r;
-        moment -= (F * r).cast<double>() * r.cast<double>().transpose();
-    };
-    context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) { add(1, weight(j), r, distance, u[i] - u[j]); });
-    s.mirrors.of(i, [&](Index g, const Vec3& r, Real distance, Real share) {
-        if (slides_along(s.mirrors.image(g), context.solids)) add(share, weight(s.mirrors.owner(g)), r, distance, u[i] - of_images[g]);
+    Real lap[3]{}, S[9]{}, M[6]{}, plain[3]{};
+    const Vec3 own = u[i];
+    s.mirrors.groups_of(context.pairs, i, [&]<bool image>(const Pairs::Group& group, const Real* shares) {
+        Real other[3][Pairs::Group::most], F[Pairs::Group::most], part[Pairs::Group::most];
+        group.gather(image ? of_images.data() : u.data(), other);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Index j = group.other[l];
+            part[l] = weight(image ? s.mirrors.owner(j) : j);
+            F[l] = image ? (s.slides[j] ? shares[l] : 0) : 1;
+        }
+        Real lap_part[3]{}, S_part[9]{}, M_part[6]{}, plain_part[3]{};
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real f = F[l] * W.slope(group.distance[l]), x = group.r[0][l], y = group.r[1][l], z = group.r[2][l];
+            const Real p = f * (own[0] - other[0][l]), q = f * (own[1] - other[1][l]), t = f * (own[2] - other[2][l]);
+            lap_part[0] += part[l] * p, lap_part[1] += part[l] * q, lap_part[2] += part[l] * t;
+            S_part[0] -= p * x, S_part[1] -= p * y, S_part[2] -= p * z;
+            S_part[3] -= q * x, S_part[4] -= q * y, S_part[5] -= q * z;
+            S_part[6] -= t * x, S_part[7] -= t * y, S_part[8] -= t * z;
+            M_part[0] -= f * x * x, M_part[1] -= f * x * y, M_part[2] -= f * x * z;
+            M_part[3] -= f * y * y, M_part[4] -= f * y * z, M_part[5] -= f * z * z;
+            plain_part[0] += f * x, plain_part[1] += f * y, plain_part[2] += f * z;
+        }
+        for (int k = 0; k < 9; ++k) S[k] += S_part[k];
+        for (int k = 0; k < 6; ++k) M[k] += M_part[k];
+        for (int k = 0; k < 3; ++k) lap[k] += lap_part[k], plain[k] += plain_part[k];
     });
+    const Real V = context.step.volume;
+    MirroredSums all{V * Vec3(lap[0], lap[1], lap[2]), Mat3::Zero(), 0, V * Vec3(plain[0], plain[1], plain[2])};
+    all.gradient << S[0], S[1], S[2], S[3], S[4], S[5], S[6], S[7], S[8];
+    all.gradient *= V;
+    Mat3d moment;
+    moment << M[0], M[1], M[2], M[1], M[3], M[4], M[2], M[4], M[5];
+    moment *= V;
     all.gradient = all.gradient * pseudo_inverse(moment, context.step.dimensions()).template cast<Real>();
     all.trace = static_cast<Real>(moment.trace());
     return all;
@@ -334,7 +355,7 @@ inline Span<const Vec3> image_velocities(const ProjectionSystem& s, const Intera
 /// @param sums of the kernel W
 template <class Kernel>
 Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, Index i, Real volume, const Vec3* f, const Vec3& move) {
-    const DifferenceSums of_f = difference_sums(W, pairs, i, volume, f);
+    const DifferenceSums of_f = difference_sums<1>(W, pairs, i, volume, {f}, nullptr)[0];
     const Mat3 G = of_f.gradient * sums.correction[i];
     return G * move + move.squaredNorm() / std::max(sums.trace[i], Real(0.1)) * (of_f.laplacian - G * sums.imbalance[i]);
 }
