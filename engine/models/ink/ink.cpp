@@ -57,6 +57,14 @@ struct InkRange {
     Vec3 least, most;
 };
 
+/// Whether i and all its neighbours have the same ink.
+bool alike_around(const FluidPairs& pairs, Index i, const Vec3* c) {
+    const Vec3 own = c[i];
+    for (std::size_t k = pairs.first[i]; k < pairs.first[i + 1]; ++k)
+        if (c[pairs.other[k]] != own) return false;
+    return true;
+}
+
 /// Range of ink over particle i and its neighbours within `reach`.
 InkRange range_around(const FluidPairs& pairs, Index i, Real reach, const Vec3* c) {
     InkRange range{c[i], c[i]};
@@ -85,7 +93,7 @@ void CarryInk::operator()(const InteractionContext& context, Write<field::ink_ch
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(c.size(), [&](Index i) {
             change[i].setZero();
-            if (s.shift[i] == Vec3::Zero()) return;
+            if (s.shift[i] == Vec3::Zero() || alike_around(context.pairs, i, c.data())) return;
             const auto [least, most] = range_around(context.pairs, i, 2 * step.spacing, c.data());
             if ((most - least).maxCoeff() < Real(1e-6)) return;  // images resolve 1/255
             const Vec3 there = c[i] + carried(W, s.whole, context.pairs, i, step.volume, c.data(), s.shift[i]);

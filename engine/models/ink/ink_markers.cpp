@@ -16,10 +16,32 @@ struct LinearFit {
     Vec3 r = Vec3::Zero(), path = Vec3::Zero(), ink = Vec3::Zero();
     Mat3 rr = Mat3::Zero(), path_r = Mat3::Zero();
 
-    void add(Real w, const Vec3& to, const Vec3& displacement, const Vec3& c) {
-        weight += w, r += w * to, path += w * displacement, ink += w * c;
-        rr += w * to * to.transpose(), path_r += w * displacement * to.transpose();
-        path_square += w * displacement.squaredNorm();
+    /// Adds a group of neighbours with the weights w = (1 - distance^2 over)^2. @param c null: without ink
+    void add(const Pairs::Group& group, Real over, const Vec3* displacement, const Vec3* c) {
+        Real s[3][Pairs::Group::most], w[Pairs::Group::most], of_r[3]{}, of_s[3]{}, of_rr[6]{}, of_sr[9]{}, of_w = 0, square = 0;
+        group.gather(displacement, s);
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real q = 1 - group.distance[l] * group.distance[l] * over;
+            w[l] = l < group.count ? q * q : 0;
+        }
+        for (Index l = 0; l < group.padded(); ++l) {
+            const Real x = -group.r[0][l], y = -group.r[1][l], z = -group.r[2][l];
+            const Real a = w[l] * s[0][l], b = w[l] * s[1][l], d = w[l] * s[2][l];
+            of_w += w[l], of_r[0] += w[l] * x, of_r[1] += w[l] * y, of_r[2] += w[l] * z;
+            of_s[0] += a, of_s[1] += b, of_s[2] += d, square += a * s[0][l] + b * s[1][l] + d * s[2][l];
+            of_rr[0] += w[l] * x * x, of_rr[1] += w[l] * x * y, of_rr[2] += w[l] * x * z;
+            of_rr[3] += w[l] * y * y, of_rr[4] += w[l] * y * z, of_rr[5] += w[l] * z * z;
+            of_sr[0] += a * x, of_sr[1] += a * y, of_sr[2] += a * z, of_sr[3] += b * x, of_sr[4] += b * y;
+            of_sr[5] += b * z, of_sr[6] += d * x, of_sr[7] += d * y, of_sr[8] += d * z;
+        }
+        weight += of_w, path_square += square;
+        r += Vec3(of_r[0], of_r[1], of_r[2]), path += Vec3(of_s[0], of_s[1], of_s[2]);
+        Mat3 part;
+        part << of_rr[0], of_rr[1], of_rr[2], of_rr[1], of_rr[3], of_rr[4], of_rr[2], of_rr[4], of_rr[5];
+        rr += part;
+        part << of_sr[0], of_sr[1], of_sr[2], of_sr[3], of_sr[4], of_sr[5], of_sr[6], of_sr[7], of_sr[8];
+        path_r += part;
+        for (Index l = 0; c != nullptr && l < group.count; ++l) ink += w[l] * c[group.other[l]];
     }
     /// Value at the marker of the linear function that fits the displacements. Along directions that the particles do not resolve, the
     /// function is constant.
@@ -88,10 +110,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     Pairs pairs;
     const auto fit_at = [&](Index i, Span<const Vec3> displacement) {
         LinearFit fit;
-        pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
-            const Real q = 1 - distance * distance * over;
-            fit.add(q * q, -r, displacement[j], c[j]);
-        });
+        pairs.groups_of(i, [&](const Pairs::Group& group) { fit.add(group, over, displacement.data(), mixed > 0 ? c.data() : nullptr); });
         return fit;
     };
     // The fit smooths curved fields. Adding the fit of its errors at the particles cancels this to second order.
@@ -99,7 +118,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
     std::vector<Vec3> sharp(path.values.size());
     parallel_for(pairs.size(), [&](Index i) {
         LinearFit fit = fit_at(i, path.values);
-        fit.add(1, Vec3::Zero(), path[i], c[i]);
+        fit.weight += 1, fit.path += path[i], fit.path_square += path[i].squaredNorm();  // i itself
         sharp[i] = 2 * path[i] - fit.displacement(flat, least_spread);
     });
     std::vector<char> alone(place.size(), 0);
@@ -113,7 +132,7 @@ void MoveInkMarkers::operator()(const StepContext& step, Read<field::position> x
             const std::size_t k = begin + static_cast<std::size_t>(m);
             alone[k] = !(fit.weight > Real(1e-6));  // nearer to the edge of the reach, positions would be lost to round-off
             if (alone[k]) return;
-            ink[k] += mixed * (fit.ink / fit.weight - ink[k]);
+            if (mixed > 0) ink[k] += mixed * (fit.ink / fit.weight - ink[k]);
             part[m] = step.domain.wrapped(part[m] + fit.displacement(flat, least_spread));
         });
     }
