@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/core/parallel.h"
 
@@ -45,10 +46,42 @@ FlowGrid laid_out(const Frame& frame, float reach, std::size_t most_nodes, float
     return grid;
 }
 
+/// Particles within 2 h of a value that is not 0, and some others nearby: no others change the values of nodes.
+std::vector<char> near_values(const FlowGrid& grid, float h, const std::vector<Vec3f>& position,
+                              const std::vector<Eigen::Vector4f>& value) {
+    FlowGrid blocks;  // at least h wide
+    blocks.periodic = grid.periodic;
+    for (int a = 0; a < 3; ++a) {
+        blocks.n[a] = std::max(1, static_cast<int>(grid.extent()[a] / h));
+        blocks.cell[a] = grid.extent()[a] / static_cast<float>(blocks.n[a]);
+    }
+    const auto block_of = [&](const Vec3f& x, int a) {
+        return std::clamp(static_cast<int>((x[a] - grid.origin[a]) / blocks.cell[a]), 0, blocks.n[a] - 1);
+    };
+    std::vector<char> source(grid_count(blocks.n[0], blocks.n[1], blocks.n[2]), 0), marked = source, near(position.size(), 0);
+    const auto each = [&](const auto& f) {
+        for (std::size_t p = 0; p < position.size(); ++p)
+            if (const Vec3f& x = position[p]; finite(x)) f(p, block_of(x, 0), block_of(x, 1), block_of(x, 2));
+    };
+    each([&](std::size_t p, int i, int j, int k) {
+        if (value[p].isZero(0) || std::exchange(source[blocks.index(i, j, k)], 1)) return;
+        for (int m = 0; m < 125; ++m) {  // up to two blocks away
+            const int at[3] = {on_axis(blocks, 0, i + m % 5 - 2), on_axis(blocks, 1, j + m / 5 % 5 - 2),
+                               on_axis(blocks, 2, k + m / 25 - 2)};
+            if (*std::min_element(at, at + 3) >= 0) marked[blocks.index(at[0], at[1], at[2])] = 1;
+        }
+    });
+    each([&](std::size_t p, int i, int j, int k) { near[p] = marked[blocks.index(i, j, k)]; });
+    return near;
+}
+
 /// Particles by the layer of nodes below them, in index order. The last list contains the particles outside all layers.
-std::vector<std::vector<std::uint32_t>> by_layer(const FlowGrid& grid, const std::vector<Vec3f>& position) {
+/// @param wanted by particle; empty: all
+std::vector<std::vector<std::uint32_t>> by_layer(const FlowGrid& grid, const std::vector<Vec3f>& position,
+                                                 const std::vector<char>& wanted) {
     std::vector<std::vector<std::uint32_t>> layers(grid.n[2] + 1);
     for (std::size_t p = 0; p < position.size(); ++p) {
+        if (!wanted.empty() && !wanted[p]) continue;
         const int layer =
             finite(position[p]) ? on_axis(grid, 2, static_cast<int>(std::floor((position[p].z() - grid.origin.z()) / grid.cell.z()))) : -1;
         layers[layer < 0 ? grid.n[2] : layer].push_back(static_cast<std::uint32_t>(p));
@@ -118,7 +151,9 @@ FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const st
         sums.reach[a] = static_cast<int>(std::ceil(h / grid.cell[a]));
         if (grid.periodic[a]) sums.reach[a] = std::min(sums.reach[a], (grid.n[a] - 1) / 2);
     }
-    const std::vector<std::vector<std::uint32_t>> layers = by_layer(grid, frame.position);
+    std::vector<char> wanted;
+    if (along.empty() && !value.empty()) wanted = near_values(grid, h, frame.position, value);
+    const std::vector<std::vector<std::uint32_t>> layers = by_layer(grid, frame.position, wanted);
     const std::size_t row = grid_count(grid.n[0], grid.n[1]);
     // Each layer of nodes gathers from the layers of particles around it, in ascending order.
     parallel_for(grid.n[2], [&](Index k) {

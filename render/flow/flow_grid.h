@@ -42,8 +42,8 @@ struct FlowGrid {
 };
 
 /// Means over the particles within h of each node, weighted by (1 - r^2/h^2)^2; h is `reach` spacings, and at least 1.2 cells. Nodes are
-/// about `cell_in_spacings` spacings apart, or further if the grid would have more than `most_nodes`. Bit-identical for any number of
-/// threads.
+/// about `cell_in_spacings` spacings apart, or further if the grid would have more than `most_nodes`. Without `along`, the cover may be 0
+/// or too small where `value` is 0. Bit-identical for any number of threads.
 /// @param along velocity [m/s] or vorticity [1/s] per particle; empty: FlowGrid::along is empty
 /// @param value up to four numbers per particle; empty: FlowGrid::value is empty
 FlowGrid flow_grid(const Frame& frame, const std::vector<Vec3f>& along, const std::vector<Eigen::Vector4f>& value,

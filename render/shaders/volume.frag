@@ -2,7 +2,7 @@
 in vec2 uv;
 uniform sampler2D solid_buffer;
 uniform sampler3D lit;         // radiance times density, density
-uniform sampler3D most;        // largest density in and around a block of nodes; 0: empty
+uniform sampler3D most;        // largest density in and around a block of nodes; -n: empty, and so are all blocks less than n away
 uniform mat4 to_world;         // clip -> world
 uniform vec3 eye;
 uniform vec3 box_low, box_high;  // m
@@ -31,8 +31,9 @@ void main() {
     for (int i = 0; i < 4096 && t < to; ++i) {
         vec3 p = eye + d * t - box_low;
         vec3 block = clamp(floor(p / block_size), vec3(0.0), blocks - 1.0);
-        if (texelFetch(most, ivec3(block), 0).r <= 0.0) {
-            vec3 way = ((block + ahead) * block_size - p) / d;
+        float around = texelFetch(most, ivec3(block), 0).r;
+        if (around < 0.0) {
+            vec3 way = ((block + mix(vec3(1.0 + around), vec3(-around), ahead)) * block_size - p) / d;
             t += march * max(1.0, ceil(min(way.x, min(way.y, way.z)) / march));  // whole steps, so that the points keep their positions
             continue;
         }

@@ -42,7 +42,7 @@ TEST_CASE("light decays in an even cloud with its depth, from above and slanting
     }
 }
 
-TEST_CASE("an object in a cloud's light casts a shadow, and empty blocks are marked", "[render][flow]") {
+TEST_CASE("an object in a cloud's light casts a shadow, and empty blocks know their distance to it", "[render][flow]") {
     const FlowGrid grid = white_cube(24, [](int i, int j, int k) { return i >= 10 && i < 14 && k >= 10 && k < 14 && (j == 20 || j == 4); });
     CloudLight light;
     light.lamp = Vec3f(1, 1, 1), light.sky = Vec3f::Zero();
@@ -57,7 +57,10 @@ TEST_CASE("an object in a cloud's light casts a shadow, and empty blocks are mar
     const Cloud rimmed = lit_cloud(grid, 200, light);
     CHECK(rimmed.lit[grid.index(12, 4, 12)][0] == Approx(upper[0]).epsilon(1e-3));
     CHECK(rimmed.lit[grid.index(12, 20, 12)][0] == Approx(lower[0]).epsilon(1e-2));
-    CHECK(cloud.blocks == std::array<int, 3>{3, 3, 3});
-    CHECK(cloud.most[13 + 3] == 1);  // the middle block of the upper layer
-    CHECK(cloud.most[0] == 0);
+    CHECK(cloud.blocks == std::array<int, 3>{6, 6, 6});
+    const auto most = [&](int i, int j, int k) { return cloud.most[(k * 6 + j) * 6 + i]; };
+    CHECK(most(3, 5, 3) == 1);   // with the upper plate
+    CHECK(most(0, 0, 0) == -2);  // two blocks from the lower plate, whose blocks are 2 and 3
+    CHECK(most(5, 3, 0) == -2);
+    CHECK(most(3, 3, 3) == -1);
 }

@@ -52,6 +52,24 @@ TEST_CASE("grids are bit-identical for any number of threads", "[render][flow]")
     CHECK(same_on_threads([&] { return flow_grid(frame, frame.velocity, value).value; }));
 }
 
+TEST_CASE("a grid of values alone leaves out particles far from any value, and its values are bit-identical", "[render][flow]") {
+    Frame frame = cube(turning);
+    std::vector<Eigen::Vector4f> value;  // in a ball at a corner, across the faces of periodic axes
+    for (const Vec3f& x : frame.position)
+        value.push_back(Vec3f(x - Vec3f::Constant(0.1f)).norm() < 0.22f ? Eigen::Vector4f::Ones() : Eigen::Vector4f::Zero());
+    for (const bool periodic : {false, true}) {
+        frame.periodic = {periodic, periodic, periodic};
+        const FlowGrid whole = flow_grid(frame, frame.velocity, value), alone = flow_grid(frame, {}, value);
+        CHECK(whole.value == alone.value);
+        int left_out = 0;
+        for (std::size_t m = 0; m < whole.value.size(); ++m) {
+            if (whole.value[m][3] > 0) CHECK(whole.cover[m] == alone.cover[m]);
+            left_out += alone.cover[m] < whole.cover[m];
+        }
+        CHECK(left_out > static_cast<int>(whole.value.size()) / 4);
+    }
+}
+
 TEST_CASE("a trail in a rotating flow is an arc, as long as the path of its duration", "[render][flow]") {
     const Frame frame = cube(turning);
     const FlowGrid grid = flow_grid(frame, frame.velocity, {});
