@@ -60,12 +60,14 @@ struct Shot {
     bool needs_all_samples() const { return look.samples < 2 || view.blurs() || shows_field(look) || has_crust; }
     /// Height below which nothing is drawn [m].
     float lowest() const { return look.ground ? ground : -1e6f; }
-    /// Whether all samples share the solids' light of the first one: they see the solids from about the same position.
-    bool keeps_solid_light() const { return !view.blurs(); }
+    /// Whether all samples share the solids' light of the first one: they see the solids at the same moment and from about the same
+    /// position.
+    bool keeps_solid_light() const { return view.open <= 0; }
+    bool camera_moves() const { return !(view.position_velocity.isZero(0) && view.target_velocity.isZero(0)); }
+    /// Whether the samples look up the background in the backdrop, which shows it from the frame's position. Only the lens moves them.
+    bool samples_backdrop() const { return view.aperture > 0 && !(view.open > 0 && camera_moves()) && !is_transparent(look); }
     /// Whether the motion of the camera blurs the background, which the samples do not show.
-    bool blurs_background() const {
-        return blurred && !is_transparent(look) && !(view.position_velocity.isZero(0) && view.target_velocity.isZero(0));
-    }
+    bool blurs_background() const { return blurred && !is_transparent(look) && camera_moves(); }
     /// Whether the surface's displacement is stored per pixel: the surface moves while the shutter is open, its distance field does not.
     bool keeps_motion() const { return view.open > 0 && material.refracts; }
 };
@@ -289,7 +291,8 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     const Eigen::Matrix4f camera = camera_matrix(view, aspect, scene.bounds());
     const Mat3f into = into_box(shows_field(look) ? box : PictureBox{0, 0, width, height}, width, height);
     View seen = view;
-    if (look.samples < samples_of_motion && view.aperture <= 0) seen.open = 0;
+    if (look.samples < 2) seen.aperture = 0;  // a single sample shows no blur, and costs less without
+    if (look.samples < samples_of_motion && seen.aperture <= 0) seen.open = 0;
     Shot shot{look,
               seen,
               material,
@@ -311,6 +314,7 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     ground_light.draw(scene, shot.material, lighting.lamps(look, view), frame.spacing,
                       look.ground ? std::optional(shot.ground) : std::nullopt, lighting.constants(look));
 
+    draw_backdrop(shot);
     glViewport(0, 0, width, height);
     samples.begin(look.samples, shot.needs_all_samples());
     if (scene.any_containers() || scene.any_glass()) {
@@ -320,7 +324,6 @@ Shot Renderer::Device::sum_samples(const Frame& frame, const Surface& surface, c
     for (int i = 0; i < samples.count(); ++i) draw_sample(shot, i);
     if (shot.blurred) blur_motion(shot, view.open);
     if (look.foam > 0 && !shows_field(look)) draw_foam(shot, frame, view.open);
-    draw_backdrop(shot);
     if (scene.any_glass()) draw_refracted(shot, frame.solids);
     return shot;
 }
@@ -505,8 +508,9 @@ void Renderer::Device::shade_sample(const Shot& shot, const Eigen::Matrix4f& mat
     // Pixels without fluid or solid have light only if each sample draws its own backdrop, or a flow, which the stencil does not mark.
     if (shot.view.blurs() || shows_field(shot.look)) shade_where(GL_NOTEQUAL, fluid_seen);
     else shade_where(GL_EQUAL, solid_seen);
-    gl::Program& program = behind.with(shot.constants);
+    gl::Program& program = behind.with(shot.constants + gl::constant("samples_backdrop", shot.samples_backdrop()));
     set_studio(program, shot);
+    if (shot.samples_backdrop()) backdrop.bind(program, 3);
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, solid.id());
     program.set("to_world", Eigen::Matrix4f(matrix.inverse()));
     program.set("weight", weight);

@@ -144,8 +144,7 @@ gl::Texture lattice_noise() {
 }
 
 Backdrop::Backdrop(int width, int height)
-    : width_(width), height_(height), paper_(gl::texture_2d(GL_RGBA16F, width, height, false)), target_(gl::framebuffer({paper_.id()}, 0)) {
-}
+    : width_(width), height_(height), paper_(gl::texture_2d(GL_RGBA16F, width, height, true)), target_(gl::framebuffer({paper_.id()}, 0)) {}
 
 void Backdrop::draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare) {
     if (key_ == key) return;
@@ -165,6 +164,8 @@ void Backdrop::bind(gl::Program& program, int unit) const {
     for (const int row : {0, 1}) to_ground.row(row) = key_->eye[2 * row] * ray.row(1) + (key_->ground - key_->eye.y()) * ray.row(2 * row);
     to_ground.row(2) = ray.row(1);
     program.set("to_ground", to_ground);
+    program.set("to_paper", Mat3f(ray.inverse()));
+    program.set("paper_eye", key_->eye);
 }
 
 }  // namespace whorl

@@ -73,7 +73,7 @@ public:
     Backdrop(int width, int height);
     /// Draws the background if the key has changed. @param prepare sets the uniforms of studio.glsl, textures.glsl and table.glsl
     void draw(const Key& key, const std::string& constants, const std::function<void(gl::Program&)>& prepare);
-    /// Sets `paper` and `to_ground` of compose.frag; uses one texture unit.
+    /// Sets `paper`, `to_ground` and `to_paper` of compose.frag and behind.frag; uses one texture unit.
     void bind(gl::Program& program, int unit) const;
 
 private:

@@ -22,12 +22,12 @@ float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {
 }
 
 /// least[n] = min(least[n], distance of v at place + n*step) [m] for each sample n of a row; place and step are in voxels of v. Outside the
-/// volume the distance to its edge is added.
-void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, std::vector<float>& least) {
+/// volume the distance to its edge is added. Not inlined, and `least` overlaps nothing else: only then does the compiler vectorise the
+/// loop.
+[[gnu::noinline]] void lower_row(const Volume& v, const Vec3f& place, const Vec3f& step, float* __restrict least, int count) {
     const float* value = v.value.data();
     const int along_y = v.nx, along_z = v.nx * v.ny;
     const float last_x = static_cast<float>(v.nx - 1), last_y = static_cast<float>(v.ny - 1), last_z = static_cast<float>(v.nz - 1);
-    const auto count = static_cast<int>(least.size());
     for (int n = 0; n < count; ++n) {
         const float at = static_cast<float>(n), px = place.x() + at * step.x(), py = place.y() + at * step.y(),
                     pz = place.z() + at * step.z();
@@ -73,7 +73,7 @@ Volume SolidField::all_placed(const Vec3f& low, const Vec3f& high, int most) con
         for (const Placed& p : placed_) {
             const Volume& v = own_.at(p.mesh);
             const Mat3f into = p.rotation.transpose() / v.voxel;
-            lower_row(v, into * (first - p.translation) - v.origin / v.voxel, into.col(0) * all.voxel, row);
+            lower_row(v, into * (first - p.translation) - v.origin / v.voxel, into.col(0) * all.voxel, row.data(), all.nx);
         }
         std::copy(row.begin(), row.end(), all.value.begin() + static_cast<std::ptrdiff_t>(r) * all.nx);
     });
