@@ -24,10 +24,10 @@ void adopt_threads() { omp_set_num_threads(threads()); }
 void wait_passively(char** argv) {
     if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
     setenv("OMP_WAIT_POLICY", "passive", 1);
-    // 1000 spins take some tens of microseconds, about the time to wake a thread, and bridge the gap between two loops of a solve.
-    // Measured: with these spins, two threads on 16 000 particles need 2.6 us per particle-step, otherwise 3.8 or more. Two such runs on
-    // the same two cores take no longer than without spinning (with 2000 spins a third longer, with 10 000 twice as long).
-    setenv("GOMP_SPINCOUNT", "1000", 1);
+    // 200 spins bridge the gap between two loops of a solve, if both threads have a core. Longer waiting wastes the time of other programs:
+    // with other programs on both cores, two threads on 8192 particles need as much CPU time as one thread with 200 spins, 15 % more with
+    // 500 and 40 % more with 1000, and the least wall time is the same (docs/reports/speed.md).
+    setenv("GOMP_SPINCOUNT", "200", 1);
     char program[4096];  // the program's real path, because as /proc/self/exe its process name would be "exe"
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     if (length <= 0) return;
