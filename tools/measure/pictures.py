@@ -3,7 +3,7 @@ import re
 
 from . import drawing
 from .registry import markdown, table, write_file
-from .runs import number, read_rows, root
+from .runs import number, read_rows, read_scene, root
 
 
 @table("picture_honey_coil", "the README's first image: frame 105 of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
@@ -76,8 +76,11 @@ gallery_scenes = {
     "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
     "chocolate_cake": ("Chocolate over a ring cake on a turning plate.", 2.9, "standard"),
     "honey_dipper": ("Honey runs off a dipper.", 2.5, "standard"),
-    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.7, "standard"),
-    "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "standard"),
+    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.2, "draft"),
+    "toothpaste_writing": ("A nozzle writes a word in toothpaste.", 8.7, "standard"),
+    "whipped_cream": ("A nozzle lays a rosette of whipped cream on a cake.", 4.2, "standard"),
+    "melting_chocolate": ("One cube of chocolate melts on a warm plate, the other keeps its edges on a cold one.", 4.0, "standard"),
+    "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "draft"),
     "lava": ("Lava flows around boulders: its crust cracks.", 4.5, "standard"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
     "rotating_drop": ("Two drops with a neck between them rotate in weightlessness until the neck breaks. At a third of the speed.", 0.85, "standard"),
@@ -186,15 +189,21 @@ def time_of_stages(m):
     return markdown(" | ".join(["scene", "", *(f"{name} [CPU s]" for name in image_stages.values()), "sum [CPU s]"]), cells)
 
 
-@table("gallery", "one frame of every scene", "1 to 5 minutes per scene that `films` has not run", files="docs/pictures/gallery",
-       section=False)
+@table("gallery", "one frame of every scene", "half a minute to 5 minutes per scene", files="docs/pictures/gallery", section=False)
 def gallery(m):
-    for scene, (_, moment, _) in gallery_scenes.items():
-        if m.wanted(scene):
-            run = whole_film(m, scene)
-            time = run.scene["time"]
-            frame = 0 if m.dry else 1 + round(moment * time["fps"] * time["slow_motion"])
-            drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [run.folder / f"frames/{frame:06}.png"], 960, ["-q:v", "3"])
+    for scene, (_, moment, quality) in gallery_scenes.items():
+        if not m.wanted(scene):
+            continue
+        keys = read_scene(f"scenes/{scene}.toml")
+        frame = 1 + round(moment * keys["time"]["fps"] * keys["time"].get("slow_motion", 1))
+        if "panel" in keys:  # whorl draw draws one panel
+            image = whole_film(m, scene).folder / f"frames/{frame:06}.png"
+        else:
+            run = m.render(f"scenes/{scene}.toml", f"pictures/gallery_{scene}", threads=cores, images=True,
+                           options=["--quality", quality, "--frames", frame, "--export", "raw", "--no-draw"])
+            image = m.out / f"pictures/gallery_{scene}_image/frames/{frame:06}.png"
+            m.whorl("draw", run.folder, "--frames", f"{frame}-{frame}", "--no-video", "--quiet", "--overwrite", "--out", image.parents[1])
+        drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [image], 960, ["-q:v", "3"])
 
 
 def film(m, scene, row):
