@@ -69,7 +69,7 @@ def picture_live(m):
 gallery_scenes = {
     "honey_coil": ("A thread of honey coils into a stack.", 4.33, "standard"),
     "thick_coil": ("A finger-thick coil of very viscous honey.", 3.3, "standard"),
-    "honey_ball": ("Honey over a wooden ball.", 2.6, "standard"),
+    "honey_ball": ("Honey over a wooden ball.", 2.33, "standard"),
     "honey_thread": ("A long fall: the thread thins and coils fast. At half speed.", 2.2, "standard"),
     "sewing_machine": ("Honey on a belt that slows down: a line, meanders, loops, coils.", 5.9, "standard"),
     "cake_batter": ("A ribbon from a slot folds to and fro.", 2.6, "standard"),
