@@ -65,7 +65,7 @@ def picture_live(m):
     m.call([folder / "tests/whorl_validation", "[page_picture]"], environment={"WHORL_PICTURE": str(m.into / "docs/pictures/live.png")})
 
 
-# Caption, time of the image [s], quality of the run
+# Caption, time of the image [s], quality of the run and other options
 gallery_scenes = {
     "honey_coil": ("A thread of honey coils into a stack.", 4.33, "standard"),
     "thick_coil": ("A finger-thick coil of very viscous honey.", 3.3, "standard"),
@@ -76,11 +76,11 @@ gallery_scenes = {
     "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
     "chocolate_cake": ("Chocolate over a ring cake on a turning plate.", 2.9, "standard"),
     "honey_dipper": ("Honey runs off a dipper.", 2.5, "standard"),
-    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.2, "draft"),
+    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.2, "draft --set look.samples=16"),
     "toothpaste_writing": ("A nozzle writes a word in toothpaste.", 8.7, "standard"),
     "whipped_cream": ("A nozzle lays a rosette of whipped cream on a cake.", 4.2, "standard"),
     "melting_chocolate": ("One cube of chocolate melts on a warm plate, the other keeps its edges on a cold one.", 4.0, "standard"),
-    "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "draft"),
+    "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "draft --set look.samples=16"),
     "lava": ("Lava flows around boulders: its crust cracks.", 4.5, "standard"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
     "rotating_drop": ("Two drops with a neck between them rotate in weightlessness until the neck breaks. At a third of the speed.", 0.85, "standard"),
@@ -94,8 +94,8 @@ gallery_scenes = {
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "standard"),
     "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
-    "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "standard"),
-    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.5, "standard"),
+    "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "draft --set look.samples=8"),
+    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.5, "draft --set look.samples=16"),
 }
 
 
@@ -112,7 +112,7 @@ def films(m):
         if m.wanted(scene):
             run, quality = whole_film(m, scene), gallery_scenes[scene][2]
             minutes = run.cpu_seconds / cores / 60
-            rows[scene] = {"scene": scene, "quality": quality, "minutes": f"{minutes:.2f}"}
+            rows[scene] = {"scene": scene, "quality": quality.split()[0], "minutes": f"{minutes:.2f}"}
             m.write_csv(file, columns, [rows[name] for name in gallery_scenes if name in rows])
     cells = [film(m, scene, rows.get(scene)) for scene in gallery_scenes]
     cells += [""] * (len(cells) % 2)
@@ -121,7 +121,7 @@ def films(m):
 
 def whole_film(m, scene, quality=None):
     name = f"films/{scene}" + (f"_{quality}" if quality else "")
-    return m.render(scene, name, threads=cores, images=True, options=["--quality", quality or gallery_scenes[scene][2]])
+    return m.render(scene, name, threads=cores, images=True, options=["--quality", *(quality or gallery_scenes[scene][2]).split()])
 
 
 # Scenes whose whole run at fine is measured, for comparison with the plan.
@@ -200,7 +200,7 @@ def gallery(m):
             image = whole_film(m, scene).folder / f"frames/{frame:06}.png"
         else:
             run = m.render(f"scenes/{scene}.toml", f"pictures/gallery_{scene}", threads=cores, images=True,
-                           options=["--quality", quality, "--frames", frame, "--export", "raw", "--no-draw"])
+                           options=["--quality", *quality.split(), "--frames", frame, "--export", "raw", "--no-draw"])
             image = m.out / f"pictures/gallery_{scene}_image/frames/{frame:06}.png"
             m.whorl("draw", run.folder, "--frames", f"{frame}-{frame}", "--no-video", "--quiet", "--overwrite", "--out", image.parents[1])
         drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [image], 960, ["-q:v", "3"])
@@ -212,7 +212,7 @@ def film(m, scene, row):
     if row:
         minutes = number(row["minutes"])
     else:
-        minutes = m.plan(scene, options=["--quality", quality], threads=2, images=True)["cost"]["film_seconds"] / 60
+        minutes = m.plan(scene, options=["--quality", *quality.split()], threads=2, images=True)["cost"]["film_seconds"] / 60
     takes = f" {minutes:.0f} min." if minutes > 0.75 else f" {max(6 * minutes, 1):.0f}0 s."
     command = f"build/release/whorl render {scene}" + f" --quality {quality}" * (quality != "standard")
     return f"![{scene}](docs/pictures/gallery/{scene}.jpg)<br>{words}{takes}<br>`{command}`"
