@@ -209,7 +209,7 @@ def gallery(m):
 def film(m, scene, row):
     """A cell of the README's gallery, with the measured time, or the predicted one if `row` is empty."""
     words, _, quality = gallery_scenes[scene]
-    if row:
+    if row and row["quality"] == quality.split()[0]:
         minutes = number(row["minutes"])
     else:
         minutes = m.plan(scene, options=["--quality", *quality.split()], threads=2, images=True)["cost"]["film_seconds"] / 60
