@@ -9,9 +9,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
+#include "engine/io/csv.h"
+#include "render/export/textured_mesh.h"
 #include "render/look/environment.h"
 #include "render/look/lamps.h"
 #include "render/look/material.h"
@@ -93,7 +96,8 @@ struct SceneExport::Document {
     std::map<const Track*, std::size_t> offsets;                        ///< byte offset of each track in the binary
     int time_accessor = -1;                                             ///< accessor of the times of the key frames
     std::map<std::pair<const TriangleMesh*, std::string>, int> meshes;  ///< index of each mesh with its material
-    std::map<std::string, int> materials;
+    std::map<std::string, int> materials, pictures;
+    std::set<std::string> extensions;
     Json channels = Json::array(), samplers = Json::array();
 
     explicit Document(const SceneExport& scene) : of(scene) {
@@ -161,10 +165,12 @@ struct SceneExport::Document {
     static std::string material_name(const FrameSolid& solid) {
         if (solid.container) return "glass of a container";
         const Appearance& a = solid.appearance;
-        if (a.colour.minCoeff() < 0 && a.roughness < 0 && a.metallic < 0) return a.material;
+        if (a.colour.minCoeff() < 0 && a.roughness < 0 && a.metallic < 0 && a.texture.empty()) return a.material;
         const SolidMaterial m = solid_material(a);
-        return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}; {:g}; {:g})", a.material, m.colour.x(), m.colour.y(), m.colour.z(), m.roughness,
-                           m.metal);
+        const std::string picture =
+            a.texture.empty() ? "" : fmt::format("; {} {:g}", a.texture.filename().string(), a.texture_size.value_or(0));
+        return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}; {:g}; {:g}{})", a.material, m.colour.x(), m.colour.y(), m.colour.z(), m.roughness,
+                           m.metal, picture);
     }
 
     int material(const FrameSolid& solid) {
@@ -172,21 +178,54 @@ struct SceneExport::Document {
         const auto [known, fresh] = materials.try_emplace(name, static_cast<int>(root["materials"].size()));
         if (!fresh) return known->second;
         const SolidMaterial look = solid.container ? solid_material("glass") : solid_material(solid.appearance);
+        const bool glass = look.refraction > 0 && !solid.container;
+        const Vec3f base = glass ? Vec3f(Vec3f::Ones()) : look.colour;
         Json description{{"name", name},
                          {"pbrMetallicRoughness",
-                          {{"baseColorFactor", {look.colour.x(), look.colour.y(), look.colour.z(), look.refraction > 0 ? 0.1f : 1.0f}},
+                          {{"baseColorFactor", {base.x(), base.y(), base.z(), solid.container ? 0.1f : 1.0f}},
                            {"metallicFactor", look.metal},
                            {"roughnessFactor", look.roughness}}},
                          {"doubleSided", true}};
-        if (look.refraction > 0) description["alphaMode"] = "BLEND";
+        if (solid.container) description["alphaMode"] = "BLEND";
+        if (glass) refract(description, look);
+        if (!solid.appearance.texture.empty())
+            description["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", picture(solid.appearance.texture)}};
         root["materials"].push_back(description);
+        return known->second;
+    }
+
+    /// Light passes through the material, is refracted, and absorbed inside.
+    void refract(Json& description, const SolidMaterial& look) {
+        constexpr float depth = 0.01f;  // m, at which light has the attenuation colour
+        description["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                     {"KHR_materials_ior", {{"ior", look.refraction}}},
+                                     {"KHR_materials_volume",
+                                      {{"thicknessFactor", depth},
+                                       {"attenuationDistance", depth},
+                                       {"attenuationColor", numbers(Vec3f((-depth * look.absorption).array().exp()))}}}};
+        for (const auto& [extension, _] : description["extensions"].items()) extensions.insert(extension);
+    }
+
+    /// Index of a picture, which the binary contains as it is in its file.
+    int picture(const std::filesystem::path& file) {
+        const auto [known, fresh] = pictures.try_emplace(file.string(), static_cast<int>(pictures.size()));
+        if (!fresh) return known->second;
+        const std::string bytes = read_whole(file);
+        root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", bytes.size()}});
+        root["images"].push_back({{"bufferView", root["bufferViews"].size() - 1},
+                                  {"mimeType", bytes.compare(0, 4, "\x89PNG") == 0 ? "image/png" : "image/jpeg"}});
+        root["textures"].push_back({{"source", known->second}});
+        binary += bytes;
+        binary.resize((binary.size() + 3) / 4 * 4);
         return known->second;
     }
 
     int mesh(const FrameSolid& solid, const std::string& name) {
         const auto [known, fresh] = meshes.try_emplace({solid.mesh.get(), material_name(solid)}, static_cast<int>(root["meshes"].size()));
         if (!fresh) return known->second;
-        const TriangleMesh& mesh = *solid.mesh;
+        const bool has_picture = !solid.appearance.texture.empty();
+        const TexturedMesh own = has_picture ? textured_mesh(solid) : TexturedMesh{*solid.mesh, {}};
+        const TriangleMesh& mesh = own.mesh;
         Vec3f low = mesh.position[0], high = low;
         for (const Vec3f& x : mesh.position) low = low.cwiseMin(x), high = high.cwiseMax(x);
         const int position = accessor(mesh.position, type_float, "VEC3", array_buffer, {{"min", numbers(low)}, {"max", numbers(high)}});
@@ -194,10 +233,10 @@ struct SceneExport::Document {
         std::vector<std::uint32_t> corners;
         for (const auto& t : mesh.triangle) corners.insert(corners.end(), t.begin(), t.end());
         const int index = accessor(corners, type_uint32, "SCALAR", element_array_buffer);
-        root["meshes"].push_back(
-            {{"name", name},
-             {"primitives",
-              {{{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", index}, {"material", material(solid)}}}}});
+        Json attributes{{"POSITION", position}, {"NORMAL", normal}};
+        if (has_picture) attributes["TEXCOORD_0"] = accessor(own.place, type_float, "VEC2", array_buffer);
+        const int look = material(solid);  // may add lists to the root, which moves the others
+        root["meshes"].push_back({{"name", name}, {"primitives", {{{"attributes", attributes}, {"indices", index}, {"material", look}}}}});
         return known->second;
     }
 
@@ -242,7 +281,7 @@ struct SceneExport::Document {
         description["intensity"] = lumen_per_watt * light.maxCoeff();
         if (std::string(type) == "spot") description["spot"] = {{"outerConeAngle", std::numbers::pi_v<float> / 2}};
         Json& lights = root["extensions"]["KHR_lights_punctual"]["lights"];
-        root["extensionsUsed"] = {"KHR_lights_punctual"};
+        extensions.insert("KHR_lights_punctual");
         lights.push_back(description);
         where["name"] = name;
         where["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
@@ -307,6 +346,7 @@ struct SceneExport::Document {
     std::string bytes() {
         if (!channels.empty())
             root["animations"] = Json::array({{{"name", of.options_.name}, {"channels", channels}, {"samplers", samplers}}});
+        if (!extensions.empty()) root["extensionsUsed"] = extensions;
         for (const char* list : {"meshes", "materials", "accessors", "bufferViews"})
             if (root[list].empty()) root.erase(list);
         if (!binary.empty()) root["buffers"] = Json::array({{{"byteLength", binary.size()}}});

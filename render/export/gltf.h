@@ -25,9 +25,10 @@ struct SceneExportOptions {
 
 /// Collects the frames of a run and writes them as a glTF file. Nodes: "solid[0]" and "nozzle[0]" with meshes, "emitter[0]" without a mesh
 /// (its -z axis is the direction of the flow), "camera", "studio" (which turns with the camera) with the directional light "lamp"
-/// (KHR_lights_punctual). Nodes that do not move have no animation. The format has no changing field of view, no soft boxes and no fluid,
-/// so these are in the scene's extras, under "whorl". The binary part begins with the key frames of all solids, the camera and the studio,
-/// which go_on_from() reads.
+/// (KHR_lights_punctual). Nodes that do not move have no animation. Glass refracts (KHR_materials_transmission, _ior, _volume), and
+/// pictures on solids are in the file; patterns of wood, rock and cloth are not. The format has no changing field of view, no soft boxes
+/// and no fluid, so these are in the scene's extras, under "whorl". The binary part begins with the key frames of all solids, the camera
+/// and the studio, which go_on_from() reads.
 class SceneExport {
 public:
     explicit SceneExport(SceneExportOptions options) : options_(std::move(options)) {}

@@ -96,7 +96,7 @@ Glb read_glb(const std::filesystem::path& file) {
 std::vector<float> Glb::floats(std::size_t number) const {
     const nlohmann::json& accessor = json.at("accessors").at(number);
     const nlohmann::json& view = json.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
-    static const std::map<std::string, std::size_t> components{{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}};
+    static const std::map<std::string, std::size_t> components{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
     const std::size_t count = accessor.at("count").get<std::size_t>() * components.at(accessor.at("type").get<std::string>());
     if (accessor.at("componentType") != 5126 || view.at("byteLength") != 4 * count)
         throw std::runtime_error("an accessor does not fit its bytes");

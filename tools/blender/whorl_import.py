@@ -264,15 +264,6 @@ def add_soft_boxes(collection, about, studio, centre, distance):
         collection.objects.link(lamp)
 
 
-def make_glass(things):
-    """Lets glass solids refract. The walls of closed containers, which have no thickness, stay faint."""
-    for thing in things:
-        for material in thing.data.materials if thing.type == "MESH" else []:
-            if material.name.startswith("glass ("):
-                surface = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-                put(surface, [(("Transmission Weight", "Transmission"), 1.0), (("Alpha",), 1.0), (("Roughness",), 0.0), (("IOR",), 1.5)])
-
-
 def shape_lights(things):
     """Gives the lights of a scene file their sizes, which glTF lacks."""
     for light in (thing for thing in things if thing.type == "LIGHT"):
@@ -361,7 +352,6 @@ def import_run(context, path):
     set_camera(scene, camera, about)
     light_world(scene, about)
     shape_lights(things.values())
-    make_glass(things.values())
 
     cloud = about["fluid"]["style"] == "volume"
     fluid = (add_volume(scene, folder, name) if cloud else None) or add_fluid(scene, folder, name, about)

@@ -6,6 +6,7 @@
 
 #include "engine/core/errors.h"
 #include "engine/io/csv.h"
+#include "render/image/image.h"
 #include "tests/support/exported.h"
 #include "tests/support/scratch.h"
 
@@ -98,6 +99,39 @@ TEST_CASE("a glTF scene has moving solids, emitters, the camera and the lamp", "
     CHECK(glb.json["accessors"][primitive["indices"].get<std::size_t>()]["count"] == 12);
     CHECK(glb.json["extensionsUsed"] == nlohmann::json{"KHR_lights_punctual"});
     CHECK(glb.node("lamp")["extensions"]["KHR_lights_punctual"]["light"] == 0);
+}
+
+TEST_CASE("a glTF scene has the refraction of glass and ice, and the pictures on solids", "[export]") {
+    const test::ScratchFolder folder;
+    Image image;
+    image.width = 2, image.height = 1, image.rgb = {255, 0, 0, 0, 0, 255};
+    write_png(folder / "p.png", image);
+    Frame frame = frame_at(1);
+    frame.solids[0].appearance.texture = folder / "p.png", frame.solids[0].appearance.texture_size = 1.0f;
+    frame.solids[2].appearance.material = "ice";
+    SceneExport scene({"glass", 25, 0.02, 160, 90});
+    scene.add(frame, view_at_frame(1), {});
+    scene.write(folder / "a.glb");
+    const test::Glb glb = test::read_glb(folder / "a.glb");
+    const auto material = [&](const char* node) {
+        const auto& mesh = glb.json["meshes"][glb.node(node)["mesh"].get<std::size_t>()];
+        return glb.json["materials"][mesh["primitives"][0]["material"].get<std::size_t>()];
+    };
+    const auto ice = material("nozzle[0]")["extensions"];
+    CHECK(ice["KHR_materials_transmission"]["transmissionFactor"] == 1);
+    CHECK(ice["KHR_materials_ior"]["ior"].get<float>() == 1.31f);
+    const double reds = ice["KHR_materials_volume"]["attenuationColor"][0], deep = ice["KHR_materials_volume"]["attenuationDistance"];
+    CHECK(reds == Approx(std::exp(-2.5 * deep)));              // absorption of red in ice: 2.5 1/m
+    CHECK_FALSE(material("solid[1]").contains("extensions"));  // the walls of a container have no thickness
+    CHECK(glb.json["extensionsUsed"].size() == 4);
+
+    CHECK(material("solid[0]")["pbrMetallicRoughness"]["baseColorTexture"]["index"] == 0);
+    const auto& view = glb.json["bufferViews"][glb.json["images"][0]["bufferView"].get<std::size_t>()];
+    CHECK(glb.binary.substr(view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>()) == read_whole(folder / "p.png"));
+    // The first face is seen along +z, so x points to the left: corners (0, 0), (0, 1) and (1, 0) of a picture 1 m wide and 0.5 m high.
+    const std::vector<float> place = glb.floats(glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"].get<std::size_t>());
+    REQUIRE(place.size() == 12 * 2);
+    CHECK(std::vector<float>(place.begin(), place.begin() + 6) == std::vector<float>{1, 1.5f, 1, -0.5f, 0, 1.5f});
 }
 
 TEST_CASE("a resumed run continues its glTF scene to the same file, and names a damaged one", "[export]") {
