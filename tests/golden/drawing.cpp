@@ -125,6 +125,14 @@ TEST_CASE("chocolate on white", "[golden]") { compare(picture_of("chocolate", co
 
 TEST_CASE("light shines through a coil of wax, in a dark studio", "[golden]") { compare(picture_of("wax", coil(), "dark"), "wax_dark"); }
 
+TEST_CASE("coils of caramel, ketchup and slime, each next to a ball of ice", "[golden]") {
+    for (const char* material : {"caramel", "ketchup", "slime"}) {
+        Picture picture = picture_of(material, coil());
+        add_solid(picture.frame, test::sphere(Vec3f(0.045f, 0.02f, 0.03f), 0.02f, 0.001f).mesh, "ice");
+        compare(picture, material);
+    }
+}
+
 TEST_CASE("honey on a table of boards, seen through a wide lens", "[golden]") {
     Picture picture = picture_of("honey", coil());
     picture.look.table = "wood";

@@ -118,6 +118,26 @@ TEST_CASE("a lamp casts the shadow of a bar along the line from it, softer the l
     CHECK(partly[1] > 1.5 * partly[0]);
 }
 
+TEST_CASE("each of two lamps casts its shadow, and the other lights it in its colour", "[render]") {
+    // The bar is 0.08 m above the board, the lamps are 0.24 m above it, 0.1 m to both sides: each shadow is 0.05 m beyond the bar.
+    Light red = soft_box(Vec3f(-0.1f, 0.24f, 0), {}), blue = soft_box(Vec3f(0.1f, 0.24f, 0), {});
+    red.kind = blue.kind = "lamp", red.radius = blue.radius = 0.004f;
+    red.colour = Colour(1, 0.02f, 0.02f), blue.colour = Colour(0.02f, 0.02f, 1);
+    const FrameSolid bar = test::solid_of(test::box_mesh(Vec3f(-0.01f, 0.075f, -0.2f), Vec3f(0.01f, 0.085f, 0.02f)), "dark");
+    const Image image = board({red, blue}, "white", 1, {bar});
+    const auto light_at = [&](float x) {
+        const auto [column, row] = pixel_of(Vec3f(x, 0, -0.05f));
+        return image.pixel(column, row);
+    };
+    const auto both = light_at(0.1f), only_blue = light_at(0.05f), only_red = light_at(-0.05f);
+    INFO(int(both[0]) << " " << int(both[2]) << ", " << int(only_blue[0]) << " " << int(only_blue[2]) << ", " << int(only_red[0]) << " "
+                      << int(only_red[2]));
+    CHECK(only_blue[0] < 0.4 * both[0]);
+    CHECK(only_blue[2] > 0.85 * both[2]);
+    CHECK(only_red[2] < 0.4 * light_at(-0.1f)[2]);
+    CHECK(only_red[0] > 0.85 * light_at(-0.1f)[0]);
+}
+
 TEST_CASE("the surround's strength scales the light, and its turn moves the shadow, unless they are 1 and 0", "[render]") {
     Frame frame;
     frame.spacing = 0.005f;
