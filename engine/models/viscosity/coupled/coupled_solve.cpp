@@ -334,7 +334,10 @@ struct CoupledStep {
     void keep_volume(SolveReport& report) {
         constexpr double tolerated = 5e-4;  // mean relative change of volume in a step
         constexpr double as_a_whole = 0.5;  // mean over root mean square; below it the error is local and decays without these iterations
-        constexpr int most = 4;
+        constexpr double at_start = 3e-4;   // root mean square change that the first step may leave
+        // Fluid that starts to bear its weight has no multiplier yet, and its iterations grow with its depth in spacings.
+        const bool starts = step.time == 0;
+        const int most = starts ? 60 : 4;
         struct Sums {
             double missing = 0, squares = 0, weighted = 0;
             void operator+=(const Sums& o) { missing += o.missing, squares += o.squares, weighted += o.weighted; }
@@ -352,13 +355,13 @@ struct CoupledStep {
                 const double m = missing(i);
                 return Sums{m, m * m, static_cast<double>(form.coefficients(i).bulk * d) * m * m};
             });
-            const bool kept_it = dt * all.missing < tolerated * n;
+            const bool kept_it = starts ? dt * std::sqrt(all.squares / n) < at_start : dt * all.missing < tolerated * n;
             if (round == 0) {
-                if (kept_it || system.no_way_out || all.missing < as_a_whole * std::sqrt(all.squares * n)) return;
+                if (kept_it || system.no_way_out || (!starts && all.missing < as_a_whole * std::sqrt(all.squares * n))) return;
                 first = all, old_solved = solved, old_load = load, old_pressure = pressure;
                 old_p.assign(p.values.begin(), p.values.end());
             } else if (kept_it || round == most) {
-                if (all.missing < first.missing / 2 && all.squares < 4 * first.squares) return;
+                if (starts ? all.squares < first.squares : all.missing < first.missing / 2 && all.squares < 4 * first.squares) return;
                 system.no_way_out = true;
                 solved.swap(old_solved), load.swap(old_load), pressure.swap(old_pressure);
                 std::copy(old_p.begin(), old_p.end(), p.values.begin());
