@@ -78,6 +78,8 @@ struct CoupledStep {
 
     Unknowns unknowns{role.values};
     Index free_particles = 0;
+    /// Whether fluid at rest starts to bear its weight. It has no multiplier, and particles are not pushed apart or together.
+    const bool starts = step.time == 0 && fastest == 0 && step.gravity != Vec3::Zero();
     bool nothing_held = false;  ///< no solid and no nozzle acts, so momentum is conserved
     Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
     Column<Vec3> solved{};      ///< the unknown part: first the initial guess, then the solution [m/s]
@@ -140,7 +142,7 @@ struct CoupledStep {
             // Fluid under tension is never drawn together, because a thread would creep without end.
             if (compressed < 0) compressed = p[i] > 0 ? loose(context, compressed) : 0;
             const double most = last_rate.empty() ? fastest_push : std::min(fastest_push, options.push_of_shear * last_rate[i]);
-            const double pushed = std::clamp(options.push * compressed / dt, -most, most);
+            const double pushed = starts ? 0 : std::clamp(options.push * compressed / dt, -most, most);
             divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
         });
     }
@@ -336,7 +338,6 @@ struct CoupledStep {
         constexpr double as_a_whole = 0.5;  // mean over root mean square; below it the error is local and decays without these iterations
         constexpr double at_start = 3e-4;   // root mean square change that the first step may leave
         // Fluid that starts to bear its weight has no multiplier yet, and its iterations grow with its depth in spacings.
-        const bool starts = step.time == 0;
         const int most = starts ? 60 : 4;
         struct Sums {
             double missing = 0, squares = 0, weighted = 0;
@@ -357,7 +358,9 @@ struct CoupledStep {
             });
             const bool kept_it = starts ? dt * std::sqrt(all.squares / n) < at_start : dt * all.missing < tolerated * n;
             if (round == 0) {
-                if (kept_it || system.no_way_out || (!starts && all.missing < as_a_whole * std::sqrt(all.squares * n))) return;
+                if (kept_it || system.no_way_out ||
+                    all.missing < (starts ? tolerated / 3 / dt * n : as_a_whole * std::sqrt(all.squares * n)))
+                    return;
                 first = all, old_solved = solved, old_load = load, old_pressure = pressure;
                 old_p.assign(p.values.begin(), p.values.end());
             } else if (kept_it || round == most) {
