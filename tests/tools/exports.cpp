@@ -103,6 +103,17 @@ TEST_CASE("every export writes files named as the scene, changes no particle, an
     CHECK(spent["cpu_seconds"].get<double>() > 0);
 }
 
+TEST_CASE("a glTF scene that is exported without images has the camera of the images", "[tools][export]") {
+    const Scratch scratch;
+    const auto camera = [&](std::vector<std::string> words, const std::string& folder) {
+        words.insert(words.end(), {"--until", "0.05", "--set", "output.size=[64, 36]"});
+        scratch.render(words, folder);
+        const std::string text = read_whole(scratch / (folder + "/scene.resolved.toml"));
+        return text.substr(text.find("[camera]"), text.find("[look]") - text.find("[camera]"));
+    };
+    CHECK(camera({"--no-images", "--export", "scene"}, "scene") == camera({}, "drawn"));
+}
+
 TEST_CASE("a file that cannot be written ends the run with the reason, and leaves no partial file", "[tools][export]") {
     const Scratch scratch;
     // Files are limited to some kilobytes, which looks like a full disk to the program.

@@ -358,7 +358,7 @@ void keep_coarse_run(const SceneFile& file, const CoarseRun& run) try {
 }
 
 SceneFile with_choices(SceneFile file, const Simulation& start, const Watch& watch) {
-    if (!file.scene.output.images) return file;
+    if (!file.scene.output.images && !file.scene.exported("scene")) return file;  // a glTF scene has the camera
     if (measures_range(file.look) || (wants_extent(file) && !starts_full(start.scene()))) choose_from(file, coarse_run(file, start, watch));
     return with_estimates(std::move(file), start);
 }
