@@ -393,6 +393,10 @@ struct Simulation::State {
             std::string what = "the time step collapsed: something moves far too fast";
             if (plan.traits.pressure.source == PressureSource::velocity && plan.free_surface)
                 what += " (pressure.form = \"projection\" does not support splashes; \"constraint\" does)";
+            if (plan.traits.pressure.source == PressureSource::velocity && !plan.free_surface && scene.solids.size() > 1)
+                what +=
+                    " (pressure.form = \"projection\" needs at least 4 spacings between solids; choose a smaller fluid.spacing, or "
+                    "\"constraint\", which loses more energy)";
             if (const std::string room = overfull(); !room.empty()) what += "; " + room;
             world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), what};
             return world.report;
