@@ -4,7 +4,7 @@ import sys
 import traceback
 
 from . import registry, runs
-from . import coils, departures, laboratory_water, laboratory_honey, live, micropolar, notes, pictures, pressure, references  # noqa: F401
+from . import coils, departures, growth, laboratory_water, laboratory_honey, live, micropolar, notes, peer, pictures, pressure, references  # noqa: F401
 from . import sheet, steps, surfaces, tradeoff, viscosity, vortices  # noqa: F401  (each registers tables)
 
 examples = """examples:
