@@ -106,7 +106,7 @@ class Vortex(Flow):
     velocity = ["0.2*sin(10*pi*x)*cos(10*pi*y)", "-0.2*cos(10*pi*x)*sin(10*pi*y)", "0"]
     models = {"pressure": "ppe", "viscosity": "full"}
     room = block = ([0, 0, 0], [0.1, 0.1, 0.048])
-    solid = {"shape": "box", "min": room[0], "max": room[1], "inside": True, "slip": "free"}
+    solid = {"shape": "box", "min": room[0], "max": room[1], "container": True, "slip": "free"}
     cases = [[], ["time.cfl=0.2"]]
     material = {"viscosityMethod": 1, "Standard viscosity": {"viscosity": 1e-4, "viscosityBoundary": 0}}
     peer_cases = [{}, {"cflFactor": 0.5, "DFSPH": {"maxError": 0.01, "maxErrorV": 0.02}}]
