@@ -44,7 +44,7 @@ class Flow:
         """Writes the scene of SPlisHSPlasH (DFSPH, volume maps at walls), the particles and the walls; returns the scene's file.
         @param settings keys of "Configuration" that differ"""
         low, high = self.room
-        solver = {"minIterations": 2, "maxIterations": 1000, "maxError": 0.05, "maxIterationsV": 1000, "maxErrorV": 0.1}
+        solver = {"minIterations": 2, "maxIterations": 100, "maxError": 0.05, "maxIterationsV": 100, "maxErrorV": 0.1}
         scene = {"Configuration": {"particleRadius": self.spacing / 2, "simulationMethod": 4, "gravitation": [0, -self.gravity, 0],
                                    "timeStepSize": 1e-3, "cflMethod": 1, "cflFactor": 1.0, "cflMaxTimeStepSize": 5e-3, "boundaryHandlingMethod": 2,
                                    "enableVTKExport": True, "dataExportFPS": self.frames / self.until, "particleAttributes": "density;velocity",
