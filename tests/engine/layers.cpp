@@ -49,7 +49,7 @@ std::map<std::string, Folders> arrows() {
         {"render/surface", frame},
         {"render/look", frame + Folders{"render/image"}},
         {"render/flow", frame + Folders{"render/image", "render/look", "render/surface"}},
-        {"render/export", frame + Folders{"render/flow", "render/look", "render/surface"}},
+        {"render/export", frame + Folders{"engine/io/csv.h", "render/flow", "render/image", "render/look", "render/surface"}},
         {"render/gl", frame + Folders{"render/flow", "render/image", "render/look", "render/surface"}},
         {"tools/process", core + Folders{"render/video/process.h"}},
         {"tools/scene_file",
