@@ -66,7 +66,9 @@ def growth(m):
             hours = a_second * large * us / 3.6e9
             films.append([name, f"{slope:+.2f}", f"{us:.1f}", f"{(memory[-1] + further[-1] * (large - particles[-1])) / 1e9:.1f}", f"{a_second:.0f}",
                           f"{gain:.2f}", *(f"{hours * (1 - parallel + parallel / cores):.0f}" for cores in (2, 16))])
-    return (markdown("flow | particles | us per particle-step | iterations per step | peak memory, MB | bytes per further particle", rows) +
-            "\n\nTen million particles, from the slope of the last three sizes and the speed-up by a second thread:\n\n" +
+    sizes = markdown("flow | particles | us per particle-step | iterations per step | peak memory, MB | bytes per further particle", rows)
+    if not films:
+        return sizes
+    return (sizes + "\n\nTen million particles, from the slope of the last three sizes and the speed-up by a second thread:\n\n" +
             markdown("flow | exponent of the cost | us per particle-step | memory, GB | steps a second | speed-up by two threads | hours per simulated "
                      "second, 2 cores | 16 cores", films))
