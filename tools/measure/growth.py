@@ -9,7 +9,7 @@ steps = 20
 
 
 def scene(name, count):
-    """A scene of about `count` particles: steps of at most 0.02 d over the speed (g L)^(1/2) or u0, so that all sizes take the same share of a
+    """A scene of about `count` particles: steps of 0.2 d over the speed (g L)^(1/2) or u0, so that all sizes take the same share of a
     spacing, and 20 of them."""
     if name == "dam":  # a column twice as high as wide falls into a tank
         d, speed = (2 * 0.4**3 / count) ** (1 / 3), (theory.gravity * 0.8)**0.5
