@@ -40,7 +40,7 @@ class Flow:
     def start_velocity(self, x):
         return np.zeros_like(x)
 
-    def peer_files(self, folder, settings):
+    def peer_files(self, folder, case, settings):
         """Writes the scene of SPlisHSPlasH (DFSPH, volume maps at walls), the particles and the walls; returns the scene's file.
         @param settings keys of "Configuration" that differ"""
         low, high = self.room
@@ -59,8 +59,8 @@ class Flow:
         rows = "".join("%.9g %.9g %.9g %.9g %.9g %.9g\n" % (*a, *b) for a, b in zip(x, self.start_velocity(x)))
         write_file(folder / "box.obj", unit_box.encode())
         write_file(folder / "start.pda", f"ATTRIBUTES\nposition velocity\nTYPES\nV V\nNUMBER_OF_PARTICLES: {len(x)}\nBEGIN DATA\n{rows}".encode())
-        write_file(folder / "scene.json", json.dumps(scene, indent=1).encode())
-        return folder / "scene.json"
+        write_file(folder / f"scene_{case}.json", json.dumps(scene, indent=1).encode())
+        return folder / f"scene_{case}.json"
 
 
 class Dam(Flow):
@@ -162,10 +162,11 @@ def peer_cpu(m, program, scene, folder, until):
 
 def peer_run(m, program, flow, name, settings, case, k):
     """Run of SPlisHSPlasH, or None where it has not been run. Its set-up is measured by a run of one step and subtracted."""
-    folder = m.out / f"peer/SPlisHSPlasH/{name}-{case}-{k}"
     if m.dry:
         return None
-    scene, kept = flow.peer_files(folder, settings), folder / "cost.json"
+    scene = flow.peer_files(m.out / "peer/SPlisHSPlasH" / name, case, settings)  # all cases of a flow share the cache of the walls
+    folder = scene.parent / f"{case}-{k}"
+    kept = folder / "cost.json"
     if program and (m.again or not kept.exists()):
         start = min(peer_cpu(m, program, scene, folder / "start", 1e-9) for _ in range(2))  # the first run fills the cache of the walls
         cost = {"cpu": peer_cpu(m, program, scene, folder / "run", flow.until) - start}
