@@ -146,7 +146,7 @@ TEST_CASE("over 3 periods a seiche loses less than 3 % per period with projectio
     seiche_keeps("constraint", 4, 0.82, 0.05);
 }
 
-TEST_CASE("steep sloshes hold with the projection, crests of half the depth among them", "[validation][sim][waves][long]") {
+TEST_CASE("steep sloshes hold with the projection, crests of half the depth among them", "[validation][sim][waves]") {
     // The seiche above, 40 particles by 16 in a tank of 1 m, with 0.8 and 1.1 m/s at its passage: crests of half and of three quarters of
     // the depth. Its energy above that of still water may not grow by more than a fifth (measured: 12 %, when particles settle), and some
     // must be left after two periods. With each of three samplings 0.3 to 0.8 m/s hold for 4 s; two of three with 1.1 m/s die after 3 s.

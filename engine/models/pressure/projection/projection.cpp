@@ -99,8 +99,7 @@ void Projection::damp_unresolved(const Fields& f) const {
 }
 
 /// u -= share dt g, with g = grad p/rho of the last step. p starts with this share of the last pressure. Large g are dropped, because the
-/// pressure of an impact must not act again in the next step. `solved` becomes the first guess of the solve, with which the mean over this
-/// step would equal that over the last step: errors that alternate from step to step continue to alternate.
+/// pressure of an impact must not act again in the next step.
 void Projection::take_old_share(const Fields& f, Real share) {
     const auto& [context, step, role, u, p, solved, a] = f;
     const Real most = system_->most_carried(step);
@@ -108,7 +107,6 @@ void Projection::take_old_share(const Fields& f, Real share) {
         const bool goes_on = role[i] == 0 && a[i].norm() < most;
         if (goes_on) u[i] -= (system_->expected ? share - 1 : share) * step.dt * a[i];
         phi_[i] = goes_on ? solved[i] : 0;
-        solved[i] = (p[i] - share * solved[i]) / (1 - share);
         p[i] = share * phi_[i];
         a[i].setZero();
     });
