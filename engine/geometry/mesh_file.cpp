@@ -124,33 +124,6 @@ struct Polygons {
     bool single = false;           ///< whether the file stores single precision
 };
 
-/// Splits a polygon into triangles by ear clipping in the plane perpendicular to its area vector. The polygon may be concave, and may have
-/// holes that a bridge joins to the rim. A convex polygon becomes a fan from its first corner. The triangles of a self-intersecting polygon
-/// cover each point as often, with sign, as the polygon winds around it.
-void triangulate(const std::vector<Vec3d>& x, std::vector<Corner> ring, std::vector<std::array<Corner, 3>>& to) {
-    Vec3d normal = Vec3d::Zero();
-    for (std::size_t k = 2; k < ring.size(); ++k) normal += (x[ring[k - 1]] - x[ring[0]]).cross(x[ring[k]] - x[ring[0]]);
-    const auto turn = [&](Corner a, Corner b, Corner c) { return normal.dot((x[b] - x[a]).cross(x[c] - x[a])); };
-    long tests = 0;
-    const auto is_ear = [&](std::size_t k, double least) {
-        const Corner a = ring[k - 1], b = ring[k], c = ring[(k + 1) % ring.size()];
-        return turn(a, b, c) > least && std::none_of(ring.begin(), ring.end(), [&](Corner p) {
-                   return ++tests < 100'000'000 && x[p] != x[a] && x[p] != x[b] && x[p] != x[c] && turn(a, b, p) >= 0 &&
-                          turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-               });
-    };
-    while (ring.size() > 3) {
-        std::size_t ear = 0;
-        for (const double least : {1e-6 * normal.squaredNorm(), 0.0})  // slivers last
-            for (std::size_t k = 1; k < ring.size() && ear == 0; ++k)
-                if (is_ear(k, least)) ear = k;
-        ear = std::max<std::size_t>(ear, 1);
-        to.push_back({ring[ear - 1], ring[ear], ring[(ear + 1) % ring.size()]});
-        ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
-    }
-    to.push_back({ring[0], ring[1], ring[2]});
-}
-
 Polygons read_obj(const std::string& file, std::string_view text) {
     Polygons mesh;
     Words words(file, text, true);
@@ -364,6 +337,30 @@ Polygons read_gltf(const std::string& file, const std::string& node) {
 }
 
 }  // namespace
+
+void triangulate(const std::vector<Vec3d>& x, std::vector<Corner> ring, std::vector<std::array<Corner, 3>>& to) {
+    Vec3d normal = Vec3d::Zero();
+    for (std::size_t k = 2; k < ring.size(); ++k) normal += (x[ring[k - 1]] - x[ring[0]]).cross(x[ring[k]] - x[ring[0]]);
+    const auto turn = [&](Corner a, Corner b, Corner c) { return normal.dot((x[b] - x[a]).cross(x[c] - x[a])); };
+    long tests = 0;
+    const auto is_ear = [&](std::size_t k, double least) {
+        const Corner a = ring[k - 1], b = ring[k], c = ring[(k + 1) % ring.size()];
+        return turn(a, b, c) > least && std::none_of(ring.begin(), ring.end(), [&](Corner p) {
+                   return ++tests < 100'000'000 && x[p] != x[a] && x[p] != x[b] && x[p] != x[c] && turn(a, b, p) >= 0 &&
+                          turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+               });
+    };
+    while (ring.size() > 3) {
+        std::size_t ear = 0;
+        for (const double least : {1e-6 * normal.squaredNorm(), 0.0})  // slivers last
+            for (std::size_t k = 1; k < ring.size() && ear == 0; ++k)
+                if (is_ear(k, least)) ear = k;
+        ear = std::max<std::size_t>(ear, 1);
+        to.push_back({ring[ear - 1], ring[ear], ring[(ear + 1) % ring.size()]});
+        ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
+    }
+    to.push_back({ring[0], ring[1], ring[2]});
+}
 
 void weld(TriangleMesh& mesh) {
     std::vector<Corner> order(mesh.position.size()), to(mesh.position.size());

@@ -20,6 +20,12 @@ void weld(TriangleMesh& mesh);
 /// Appends the vertices, normals and triangles of another mesh.
 void append(TriangleMesh& to, const TriangleMesh& more);
 
+/// Splits a polygon into triangles by ear clipping in the plane perpendicular to its area vector. The polygon may be concave, and may have
+/// holes that a bridge joins to the rim. A convex polygon becomes a fan from its first corner. The triangles of a self-intersecting polygon
+/// cover each point as often, with sign, as the polygon winds around it. @param x vertices @param ring the polygon's vertices, in order
+/// @param to receives the triangles
+void triangulate(const std::vector<Vec3d>& x, std::vector<std::uint32_t> ring, std::vector<std::array<std::uint32_t, 3>>& to);
+
 /// Splits a welded mesh into its closed parts with a volume, each with its own vertices and oriented outward.
 /// @param left_out receives a line on duplicate faces, and one on parts without a volume
 /// @throws InputError if the mesh has holes, adjacent faces with opposite orientations, or no volume

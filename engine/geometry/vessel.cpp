@@ -61,18 +61,7 @@ public:
         }
     }
     bool shell() const override { return true; }
-    MassProperties bulk() const override {
-        const MassProperties whole = prism(-depth_ - wall_, 0, wall_)->bulk(), cavity = prism(-depth_, 0, 0)->bulk();
-        MassProperties bulk;
-        bulk.volume = whole.volume - cavity.volume;
-        bulk.centre = (whole.volume * whole.centre - cavity.volume * cavity.centre) / bulk.volume;
-        const auto about = [&](const MassProperties& part) {
-            const Vec3d r = part.centre - bulk.centre;
-            return Mat3d(part.moment + part.volume * r * r.transpose());
-        };
-        bulk.moment = about(whole) - about(cavity);
-        return bulk;
-    }
+    MassProperties bulk() const override { return hollowed(prism(-depth_ - wall_, 0, wall_)->bulk(), prism(-depth_, 0, 0)->bulk()); }
     TriangleMesh mesh(Real edge, Real) const override {
         const double a = section_.a, t = wall_, H = depth_;
         const VesselProfile profile{{{0, -H - t}, {a + t, -H - t}, {a + t, 0}}, {{0, -H}, {a, -H}, {a, 0}}};
@@ -270,6 +259,18 @@ Vec3d opening_direction(const std::string& open) {
     const bool negative = open == "bottom" || open == "left" || open == "back";
     const int axis = open == "left" || open == "right" ? 0 : open == "top" || open == "bottom" ? 1 : 2;
     return (negative ? -1 : 1) * Vec3d::Unit(axis);
+}
+
+MassProperties hollowed(const MassProperties& whole, const MassProperties& cavity) {
+    MassProperties bulk;
+    bulk.volume = whole.volume - cavity.volume;
+    bulk.centre = (whole.volume * whole.centre - cavity.volume * cavity.centre) / bulk.volume;
+    const auto about = [&](const MassProperties& part) {
+        const Vec3d r = part.centre - bulk.centre;
+        return Mat3d(part.moment + part.volume * r * r.transpose());
+    };
+    bulk.moment = about(whole) - about(cavity);
+    return bulk;
 }
 
 std::string vessel_error(const ShapeKeys& keys, std::string& key) {

@@ -13,16 +13,20 @@ Vec3d opening_direction(const std::string& open);
 /// fault
 std::string vessel_error(const ShapeKeys& keys, std::string& key);
 
-/// The wall of a vessel: all points outside the cavity, at most `wall` away from it, and below the rim.
+/// The wall of a vessel: all points outside the cavity, inside the outer surface, and below the rim.
 ///   box, cylinder   The cavity is the shape, open at the face towards the opening. The outer surface is a box or cylinder, larger than
 ///                   the cavity by `wall` at the other faces, so its edges are sharp.
-///   sphere, mesh    The cavity is the part of the shape below the plane of the rim. The outer surface is `wall` away from the cavity.
+///   sphere          The cavity is the part of the shape below the plane of the rim. The outer surface is a sphere, larger by `wall`.
+///   mesh            The cavity is the part of the mesh below the plane of the rim. The outer surface has the mesh's faces moved outward by
+///                   `wall`, so its edges are as sharp as the mesh's. (At edges sharper than 19 degrees the wall is thinner.)
 /// @param keys open, wall and, for spheres and meshes, rim must be set, and vessel_error() must be empty @throws InputError like
 /// make_shape()
 std::shared_ptr<const Shape> make_vessel(const ShapeKeys& keys);
 /// The vessel of a mesh, open along the unit vector n above the plane through n * rim. @param cavity a closed mesh @param rim, wall m
 std::shared_ptr<const Shape> make_mesh_vessel(std::shared_ptr<const Shape> cavity, const Vec3d& n, double rim, double wall);
 
+/// Mass properties of a body with a cavity.
+MassProperties hollowed(const MassProperties& whole, const MassProperties& cavity);
 /// Distances to an open surface. The sign of the distances and normals has no meaning. @param surface welded
 std::shared_ptr<const Shape> make_sheet(TriangleMesh surface);
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "engine/core/errors.h"
@@ -41,121 +42,142 @@ TriangleMesh below_rim(const TriangleMesh& mesh, const Vec3d& n, double rim, dou
     return part;
 }
 
-void turn_over(TriangleMesh& mesh) {
-    for (auto& t : mesh.triangle) std::swap(t[1], t[2]);
-    for (Vec3f& n : mesh.normal) n = -n;
+/// The mesh with all faces moved outward by `wall` [m], so that edges stay sharp. A vertex moves to the point at that distance from all its
+/// faces; if there is no such point, to the best one by least squares, weighted by the faces' angles. Vertices of a lid in the plane
+/// n . x = rim stay in that plane.
+TriangleMesh grown(const TriangleMesh& mesh, double wall, const Vec3d& n, double rim, double snap) {
+    constexpr double longest = 6;  // largest displacement, in walls: that of an edge of 19 degrees
+    std::vector<std::vector<std::pair<double, Vec3d>>> faces(mesh.position.size());  // angle and normal of each face at a vertex
+    std::vector<char> on_lid(mesh.position.size());
+    for (const auto& t : mesh.triangle) {
+        std::array<Vec3d, 3> x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = mesh.position[t[k]].cast<double>();
+        const bool lid = std::all_of(x.begin(), x.end(), [&](const Vec3d& at) { return std::abs(n.dot(at) - rim) < snap; });
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d ab = x[(k + 1) % 3] - x[k], ac = x[(k + 2) % 3] - x[k], across = ab.cross(ac);
+            if (lid) on_lid[t[k]] = 1;
+            else faces[t[k]].emplace_back(std::atan2(across.norm(), ab.dot(ac)), across.stableNormalized());
+        }
+    }
+    TriangleMesh out = mesh;
+    for (std::size_t v = 0; v < faces.size(); ++v) {
+        Vec3d move = Vec3d::Zero(), lacking = Vec3d::Zero();
+        Mat3d square = 1e-6 * Mat3d::Identity();
+        for (auto& [angle, normal] : faces[v]) {
+            if (on_lid[v]) normal -= normal.dot(n) * n;
+            move += angle * normal;
+        }
+        move = wall * move.stableNormalized();
+        for (const auto& [angle, normal] : faces[v])
+            square += angle * normal * normal.transpose(), lacking += angle * (wall - normal.dot(move)) * normal;
+        move += square.ldlt().solve(lacking);
+        out.position[v] += Vec3d(std::min(1.0, longest * wall / std::max(move.norm(), wall)) * move).cast<float>();
+    }
+    return out;
+}
+
+using Loop = std::vector<std::uint32_t>;
+
+/// Loops of the mesh's open edges, in the direction in which the missing triangles pass them.
+std::vector<Loop> open_loops(const TriangleMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> missing;
+    for (const auto& t : mesh.triangle)
+        for (std::size_t k = 0; k < 3; ++k) missing[{t[(k + 1) % 3], t[k]}] += 1, missing[{t[k], t[(k + 1) % 3]}] -= 1;
+    std::multimap<std::uint32_t, std::uint32_t> next;
+    for (const auto& [edge, count] : missing)
+        if (count > 0) next.insert(edge);
+    std::vector<Loop> loops;
+    while (!next.empty()) {
+        Loop& loop = loops.emplace_back();
+        for (auto at = next.begin(); at != next.end(); at = next.find(loop.back() == loop.front() ? ~0u : loop.back())) {
+            if (loop.empty()) loop.push_back(at->first);
+            loop.push_back(at->second);
+            next.erase(at);
+        }
+        loop.pop_back();
+    }
+    return loops;
+}
+
+/// Closes the mesh by triangles between its open edges, which lie in a plane. @param n normal of these triangles
+void close_rim(TriangleMesh& mesh, const Vec3d& n) {
+    std::vector<Vec3d> x;
+    for (const Vec3f& at : mesh.position) x.push_back(at.cast<double>());
+    std::vector<Loop> rings, holes;
+    for (Loop& loop : open_loops(mesh)) {
+        double area = 0;
+        for (std::size_t k = 2; k < loop.size(); ++k) area += n.dot((x[loop[k - 1]] - x[loop[0]]).cross(x[loop[k]] - x[loop[0]]));
+        (area > 0 ? rings : holes).push_back(std::move(loop));
+    }
+    while (!holes.empty() && !rings.empty()) {  // a bridge joins the nearest hole: being the shortest, it crosses no other edge
+        double least = std::numeric_limits<double>::infinity();
+        std::array<std::size_t, 4> bridge{};
+        for (std::size_t r = 0; r < rings.size(); ++r)
+            for (std::size_t h = 0; h < holes.size(); ++h)
+                for (std::size_t i = 0; i < rings[r].size(); ++i)
+                    for (std::size_t j = 0; j < holes[h].size(); ++j)
+                        if (const double far = (x[rings[r][i]] - x[holes[h][j]]).squaredNorm(); far < least)
+                            least = far, bridge = {r, h, i, j};
+        Loop &ring = rings[bridge[0]], &hole = holes[bridge[1]];
+        std::rotate(hole.begin(), hole.begin() + static_cast<std::ptrdiff_t>(bridge[3]), hole.end());
+        hole.push_back(hole[0]), hole.push_back(ring[bridge[2]]);
+        ring.insert(ring.begin() + static_cast<std::ptrdiff_t>(bridge[2]) + 1, hole.begin(), hole.end());
+        holes.erase(holes.begin() + static_cast<std::ptrdiff_t>(bridge[1]));
+    }
+    for (Loop& ring : rings) triangulate(x, std::move(ring), mesh.triangle);
 }
 
 class MeshVessel final : public Shape {
 public:
-    MeshVessel(std::shared_ptr<const Shape> cavity, const TriangleMesh& walls, const Vec3d& n, double rim, double wall)
-        : cavity_(std::move(cavity)), sheet_(make_sheet(walls)), n_(n.cast<Real>()), rim_(static_cast<Real>(rim)),
-          wall_(static_cast<Real>(wall)) {
+    /// @param cavity the closed mesh @param walls its surface below the rim @param outside surface of the wall's outside below the rim
+    MeshVessel(std::shared_ptr<const Shape> cavity, TriangleMesh walls, TriangleMesh outside, const Vec3d& n, double rim)
+        : cavity_(std::move(cavity)), sheet_(make_sheet(walls)), n_(n.cast<Real>()), rim_(static_cast<Real>(rim)) {
         remarks = cavity_->remarks;
         Vec3 low, high;
         sheet_->bounds(low, high);
         known_ = Real(2e-6) * (high - low).norm();
-        draw(walls);
+        TriangleMesh solid = outside, inside = walls;
+        for (auto& t : walls.triangle) std::swap(t[1], t[2]);
+        append(solid, walls);
+        for (TriangleMesh* open : {&solid, &outside, &inside}) close_rim(*open, n);
+        drawn_ = make_sheet(std::move(solid));
+        body_ = make_mesh(std::move(outside), "the outside of the vessel");
+        bulk_ = hollowed(body_->bulk(), make_mesh(std::move(inside), "the cavity of the vessel")->bulk());
     }
 
     Real distance(const Vec3& x) const override { return near(x).distance; }
     Vec3 normal(const Vec3& x) const override { return near(x).normal; }
-    void bounds(Vec3& min, Vec3& max) const override { min = min_, max = max_; }
+    void bounds(Vec3& min, Vec3& max) const override { drawn_->bounds(min, max); }
     bool shell() const override { return true; }
-    TriangleMesh mesh(Real, Real) const override { return drawn_; }
+    MassProperties bulk() const override { return bulk_; }
+    TriangleMesh mesh(Real edge, Real extent) const override { return drawn_->mesh(edge, extent); }
 
 private:
     struct Near {
         Real distance;
         Vec3 normal;
     };
-    Real height(const Vec3& x) const { return n_.dot(x) - rim_; }
-
-    /// Distance u from the cavity's walls, without sign, and the direction away from them. @param outside whether x is outside the cavity
+    /// Distance from the cavity's walls, without sign, and the direction away from them. @param outside whether x is outside the cavity
     Near from_walls(const Vec3& x, bool outside) const {
         const Real u = sheet_->distance(x);
         const Vec3 n = sheet_->normal(x);
         if (std::abs(u) < known_) return {std::abs(u), outside ? n : Vec3(-n)};
         return {std::abs(u), u < 0 ? Vec3(-n) : n};
     }
-    /// Moves x onto the outside of the wall, u = wall, by Newton's method; in the plane of the rim if `on_rim`.
-    Vec3 on_outside(Vec3 x, bool on_rim) const {
-        if (on_rim) x -= height(x) * n_;
-        for (int k = 0; k < 4; ++k) {
-            const Near from = from_walls(x, true);
-            const Vec3 slope = on_rim ? Vec3(from.normal - from.normal.dot(n_) * n_) : from.normal;
-            const Real steep = slope.squaredNorm();
-            if (!(steep > Real(1e-3))) break;
-            x += (wall_ - from.distance) / steep * slope;
-        }
-        return x;
-    }
-    static Near from_point(const Vec3& x, const Vec3& point, const Vec3& otherwise) {
-        const Real length = (x - point).norm();
-        return {length, length > 0 ? Vec3((x - point) / length) : otherwise};
-    }
     Near near(const Vec3& x) const {
-        const Real h = height(x);
-        if (h > 0) {
-            const Vec3 foot = x - h * n_;
-            if (cavity_->distance(foot - known_ * n_) <= 0) return from_walls(x, false);
-            return std::abs(sheet_->distance(foot)) <= wall_ ? Near{h, n_} : from_point(x, on_outside(foot, true), n_);
-        }
-        const bool outside = cavity_->distance(x) > 0;
-        const Near from = from_walls(x, outside);
-        if (!outside) return from;
-        if (from.distance <= wall_) {
-            const Real least = std::min({from.distance, wall_ - from.distance, -h});
-            return {-least, least == from.distance ? Vec3(-from.normal) : least == -h ? n_ : from.normal};
-        }
-        // The outside ends at the rim: if the nearest point of its surface would be above the rim, the rim's outer edge is nearest.
-        if (height(x - (from.distance - wall_) * from.normal) > 0) return from_point(x, on_outside(x, true), from.normal);
-        return {from.distance - wall_, from.normal};
-    }
-
-    /// The cavity's walls, the outside at their corners' normals, and the rim between them.
-    void draw(const TriangleMesh& walls) {
-        std::vector<Vec3d> normal(walls.position.size(), Vec3d::Zero());
-        std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-        const auto at = [&](std::uint32_t v) { return Vec3d(walls.position[v].cast<double>()); };
-        for (const auto& t : walls.triangle)
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-                const Vec3d ab = at(b) - at(a), ac = at(c) - at(a), across = ab.cross(ac);
-                normal[a] += std::atan2(across.norm(), ab.dot(ac)) * across.stableNormalized();
-                edges[{a, b}] += 1, edges[{b, a}] -= 1;
-            }
-        std::vector<char> on_rim(walls.position.size());
-        for (const auto& [edge, count] : edges)
-            if (count != 0) on_rim[edge.first] = on_rim[edge.second] = 1;
-        TriangleMesh out = walls, rim;
-        for (std::uint32_t v = 0; v < out.position.size(); ++v) {
-            Vec3 way = normal[v].stableNormalized().cast<Real>();
-            if (on_rim[v]) way = (way - way.dot(n_) * n_).stableNormalized();
-            Vec3 x = on_outside(at(v).cast<Real>() + wall_ * way, on_rim[v] != 0);
-            if (height(x) > 0) x = on_outside(x, true);
-            out.position[v] = x.cast<float>();
-        }
-        for (const auto& [edge, count] : edges) {
-            if (count != 1) continue;
-            const auto first = static_cast<std::uint32_t>(rim.position.size());
-            const auto& [a, b] = edge;
-            for (const Vec3f& x : {walls.position[a], walls.position[b], out.position[b], out.position[a]}) rim.position.push_back(x);
-            rim.normal.insert(rim.normal.end(), 4, n_.cast<float>());
-            rim.triangle.push_back({first, first + 1, first + 2}), rim.triangle.push_back({first, first + 2, first + 3});
-        }
-        drawn_ = sheet_->mesh(0, 0);
-        turn_over(drawn_);
-        append(drawn_, make_sheet(std::move(out))->mesh(0, 0));
-        append(drawn_, rim);
-        min_ = max_ = drawn_.position.front().cast<Real>();
-        for (const Vec3f& x : drawn_.position) min_ = min_.cwiseMin(x.cast<Real>()), max_ = max_.cwiseMax(x.cast<Real>());
+        const Real h = n_.dot(x) - rim_;
+        if (cavity_->distance(h > 0 ? Vec3(x - (h + known_) * n_) : x) <= 0) return from_walls(x, false);  // in the cavity or above it
+        const Real out = body_->distance(x);
+        if (out < 0)
+            if (const Near inner = from_walls(x, true); inner.distance < -out) return {-inner.distance, -inner.normal};
+        return {out, body_->normal(x)};
     }
 
     std::shared_ptr<const Shape> cavity_, sheet_;  ///< the closed mesh; its surface below the rim
-    Vec3 n_, min_, max_;
-    Real rim_, wall_, known_ = 0;  ///< m; known_: distance from which the direction of a difference is known
-    TriangleMesh drawn_;
+    std::shared_ptr<const Shape> body_, drawn_;    ///< the vessel with its cavity filled up to the rim; the surface of the vessel
+    MassProperties bulk_;
+    Vec3 n_;
+    Real rim_, known_ = 0;  ///< m; known_: distance from which the direction of a difference is known
 };
 
 }  // namespace
@@ -169,13 +191,17 @@ std::shared_ptr<const Shape> make_mesh_vessel(std::shared_ptr<const Shape> cavit
         fmt::format("{:g} to {:g} m", std::min(bottom * n.sum(), top * n.sum()), std::max(bottom * n.sum(), top * n.sum()));
     if (!(rim > bottom + 1e-3 * size && rim <= top + 1e-5 * size))
         throw InputError({}, fmt::format("the rim at {:g} m does not cut the mesh", rim * n.sum()), "", "the mesh spans " + range);
-    const TriangleMesh walls = below_rim(cavity->mesh(0, 0), n, std::min(rim, top), 1e-5 * size);
+    rim = std::min(rim, top);
+    const double snap = 1e-5 * size;
+    TriangleMesh whole = cavity->mesh(0, 0);
+    weld(whole);
+    const TriangleMesh walls = below_rim(whole, n, rim, snap);
     for (const auto& t : walls.triangle) {
         const Vec3f middle = (walls.position[t[0]] + walls.position[t[1]] + walls.position[t[2]]) / 3;
         if (std::abs(cavity->distance(middle.cast<Real>())) > Real(1e-4 * size))
             throw InputError({}, "the mesh has parts that overlap, so it has no single cavity", "unite its parts in a mesh editor");
     }
-    return std::make_shared<MeshVessel>(std::move(cavity), walls, n, std::min(rim, top), wall);
+    return std::make_shared<MeshVessel>(std::move(cavity), walls, below_rim(grown(whole, wall, n, rim, snap), n, rim, snap), n, rim);
 }
 
 }  // namespace whorl
