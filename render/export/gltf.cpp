@@ -184,7 +184,7 @@ struct SceneExport::Document {
                          {"pbrMetallicRoughness",
                           {{"baseColorFactor", {base.x(), base.y(), base.z(), solid.container ? 0.1f : 1.0f}},
                            {"metallicFactor", look.metal},
-                           {"roughnessFactor", look.roughness}}},
+                           {"roughnessFactor", glass ? 0 : look.roughness}}},
                          {"doubleSided", true}};
         if (solid.container) description["alphaMode"] = "BLEND";
         if (glass) refract(description, look);
@@ -194,7 +194,8 @@ struct SceneExport::Document {
         return known->second;
     }
 
-    /// Light passes through the material, is refracted, and absorbed inside.
+    /// Light passes through the material, is refracted, and absorbed inside. Its roughness is left out: in Whorl it is the unevenness of a
+    /// clear surface; in glTF it would make the material frosted.
     void refract(Json& description, const SolidMaterial& look) {
         constexpr float depth = 0.01f;  // m, at which light has the attenuation colour
         description["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},

@@ -118,6 +118,7 @@ TEST_CASE("a glTF scene has the refraction of glass and ice, and the pictures on
         return glb.json["materials"][mesh["primitives"][0]["material"].get<std::size_t>()];
     };
     const auto ice = material("nozzle[0]")["extensions"];
+    CHECK(material("nozzle[0]")["pbrMetallicRoughness"]["roughnessFactor"] == 0);  // clear, not frosted
     CHECK(ice["KHR_materials_transmission"]["transmissionFactor"] == 1);
     CHECK(ice["KHR_materials_ior"]["ior"].get<float>() == 1.31f);
     const double reds = ice["KHR_materials_volume"]["attenuationColor"][0], deep = ice["KHR_materials_volume"]["attenuationDistance"];
