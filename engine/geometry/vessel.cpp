@@ -153,8 +153,8 @@ public:
     }
     bool shell() const override { return true; }
     MassProperties bulk() const override {
-        if (!plane_) return Shape::bulk();
-        MassProperties bulk = bulk_of(mesh(Real(0.5), 0));  // one metre deep
+        if (!plane_) return bulk_of(mesh(static_cast<Real>(outer_) / 100, 0));  // within 1e-4
+        MassProperties bulk = bulk_of(mesh(Real(0.5), 0));                      // one metre deep
         bulk.moment.row(2).setZero(), bulk.moment.col(2).setZero();
         return bulk;
     }
