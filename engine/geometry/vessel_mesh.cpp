@@ -145,32 +145,32 @@ public:
         bulk_ = hollowed(body_->bulk(), make_mesh(std::move(inside), "the cavity of the vessel")->bulk());
     }
 
-    Real distance(const Vec3& x) const override { return near(x).distance; }
-    Vec3 normal(const Vec3& x) const override { return near(x).normal; }
+    Real distance(const Vec3& x) const override {
+        if (over_cavity(x)) return std::abs(sheet_->distance(x));
+        const Real out = body_->distance(x);
+        return out < 0 ? std::max(out, -std::abs(sheet_->distance(x))) : out;
+    }
+    Vec3 normal(const Vec3& x) const override {
+        if (over_cavity(x)) return away_from_walls(x, false);
+        const Real out = body_->distance(x);
+        return out < 0 && std::abs(sheet_->distance(x)) < -out ? Vec3(-away_from_walls(x, true)) : body_->normal(x);
+    }
     void bounds(Vec3& min, Vec3& max) const override { drawn_->bounds(min, max); }
     bool shell() const override { return true; }
     MassProperties bulk() const override { return bulk_; }
     TriangleMesh mesh(Real edge, Real extent) const override { return drawn_->mesh(edge, extent); }
 
 private:
-    struct Near {
-        Real distance;
-        Vec3 normal;
-    };
-    /// Distance from the cavity's walls, without sign, and the direction away from them. @param outside whether x is outside the cavity
-    Near from_walls(const Vec3& x, bool outside) const {
+    /// Whether x is in the cavity or above it.
+    bool over_cavity(const Vec3& x) const {
+        const Real h = n_.dot(x) - rim_;
+        return cavity_->distance(h > 0 ? Vec3(x - (h + known_) * n_) : x) <= 0;
+    }
+    /// Direction away from the cavity's walls. @param outside whether x is outside the cavity
+    Vec3 away_from_walls(const Vec3& x, bool outside) const {
         const Real u = sheet_->distance(x);
         const Vec3 n = sheet_->normal(x);
-        if (std::abs(u) < known_) return {std::abs(u), outside ? n : Vec3(-n)};
-        return {std::abs(u), u < 0 ? Vec3(-n) : n};
-    }
-    Near near(const Vec3& x) const {
-        const Real h = n_.dot(x) - rim_;
-        if (cavity_->distance(h > 0 ? Vec3(x - (h + known_) * n_) : x) <= 0) return from_walls(x, false);  // in the cavity or above it
-        const Real out = body_->distance(x);
-        if (out < 0)
-            if (const Near inner = from_walls(x, true); inner.distance < -out) return {-inner.distance, -inner.normal};
-        return {out, body_->normal(x)};
+        return (std::abs(u) < known_ ? !outside : u < 0) ? Vec3(-n) : n;
     }
 
     std::shared_ptr<const Shape> cavity_, sheet_;  ///< the closed mesh; its surface below the rim
