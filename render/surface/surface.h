@@ -1,6 +1,5 @@
 #pragma once
-/// Particles -> density-normalised colour field in an OpenVDB grid -> closed triangle mesh and a distance volume. This header does not
-/// include OpenVDB.
+/// Particles -> density-normalised colour field on a sparse grid -> closed triangle mesh and a distance volume.
 #include <vector>
 
 #include "engine/core/grid_index.h"
