@@ -22,9 +22,9 @@ const char* __tsan_default_suppressions() {
            "called_from_lib:libtbb.so\n"
            "called_from_lib:libopenvdb.so\n"
            "mutex:libGLdispatch.so\n"
-           "mutex:whorl_vdb_bytes\n"  // OpenVDB's own lock, taken and released inside its initialize()
-           "race:libgcc_s.so\n"       // its table of generated code, during an exception
-           "mutex:libgcc_s.so\n"      // the lock of that table
+           "mutex:whorl::write_vdb\n"  // OpenVDB's own lock, taken and released inside its initialize()
+           "race:libgcc_s.so\n"        // its table of generated code, during an exception
+           "mutex:libgcc_s.so\n"       // the lock of that table
            "deadlock:libgcc_s.so\n";
 }
 

@@ -1,48 +1,25 @@
 #include "render/surface/colour_grid.h"
 
-#include <algorithm>
+#include <openvdb/openvdb.h>
+
 #include <cmath>
+#include <unordered_map>
 
 #include "engine/core/parallel.h"
 
 namespace whorl {
 namespace {
 
-/// Key of a block, from its position in blocks. Blocks in the order of their keys are in the order of an OpenVDB tree, in which meshes list
-/// their vertices: by the bits from 9 on of all three coordinates, then by their bits 4 to 8, then by their bits 0 to 3.
-using BlockKey = std::uint64_t;
-constexpr int key_offset = 1 << 20;  // a million blocks in each direction
-
-BlockKey key(const std::array<int, 3>& at) {
-    BlockKey joined = 0;
-    for (const auto& [shift, bits] : {std::pair(9, 12), {4, 5}, {0, 4}})
-        for (const int one : at) joined = joined << bits | (static_cast<unsigned>(one + key_offset) >> shift & ((1u << bits) - 1));
-    return joined;
-}
-
-std::array<int, 3> position_of(BlockKey key) {
-    std::array<int, 3> at;
-    for (int a = 0; a < 3; ++a) {
-        const int c = 2 - a;
-        at[a] = static_cast<int>((key >> (27 + 12 * c) & 4095) << 9 | (key >> (12 + 5 * c) & 31) << 4 | (key >> 4 * c & 15)) - key_offset;
-    }
-    return at;
-}
-
-/// All blocks with nodes that particles reach, or the next node, so that a surface never runs along a missing block. Ascending.
-std::vector<BlockKey> touched_blocks(const ColourField& field, float voxel) {
-    std::vector<BlockKey> touched;
+// Creates the blocks of all nodes that particles reach, and of one node more, so that a surface never runs along a missing block.
+void touch_blocks(const ColourField& field, float voxel, openvdb::FloatTree::RootNodeType& root) {
     const float reach = field.reach() + voxel, block = voxel * block_edge;
     for (const ParticleRows::Bunch& bunch : field.particles().bunches(field.reach())) {
         const Eigen::Vector3i first = ((bunch.low.array() - reach) / block).floor().cast<int>(),
                               last = ((bunch.high.array() + reach) / block).floor().cast<int>();
         for (int a = first.x(); a <= last.x(); ++a)
             for (int b = first.y(); b <= last.y(); ++b)
-                for (int c = first.z(); c <= last.z(); ++c) touched.push_back(key({a, b, c}));
+                for (int c = first.z(); c <= last.z(); ++c) root.touchLeaf({a * block_edge, b * block_edge, c * block_edge});
     }
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    return touched;
 }
 
 // Computes c at the block's nodes: each particle in turn adds its bump to the planes of nodes that it reaches.
@@ -103,21 +80,38 @@ void cut_off(const Cut& cut, const LocalField& local, const Vec3f& low, float vo
     block.most = *std::max_element(block.value, block.value + block_nodes);
 }
 
+std::int64_t key(int a, int b, int c) {
+    constexpr std::int64_t offset = 1 << 20;  // a million blocks in each direction
+    return ((a + offset) << 42) | ((b + offset) << 21) | (c + offset);
+}
+
 }  // namespace
 
-ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, float iso) : voxel_(voxel) {
-    const std::vector<BlockKey> touched = touched_blocks(field, voxel);
-    blocks_.resize(touched.size());
-    values_ = std::make_unique_for_overwrite<float[]>(touched.size() * block_nodes);
+struct ColourGrid::Tree {
+    /// The root node alone: OpenVDB's class of whole trees has virtual functions that take ten seconds to compile.
+    openvdb::FloatTree::RootNodeType root{0.0f};
+};
+
+ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, float iso) : voxel_(voxel), tree_(std::make_unique<Tree>()) {
+    touch_blocks(field, voxel, tree_->root);
+    std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
+    tree_->root.getNodes(leaves);
+    std::unordered_map<std::int64_t, Index> index;
+    blocks_.reserve(leaves.size());
+    for (auto* leaf : leaves) {
+        const openvdb::Coord& o = leaf->origin();
+        index.emplace(key(o.x() / block_edge, o.y() / block_edge, o.z() / block_edge), static_cast<Index>(blocks_.size()));
+        ColourBlock block;
+        block.origin = {o.x(), o.y(), o.z()};
+        block.value = leaf->buffer().data();
+        blocks_.push_back(block);
+    }
     parallel_tasks(static_cast<Index>(blocks_.size()), [&](Index b) {
         ColourBlock& block = blocks_[b];
-        const std::array<int, 3> at = position_of(touched[b]);
-        for (int a = 0; a < 3; ++a) block.origin[a] = at[a] * block_edge;
-        block.value = values_.get() + static_cast<std::size_t>(b) * block_nodes;
         for (int n = 0; n < 8; ++n) {
-            const BlockKey wanted = key({at[0] + (n >> 2), at[1] + (n >> 1 & 1), at[2] + (n & 1)});
-            const auto found = std::lower_bound(touched.begin(), touched.end(), wanted);
-            block.ahead[n] = found == touched.end() || *found != wanted ? -1 : static_cast<Index>(found - touched.begin());
+            const auto found = index.find(key(block.origin[0] / block_edge + (n >> 2), block.origin[1] / block_edge + (n >> 1 & 1),
+                                              block.origin[2] / block_edge + (n & 1)));
+            block.ahead[n] = found == index.end() ? -1 : found->second;
         }
         thread_local LocalField local;
         const Vec3f low = block.low(voxel), middle = block.middle(voxel);
@@ -139,5 +133,7 @@ ColourGrid::ColourGrid(const ColourField& field, float voxel, const Cut& cut, fl
         if (near.any()) cut_off(near, local, low, voxel, iso, block);
     });
 }
+
+ColourGrid::~ColourGrid() = default;
 
 }  // namespace whorl

@@ -1,6 +1,6 @@
 #pragma once
 /// The colour field on the nodes of a grid that is fixed in the world: node (i, j, k) is at (i, j, k) voxel. Only blocks near particles
-/// exist.
+/// exist. An OpenVDB tree stores them.
 #include <array>
 #include <memory>
 #include <vector>
@@ -13,6 +13,7 @@ namespace whorl {
 /// Number of nodes along the edge of a block, and in a block.
 inline constexpr int block_edge = 8, block_nodes = block_edge * block_edge * block_edge;
 
+/// Leaf of the tree.
 struct ColourBlock {
     std::array<int, 3> origin;  ///< index of the first node
     float* value;               ///< value of the block's node (i, j, k) at (8 i + j) 8 + k
@@ -33,13 +34,15 @@ class ColourGrid {
 public:
     /// Blocks that lie wholly inside the fluid are set to 1 without evaluation. The colour is at most cut_colour().
     ColourGrid(const ColourField& field, float voxel, const Cut& cut = {}, float iso = 0);
+    ~ColourGrid();
 
     float voxel() const { return voxel_; }  ///< m
     const std::vector<ColourBlock>& blocks() const { return blocks_; }
 
 private:
+    struct Tree;  ///< OpenVDB tree that stores the values
     float voxel_;
-    std::unique_ptr<float[]> values_;  ///< of all blocks
+    std::unique_ptr<Tree> tree_;
     std::vector<ColourBlock> blocks_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Particles -> density-normalised colour field on a sparse grid -> closed triangle mesh and a distance volume.
+/// Particles -> density-normalised colour field in an OpenVDB grid -> closed triangle mesh and a distance volume. This header does not
+/// include OpenVDB.
 #include <vector>
 
 #include "engine/core/grid_index.h"
