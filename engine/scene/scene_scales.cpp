@@ -294,8 +294,11 @@ private:
 
     void steps(double support) {
         n_.speed = std::max(n_.speed, std::sqrt(n_.speed * n_.speed + 2 * n_.gravity * n_.fall));
-        if (const FlowLaw law = scene_.fluid.flow_law(temperature_range(scene_)[1]); law.acts())  // in the fastest shear over a spacing
-            for (double* mu : {&n_.viscosity, &n_.least_viscosity}) *mu = law.apparent_viscosity(*mu, n_.speed / d_);
+        if (const FlowLaw law = scene_.fluid.flow_law(temperature_range(scene_)[1]); law.acts()) {
+            const double wide = std::isfinite(n_.across) ? std::max(1.0, n_.across) : 1;  // spacings over which the speed may change
+            n_.viscosity = law.apparent_viscosity(n_.viscosity, n_.speed / (wide * d_));
+            n_.least_viscosity = law.apparent_viscosity(n_.least_viscosity, n_.speed / d_);
+        }
         n_.nu = n_.viscosity / scene_.fluid.density;
         n_.step = n_.speed > 0 ? std::min(scene_.time.max_step, scene_.time.cfl * d_ / n_.speed) : scene_.time.max_step;
         if (scene_.time.fixed_step > 0) n_.step = scene_.time.fixed_step;

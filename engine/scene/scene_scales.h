@@ -20,12 +20,14 @@ struct SceneScales {
     double gravity = 0;          ///< largest over the run [m/s^2]
     double fall = 0;             ///< height of the highest fluid above the domain's floor along gravity [m]; 0 if that axis is periodic
     double speed = 0;            ///< largest speed of emitters, blocks, solids and a free fall [m/s]
-    double viscosity = 0;        ///< largest over blocks and emitters [Pa s]
+    /// Largest over blocks and emitters; with a flow law where the speed changes over the narrowest feature [Pa s].
+    double viscosity = 0;
     double nu = 0;               ///< m^2/s
     double step = 0;             ///< time step that the flow allows: cfl d/speed, at most max_step [s]
     double viscous_number = 0;   ///< nu step/d^2
     double explicit_step = 0;    ///< longest stable step of explicit viscosity (viscous_step()) [s]; infinite without viscosity
-    double least_viscosity = 0;  ///< smallest over blocks and emitters at the start [Pa s]
+    /// Smallest over blocks and emitters at the start; with a flow law where the speed changes over a spacing [Pa s].
+    double least_viscosity = 0;
     std::string least_viscosity_key;  ///< key that gives it: "emitter[0].viscosity"
     /// nu step/d^2 with the least viscosity and a step in which the fastest fluid moves by 0.4 spacings, whatever the steps of the run
     /// are: the ratio of viscosity to inertia of the particles. Infinite if nothing moves.

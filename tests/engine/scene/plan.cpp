@@ -66,6 +66,17 @@ TEST_CASE("a thinner fluid is solved with its pressure down to a viscous number 
     CHECK(with_number(0.2) == PressureModel::ppe);
 }
 
+TEST_CASE("the viscous number of a fluid with a flow law is that of the shear across its narrowest feature", "[plan]") {
+    // A heap of mayonnaise 25 spacings wide: where the speed changes over its width, 20 + 50 (speed/0.06 m)^0.5 over that rate.
+    const std::string heap = test::text::time(1) + test::text::domain({-0.1, -0.02, -0.1}, {0.1, 0.12, 0.1}) +
+                             "[fluid]\nspacing = 2.4e-3\nyield_stress = 20\nconsistency = 50\nflow_index = 0.5\n" +
+                             test::text::block({-0.03, 0, -0.03}, {0.03, 0.06, 0.03}) + test::text::plane({0, 0, 0}, {0, 1, 0});
+    const Plan plan = make_plan(scene_with({}, heap));
+    const double rate = plan.expected_speed / 0.06;
+    CHECK(plan.largest_viscosity == Approx(20 / rate + 50 / std::sqrt(rate)).epsilon(0.01));
+    CHECK(plan.pressure == PressureModel::coupled);
+}
+
 TEST_CASE("the coupled solve refuses a viscous number below 0.04 anywhere at the start, with a fix", "[plan]") {
     const double d = 2e-3, speed = std::sqrt(0.25 * 0.25 + 2 * 9.81 * 0.09);
     const auto with_number = [&](double number) { return std::to_string(1000 * number * d * speed / 0.4); };
