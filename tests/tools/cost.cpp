@@ -179,7 +179,7 @@ TEST_CASE("a coarse frame is split into the film's number of particles, with the
 }
 
 TEST_CASE("the predicted steps follow the flow of the coarse run, frame by frame", "[cost]") {
-    const SceneFile file = shipped("honey_coil");
+    const SceneFile file = shipped("honey_coil", {"time.slow_motion=1"});
     const Plan plan = make_plan(file.scene);
     CoarseRun c = costs();
     c.pace = {24, 240};  // one step per frame at first, ten at the end

@@ -6,8 +6,8 @@ from .registry import markdown, table, write_file
 from .runs import number, read_rows, read_scene, root
 
 
-@table("picture_honey_coil", "the README's first image: the gallery's frame of honey_coil", "1 minute", files="docs/pictures/honey_coil.png",
-       section=False)
+@table("picture_honey_coil", "the README's first image: the gallery's frame of honey_coil", "1 minute",
+       files="docs/pictures/honey_coil.png", section=False)
 def picture_honey_coil(m):
     drawing.picture(m, "docs/pictures/honey_coil.png", [gallery_image(m, "honey_coil")], 720)
 
@@ -55,6 +55,19 @@ def picture_controls(m):
                 *(["--set", change] if change else []))
         pictures.append(folder / f"frames/{frame:06}.png")
     drawing.picture(m, "docs/pictures/guide/controls.jpg", pictures, 400, ["-q:v", "3"], columns=3)
+
+
+# A plain look of three scenes: no lens, no motion blur, few samples, little smoothing.
+plain_look = ("camera.aperture=0", "camera.shutter=0", "look.samples=4")
+plain_looks = {"honey_ball": ("surface.smoothing=3",), "toothpaste": ("surface.smoothing=1", "look.table=none", "look.scattering=0"),
+               "sewing_machine": ("surface.smoothing=3", "look.table=none")}
+
+
+@table("picture_pairs", "three images of the gallery, each next to the same frame with a plain look", "3 minutes",
+       files="docs/pictures/guide/pairs.jpg", section=False)
+def picture_pairs(m):
+    pictures = [gallery_image(m, scene, *change) for scene, look in plain_looks.items() for change in ((*plain_look, *look), ())]
+    drawing.picture(m, "docs/pictures/guide/pairs.jpg", pictures, 480, ["-q:v", "3"], columns=2)
 
 
 @table("picture_live", "the page of a live run, as Chromium shows it", "1 minute", files="docs/pictures/live.png", section=False)
@@ -196,8 +209,8 @@ def gallery(m):
         drawing.picture(m, f"docs/pictures/gallery/{scene}.jpg", [gallery_image(m, scene)], 960, ["-q:v", "3"])
 
 
-def gallery_image(m, scene):
-    """File of the scene's frame in the gallery."""
+def gallery_image(m, scene, *changes):
+    """File of the scene's frame in the gallery, drawn with these changes of its look."""
     _, moment, quality = gallery_scenes[scene]
     keys = read_scene(f"scenes/{scene}.toml")
     frame = 1 + round(moment * keys["time"]["fps"] * keys["time"].get("slow_motion", 1))
@@ -205,8 +218,9 @@ def gallery_image(m, scene):
         return whole_film(m, scene).folder / f"frames/{frame:06}.png"
     run = m.render(f"scenes/{scene}.toml", f"pictures/gallery_{scene}", threads=cores, images=True,
                    options=["--quality", *quality.split(), "--frames", frame, "--export", "raw", "--no-draw"])
-    image = m.out / f"pictures/gallery_{scene}_image/frames/{frame:06}.png"
-    m.whorl("draw", run.folder, "--frames", f"{frame}-{frame}", "--no-video", "--quiet", "--overwrite", "--out", image.parents[1])
+    image = m.out / f"pictures/gallery_{scene}_{'plain' if changes else 'image'}/frames/{frame:06}.png"
+    m.whorl("draw", run.folder, "--frames", f"{frame}-{frame}", "--no-video", "--quiet", "--overwrite", "--out", image.parents[1],
+            *m.sets(changes))
     return image
 
 
