@@ -13,7 +13,12 @@ KeyTable time_keys() {
           "between two images")
         .above(0)
         .live();
-    t.key("cfl", &TimeKeys::cfl, "", "largest displacement of a particle in one step, in spacings").above(0).at_most(2.5).live();
+    t.key(
+         "cfl", &TimeKeys::cfl, "",
+         "largest displacement of a particle in one step, in spacings; not given: twice the default in drafts of water without free bodies")
+        .above(0)
+        .at_most(2.5)
+        .live();
     t.key("fixed_step", &TimeKeys::fixed_step, "s",
           "length of every step, even beyond the limits of the models (for studies of stability); 0: the models determine the steps")
         .at_least(0);

@@ -215,6 +215,16 @@ void follow(SceneFile& file) {
     follow_node(file);
 }
 
+/// Doubles the usual length of steps in a draft of water. That saves a third of the time; the mean density error rises from 0.006 to 0.02
+/// %, and energies change by at most 1.5 % (docs/reports/speed.md). Not with free bodies, which would squeeze single particles.
+void lengthen_steps(Scene& scene) {
+    if (scene.places.count("time.cfl") > 0 || scene.any_free_solid()) return;
+    try {
+        if (make_plan(scene).traits.pressure.form == PressureForm::constraint) scene.time.cfl *= 2;
+    } catch (const InputError&) {  // the plan of the run reports it
+    }
+}
+
 /// Reads the pictures on solids and nozzles as a check. @throws InputError with the place of the key if one cannot be read
 void check_textures(const SceneFile& file) {
     const auto check = [&](const std::string& name, const Appearance& appearance) {
@@ -235,6 +245,7 @@ SceneFile read(const fs::path& path, ReadRequest request) {
     SceneFile file;
     request.sections = sections_of(file);
     file.scene = read_scene(path.string(), request);
+    if (request.quality == "draft") lengthen_steps(file.scene);
     if (file.scene.domain.dimensions == 2 && file.scene.places.count("look.style") == 0) file.look.style = "particles";
     check_look(file);
     find_environment(file);
