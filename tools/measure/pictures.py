@@ -79,7 +79,7 @@ def picture_live(m):
 
 # Caption, time of the image [s], quality of the run and other options
 gallery_scenes = {
-    "honey_coil": ("A thread of cold honey coils into a stack of ten turns, which sinks. At two thirds of the speed.", 1.46, "standard"),
+    "honey_coil": ("A thread of cold honey coils into a stack of ten turns, which sinks. At two thirds of the speed.", 1.36, "standard"),
     "thick_coil": ("A finger-thick coil of very viscous honey.", 3.3, "standard"),
     "honey_ball": ("Honey over a wooden ball.", 2.33, "standard"),
     "honey_thread": ("A long fall: the thread thins and coils fast. At half speed.", 2.2, "standard"),
