@@ -153,6 +153,27 @@ TEST_CASE("command line options change the scene and appear in the resolved scen
     CHECK(again.camera.keys.at(0).position == file.camera.keys.at(0).position);
 }
 
+TEST_CASE("a draft of water has steps of twice the length, unless the scene sets time.cfl or a body floats", "[tools][scene]") {
+    const test::ScratchFolder folder;
+    const std::string water = "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n";
+    Options o;
+    o.scene = (folder / "s.toml").string();
+    o.quality = "draft";
+    const auto cfl = [&] { return read_scene_file(o).scene.time.cfl; };
+    write(folder / "s.toml", water);
+    CHECK(cfl() == 0.8);
+    o.set = {"time.cfl=0.3"};
+    CHECK(cfl() == 0.3);
+    o.set = {"fluid.viscosity=1000"};  // coupled
+    CHECK(cfl() == 0.4);
+    o.set.clear();
+    o.quality = "standard";
+    CHECK(cfl() == 0.4);
+    o.quality = "draft";
+    write(folder / "s.toml", water + "[[solid]]\nshape = \"sphere\"\nposition = [0.05,0.2,0.05]\nradius = 0.03\ndensity = 500\n");
+    CHECK(cfl() == 0.4);
+}
+
 TEST_CASE("an invalid option is reported as the user typed it", "[tools]") {
     const test::ScratchFolder folder;
     write(folder / "s.toml", "[time]\nend = 1\n[fluid]\nspacing = 0.01\n[[block]]\nshape = \"box\"\nmin = [0,0,0]\nmax = [0.1,0.1,0.1]\n");
