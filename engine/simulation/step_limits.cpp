@@ -118,6 +118,15 @@ struct LimitMaker {
               });
     }
 
+    /// Viscosity acts on the last step's pressure, which needs about ten steps to bear the weight of fluid that starts. Until then it
+    /// falls.
+    void start() {
+        if (!(plan.largest_viscosity > 0)) return;
+        limit("start", "4 rho d^2 / mu + t/5", [first = 4 * rho_0 * d * d / plan.largest_viscosity](const World& w, double) {
+            return first + static_cast<double>(w.step.time) / 5;
+        });
+    }
+
     template <class Field>
     void pressure(double most) {
         limit("pressure", number(most) + " d / sqrt(p / rho)",
@@ -132,6 +141,7 @@ std::vector<StepLimit> step_limits(const Scene& scene, const Plan& plan) {
     const ModelTraits& traits = plan.traits;
     const bool projects = traits.pressure.source == PressureSource::velocity;
     make.constant("max_step", make.number(scene.time.max_step) + " s", scene.time.max_step);
+    if (traits.viscosity.implicit && plan.pressure == PressureModel::ppe && plan.free_surface && !projects) make.start();
     make.flow();
     if (traits.pressure.has_sound) make.sound();
     if (traits.micropolar.spins) make.spin();

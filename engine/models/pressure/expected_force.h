@@ -1,5 +1,6 @@
 #pragma once
 /// Use of the last step's pressure force before an implicit viscosity (docs/physics.md 3).
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/parallel.h"
@@ -19,19 +20,20 @@ struct pressure_force {
 /// Without this stage, fluid at rest would slip along no-slip walls at about dt/rho times the pressure gradient. Free bodies also get their
 /// last force. Without it a plate that presses fluid out of a gap of width h would sink faster by a factor of about 1 + 12 nu dt/h^2.
 struct ExpectForce {
-    void operator()(const InteractionContext& context, Read<field::role> role, Update<field::pressure_force> a,
+    void operator()(const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu, Update<field::pressure_force> a,
                     Update<field::velocity> u) const {
         const StepContext& step = context.step;
-        // A larger force, as in an impact, will hardly recur in the next step: it counts as most^2/|a|.
-        const Real most = step.spacing / (10 * step.dt * step.dt);
+        // A larger force, as in an impact, will hardly recur in the next step: it counts as most^2/|a|. Viscosity makes the pressure
+        // steady, and reduces what a force moves.
+        const Real usual = step.spacing / (10 * step.dt * step.dt), spread = step.dt / (step.rest_density * step.spacing * step.spacing);
         parallel_for(u.size(), [&](Index i) {
-            const Real size = a[i].norm();
+            const Real size = a[i].norm(), most = usual * std::max(Real(1), spread * mu[i]);
             if (role[i] != 0 || !std::isfinite(size)) a[i].setZero();
             else if (size > most) a[i] *= most * most / (size * size);
             u[i] += step.dt * a[i];
         });
         each_body(context, [&](RigidBody& body) {
-            if (!(body.pressed.force.norm() < static_cast<double>(most) * body.mass)) body.pressed = {};
+            if (!(body.pressed.force.norm() < static_cast<double>(usual) * body.mass)) body.pressed = {};
             body.push(static_cast<double>(step.dt) * body.pressed);
         });
     }
