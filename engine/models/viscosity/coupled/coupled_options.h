@@ -58,6 +58,8 @@ struct CoupledOptions {
     /// loosely.
     double wall_touch = 0.55, wall_spread = 0.9, wall_reach = 1.6;
     double closest = 0.3;  ///< least distance of a particle from a solid
+    /// Part by which a wall counts less for a particle that other walls hold too, over the fraction of the kernel behind those.
+    double edge_share = 0.65;
 
     int aggregate = 48;          ///< particles in an aggregate of the coarse level
     int many = 5600;             ///< in fluids of n > many particles an aggregate has `aggregate` sqrt(n/many)

@@ -507,6 +507,14 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, Index i, const Vec3& at, 
         count(solid, normal, height + bend * section / (walls.dimensions == 2 ? 18 : 20));
     }
     n.density += 1 - open;
+    // In an edge or a corner the particle has fewer neighbours along each wall. With whole weights a uniform pressure would not balance
+    // there.
+    const auto first = block.walls.begin() + static_cast<std::ptrdiff_t>(before);
+    for (auto wall = first; wall != block.walls.end(); ++wall)
+        for (auto other = first; other != block.walls.end(); ++other) {
+            const Real across = 1 - std::pow(wall->normal.dot(other->normal), 2), height = (at - other->position).norm();
+            if (other != wall) wall->weight *= 1 - static_cast<Real>(o.edge_share) * across * beyond(walls.dimensions, height / (h * d));
+        }
 }
 
 /// Puts rows of similar length into the same slices.
