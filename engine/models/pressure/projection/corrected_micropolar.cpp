@@ -35,30 +35,31 @@ CorrectedMicropolar::Rates CorrectedMicropolar::rates(const Kernel& W, const Ker
     }
     Mat3 G_u = of_u.gradient * s.viscous.correction[i];
     const Mat3 G_w = of_w.gradient * s.viscous.correction[i];
-    Real trace = s.viscous.trace[i], trace_w = trace;
-    Vec3 imbalance = s.viscous.imbalance[i], imbalance_w = imbalance;
+    Real trace = s.viscous.trace[i];
+    Vec3 imbalance = s.viscous.imbalance[i];
     if (mirrored) {
         const MirroredSums sums = mirrored_sums(W, s, context, i, u, of_images, [](Index) { return Real(1); });
         of_u.laplacian = sums.laplacian, G_u = sums.gradient, trace = sums.trace, imbalance = sums.imbalance;
     }
-    each_sticking_layer(W, s, context, i, terms.of_layer, terms.slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-        of_u.laplacian += F * continued * (own_u - surface_velocity(context, q));
-        trace -= F * distance * distance;
-        imbalance += F * to;
-        if (options_.free_spin_walls) return;
-        of_w.laplacian += F * continued * (own_w - context.solids.all[context.boundary.solid[q]].pose.angular_velocity);
-        trace_w -= F * distance * distance;
-        imbalance_w += F * to;
-    });
-    const auto laplacian = [&](const Vec3& sum, Real moments, const Mat3& G, const Vec3& uneven) {
-        if (s.near_surface[i]) return Vec3(2 * terms.over_lattice * sum);
-        return Vec3(2 * static_cast<Real>(step.dimensions()) / std::max(moments, Real(0.1)) * (sum - G * uneven));
+    StickingSums walls{of_u.laplacian, trace, imbalance}, walls_w{of_w.laplacian, s.viscous.trace[i], s.viscous.imbalance[i]};
+    const auto add_layers = [&](StickingSums& sums, Real diffusion, const auto& difference) {
+        sums.add_layers(W, s, context, i, terms.of_layer, terms.slip, 1, difference, [&](Real moments, Real stiffness) {
+            return step.dt * diffusion * s.laplacian_scale(step, i, moments, terms.over_lattice) * stiffness;
+        });
     };
-    return {.viscous = terms.nu * laplacian(of_u.laplacian, trace, G_u, imbalance),
+    add_layers(walls, terms.nu, [&](Index q) { return Vec3(own_u - surface_velocity(context, q)); });
+    if (!options_.free_spin_walls)
+        add_layers(walls_w, terms.g / static_cast<Real>(options_.micro_inertia),
+                   [&](Index q) { return Vec3(own_w - context.solids.all[context.boundary.solid[q]].pose.angular_velocity); });
+    const auto laplacian = [&](const StickingSums& sums, const Mat3& G) {
+        const Real scale = s.laplacian_scale(step, i, sums.trace, terms.over_lattice);
+        return Vec3(scale * (s.near_surface[i] ? sums.laplacian : Vec3(sums.laplacian - G * sums.imbalance)));
+    };
+    return {.viscous = terms.nu * laplacian(walls, G_u),
             .push = terms.kappa * curl_of(G_w),
             .smoothing = terms.smoothing_velocity * of_u.smooth,
             .curl = curl_of(G_u),
-            .diffused = terms.g * laplacian(of_w.laplacian, trace_w, G_w, imbalance_w),
+            .diffused = terms.g * laplacian(walls_w, G_w),
             .spin_smoothing = terms.smoothing_spin * of_w.smooth};
 }
 

@@ -15,6 +15,16 @@ struct CorrectedViscosity::Flow {
     const std::vector<char>& slip;  ///< by solid
 };
 
+template <class Kernel>
+void CorrectedViscosity::add_walls(const Kernel& W, const Flow& flow, Index i, StickingSums& sums) const {
+    const StepContext& step = flow.context.step;
+    const Real nu_dt = step.dt * flow.mu[i] / step.rest_density;
+    sums.add_layers(
+        W, *system_, flow.context, i, flow.of_layer, flow.slip, flow.mu[i],
+        [&](Index q) { return Vec3(flow.u[i] - surface_velocity(flow.context, q)); },
+        [&](Real trace, Real stiffness) { return nu_dt * system_->laplacian_scale(step, i, trace, flow.over_lattice) * stiffness; });
+}
+
 /// Viscous acceleration of particle i.
 template <class Kernel>
 Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i) const {
@@ -45,16 +55,12 @@ Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i
     });
     sum *= step.volume;
     G = step.volume * G * s.viscous.correction[i];
-    Real trace = s.viscous.trace[i];
-    Vec3 imbalance = s.viscous.imbalance[i];
-    each_sticking_layer(W, s, flow.context, i, flow.of_layer, flow.slip,
-                        [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-                            sum += own_mu * F * continued * (own - surface_velocity(flow.context, q));
-                            trace -= F * distance * distance;
-                            imbalance += F * to;
-                        });
-    Vec3 found = s.near_surface[i] ? Vec3(2 * flow.over_lattice * over_density * sum)
-                                   : Vec3((2 * dimensions / std::max(trace, Real(0.1)) * over_density) * (sum - own_mu * (G * imbalance)));
+    StickingSums sums{sum, s.viscous.trace[i], s.viscous.imbalance[i]};
+    add_walls(W, flow, i, sums);
+    Vec3 found =
+        s.near_surface[i]
+            ? Vec3(2 * flow.over_lattice * over_density * sums.laplacian)
+            : Vec3((2 * dimensions / std::max(sums.trace, Real(0.1)) * over_density) * (sums.laplacian - own_mu * (G * sums.imbalance)));
     if (friction_.acts()) found -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
     return found;
 }
@@ -66,15 +72,11 @@ Vec3 CorrectedViscosity::beside_mirrors(const Kernel& W, const Flow& flow, Index
     const Vec3 own = flow.u[i];
     const Real own_mu = flow.mu[i];
     const auto mean = [&](Index j) { return 2 * own_mu * flow.mu[j] / std::max(own_mu + flow.mu[j], min_positive); };
-    MirroredSums sums = mirrored_sums(W, *system_, flow.context, i, flow.u, of_images, mean);
-    each_sticking_layer(W, *system_, flow.context, i, flow.of_layer, flow.slip,
-                        [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
-                            sums.laplacian += own_mu * F * continued * (own - surface_velocity(flow.context, q));
-                            sums.trace -= F * distance * distance;
-                            sums.imbalance += F * to;
-                        });
-    const Real scale = 2 * static_cast<Real>(step.dimensions()) / std::max(sums.trace, Real(0.1)) / step.rest_density;
-    Vec3 found = scale * (sums.laplacian - own_mu * (sums.gradient * sums.imbalance));
+    const MirroredSums sums = mirrored_sums(W, *system_, flow.context, i, flow.u, of_images, mean);
+    StickingSums walls{sums.laplacian, sums.trace, sums.imbalance};
+    add_walls(W, flow, i, walls);
+    const Real scale = 2 * static_cast<Real>(step.dimensions()) / std::max(walls.trace, Real(0.1)) / step.rest_density;
+    Vec3 found = scale * (walls.laplacian - own_mu * (sums.gradient * walls.imbalance));
     if (friction_.acts()) found -= own_mu / step.rest_density * (friction_.coefficient(i) * own - friction_.load(i));
     return found;
 }

@@ -25,6 +25,9 @@ public:
 
 private:
     struct Flow;
+    /// Adds the layers of no-slip walls to mu sum F (u_i - u_j).
+    template <class Kernel>
+    void add_walls(const Kernel& W, const Flow& flow, Index i, StickingSums& sums) const;
     template <class Kernel>
     Vec3 acceleration(const Kernel& W, const Flow& flow, Index i) const;
     template <class Kernel>

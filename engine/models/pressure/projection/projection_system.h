@@ -151,6 +151,10 @@ struct ProjectionSystem {
         const Real d = step.spacing;
         return std::sqrt(step.gravity.norm() / d + static_cast<Real>(options.tension) / (step.rest_density * d * d * d));
     }
+    /// Factor on the sums over neighbours that gives a Laplacian. @param trace of -sum F r r^T @param over_lattice 1/lattice_gradient()
+    Real laplacian_scale(const StepContext& step, Index i, Real trace, Real over_lattice) const {
+        return near_surface[i] ? 2 * over_lattice : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1));
+    }
     /// Calls f(touch) for the boundary particles around i.
     template <class F>
     void walls_of(Index i, F&& f) const {
@@ -189,6 +193,37 @@ void each_sticking_layer(const Kernel& W, const ProjectionSystem& s, const Inter
     });
 }
 
+/// Limit on the rate, times dt, at which layers pull a particle towards the velocity of a wall. The rate of a particle nearer to a wall
+/// than d/3 would exceed it. Two explicit stages diverge above 2, of which the fluid needs up to 0.6 (viscous_step() allows for the fluid
+/// alone).
+inline Real sticking_share(Real rate) { return rate > 1 ? 1 / rate : Real(1); }
+
+/// Sums for a Laplacian of f over a particle's neighbours, to which add_layers() adds the layers of the solids to which the fluid sticks.
+struct StickingSums {
+    Vec3 laplacian;  ///< sum m F (f_i - f_j), with the factor m of a pair
+    Real trace;      ///< of -sum F r r^T
+    Vec3 imbalance;  ///< sum F r
+
+    /// @param own_factor m of the layers @param difference boundary particle -> f_i - f of the solid's surface
+    /// @param rate (trace, sum |F| over the layers) -> rate for sticking_share(). A share leaves Laplacians of linear fields at 0.
+    template <class Kernel, class Difference, class Rate>
+    void add_layers(const Kernel& W, const ProjectionSystem& s, const InteractionContext& context, Index i, Real of_layer,
+                    const std::vector<char>& slip, Real own_factor, const Difference& difference, const Rate& rate) {
+        const Vec3 of_fluid = laplacian, imbalance_of_fluid = imbalance;
+        Real stiffness = 0;
+        each_sticking_layer(W, s, context, i, of_layer, slip, [&](Index q, Real F, Real continued, const Vec3& to, Real distance) {
+            laplacian += own_factor * F * continued * difference(q);
+            trace -= F * distance * distance;
+            imbalance += F * to;
+            stiffness -= F * continued;
+        });
+        if (const Real share = sticking_share(rate(trace, stiffness)); share < 1) {
+            laplacian = of_fluid + share * (laplacian - of_fluid);
+            imbalance = imbalance_of_fluid + share * (imbalance - imbalance_of_fluid);
+        }
+    }
+};
+
 /// Writes the viscous force on no-slip solids to the ledgers. On a rigid surface the stress is mu du/dn, with u the velocity relative to
 /// the rigid motion of the solid continued into the fluid.
 /// @param mu i -> viscosity [Pa s] @param over_lattice 1/lattice_gradient() of the kernel W
@@ -197,11 +232,12 @@ void write_sticking(const Kernel& W, const ProjectionSystem& s, const Interactio
                     Span<const Vec3> u, const Viscosity& mu, Real of_layer, Real over_lattice, const std::vector<char>& slip) {
     const StepContext& step = context.step;
     react(context, Push::viscous, role, step.volume * step.dt, [&](Index i) {
-        Real trace = s.viscous.trace[i];
-        each_sticking_layer(W, s, context, i, of_layer, slip,
-                            [&](Index, Real F, Real, const Vec3&, Real distance) { trace -= F * distance * distance; });
-        const Real scale =
-            mu(i) * (s.near_surface[i] ? 2 * over_lattice : 2 * static_cast<Real>(step.dimensions()) / std::max(trace, Real(0.1)));
+        Real trace = s.viscous.trace[i], stiffness = 0;
+        each_sticking_layer(W, s, context, i, of_layer, slip, [&](Index, Real F, Real continued, const Vec3&, Real distance) {
+            trace -= F * distance * distance, stiffness -= F * continued;
+        });
+        Real scale = mu(i) * s.laplacian_scale(step, i, trace, over_lattice);
+        scale *= sticking_share(step.dt / step.rest_density * scale * stiffness);
         return [&, i, scale](Index q, const Vec3& r, Real) {
             const Solid& solid = context.solids.all[context.boundary.solid[q]];
             const Vec3 relative = u[i] - solid.pose.velocity_at(context.boundary.position[q] + r);
