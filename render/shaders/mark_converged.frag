@@ -29,5 +29,5 @@ void main() {
         vec4 middle = 0.5 * (before + after), off = own - middle;
         apart = max(apart, off * off / max(min(own, middle), 1e-4));
     }
-    if (max(max(apart.r, apart.g), max(apart.b, apart.a)) > 4.0 * 0.015 * 0.015) discard;
+    if (max(max(apart.r, apart.g), max(apart.b, apart.a)) > 4.0 * 0.03 * 0.03) discard;
 }
