@@ -121,7 +121,7 @@ struct LimitMaker {
     /// Viscosity acts on the last step's pressure, which needs about ten steps to bear the weight of fluid that starts. Until then it
     /// falls.
     void start() {
-        if (!(plan.largest_viscosity > 0)) return;
+        if (!(plan.largest_viscosity > 0) || scene.domain.gravity.is_zero()) return;
         limit("start", "4 rho d^2 / mu + t/5", [first = 4 * rho_0 * d * d / plan.largest_viscosity](const World& w, double) {
             return first + static_cast<double>(w.step.time) / 5;
         });
