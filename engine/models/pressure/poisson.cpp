@@ -131,12 +131,14 @@ void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& c
         if (!unknown && mine != PressureClass::separated) return;
 
         const Real own = weight_[i], factor = printed ? std::sqrt(own) : own;
-        std::size_t k = matrix_.first[i];
+        std::size_t k = context.pairs.first[i];
         Real row = 0, pin = 0, rate = 0;
         Vec3 uniform = Vec3::Zero();
         bool surface = false;
         context.pairs.of(i, [&](Index j, const Vec3& r, Real distance) {
             const Real filled = between(i, j), slope = kernel.slope(distance);
+            Real& coefficient = matrix_.c[k++];
+            coefficient = 0;
             const Vec3 gradient = filled * V * slope * r;
             rate += (u[i] - u[j]).dot(gradient);
             if (class_[j] == PressureClass::prescribed) {
@@ -146,8 +148,7 @@ void PoissonPressure::set_rows(const Kernel& kernel, const InteractionContext& c
             if (!printed) uniform += (own + weight_[j]) * gradient;
             const Real c = filled * filled * V * V * factor * (printed ? std::sqrt(weight_[j]) : weight_[j]) * -2 * slope;
             if (class_[j] == PressureClass::poisson) {
-                matrix_.other[k] = j;
-                matrix_.c[k++] = c;
+                if (unknown) coefficient = c;
                 row += c;
             } else {
                 pin += c, surface = true;

@@ -7,22 +7,20 @@
 
 namespace whorl {
 
-void PressureMatrix::lay_out(const FluidPairs& pairs, Real d) {
-    const Index n = pairs.size();
-    x = pairs.x_own, spacing = d;
+void PressureMatrix::lay_out(const FluidPairs& of, Real d) {
+    const Index n = of.size();
+    pairs = &of, spacing = d;
     diagonal.assign(n, 1), pin.assign(n, 0);
-    first.assign(static_cast<std::size_t>(n) + 1, 0);
+    resize_tightly(c, of.other.size());
     parallel_for(n, [&](Index i) {
-        for (std::size_t k = pairs.first[i]; unknown[i] && k < pairs.first[i + 1]; ++k) first[i + 1] += unknown[pairs.other[k]] != 0;
+        if (!unknown[i]) std::fill(c.begin() + of.first[i], c.begin() + of.first[i + 1], Real(0));
     });
-    for (Index i = 0; i < n; ++i) first[i + 1] += first[i];
-    other.resize(first[n]), c.resize(first[n]);
 }
 
 void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
     parallel_for(size(), [&](Index i) {
         Real sum = diagonal[i] * p[i];
-        for (std::size_t k = first[i]; k < first[i + 1]; ++k) sum -= c[k] * p[other[k]];
+        for (std::size_t k = pairs->first[i], end = pairs->first[i + 1]; unknown[i] && k < end; ++k) sum -= c[k] * p[pairs->other[k]];
         Ap[i] = sum;
     });
 }
@@ -46,15 +44,17 @@ void ClosedRegions::find(const PressureMatrix& matrix, Span<const char> touches_
     Index components = 0;
     for (Index i = 0; i < n; ++i) parent[i] = i, components += matrix.unknown[i] != 0;
     const auto join = [&](Index i, std::size_t begin, std::size_t end) {
-        for (std::size_t k = matrix.first[i] + begin; k < std::min(matrix.first[i] + end, matrix.first[i + 1]); ++k) {
-            const Index a = root(i), b = root(matrix.other[k]);
-            if (a != b && matrix.c[k] > 0) parent[std::max(a, b)] = std::min(a, b), --components;
+        const FluidPairs& pairs = *matrix.pairs;
+        for (std::size_t k = pairs.first[i] + begin; k < std::min(pairs.first[i] + end, pairs.first[i + 1]); ++k) {
+            if (!(matrix.c[k] > 0)) continue;
+            const Index a = root(i), b = root(pairs.other[k]);
+            if (a != b) parent[std::max(a, b)] = std::min(a, b), --components;
         }
     };
     constexpr std::size_t several = 8;
     for (std::size_t k = 0; k < several && components > 1; ++k)
         for (Index i = 0; i < n; ++i) join(i, k, k + 1);
-    for (Index i = 0; i < n && components > 1; ++i) join(i, several, matrix.other.size());
+    for (Index i = 0; i < n && components > 1; ++i) join(i, several, matrix.c.size());
 
     constexpr Index open = -2;
     for (Index i = 0; i < n; ++i)

@@ -23,19 +23,17 @@ struct PressurePreconditioner {
 /// docs/physics.md 3 has the coefficients a_ij, and alpha_i, the effect of a uniform pressure on row i. Dirichlet neighbours have a known
 /// pressure. Particles that are not unknown have an empty row and a unit diagonal.
 struct PressureMatrix {
-    std::vector<std::size_t> first;  ///< n + 1
-    Column<Index> other;             ///< unknown neighbours
-    Column<Real> c;                  ///< their coefficients [m]
-    Column<Real> diagonal;           ///< sum_j c_ij + d_i [m]
-    Column<Real> pin;                ///< d_i [m]
+    const FluidPairs* pairs = nullptr;  ///< must outlive the use of the matrix
+    Column<Real> c;                     ///< coefficients of the pairs [m]; 0 if one of the two is not unknown
+    Column<Real> diagonal;              ///< sum_j c_ij + d_i [m]
+    Column<Real> pin;                   ///< d_i [m]
     std::vector<char> unknown;
-    Span<const Vec3> x;  ///< positions
     Real spacing = 0;
 
     Index size() const { return static_cast<Index>(diagonal.size()); }
-    /// Makes rows with a unit diagonal and with room for the unknown neighbours of each unknown. `unknown` must be set before.
+    /// Makes rows with a unit diagonal; the coefficients of unknowns are not set, the others are 0. `unknown` must be set before.
     /// @param d spacing [m]
-    void lay_out(const FluidPairs& pairs, Real d);
+    void lay_out(const FluidPairs& of, Real d);
     void multiply(Span<const Real> p, Span<Real> Ap) const;
 };
 

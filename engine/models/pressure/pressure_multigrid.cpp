@@ -174,7 +174,8 @@ SparseRows coarse_matrix(const PressureMatrix& A, const IndexGroups& groups) {
         for (Index m = groups.first[g]; m < groups.first[g + 1]; ++m) {
             const Index i = groups.member[m];
             add(g, A.diagonal[i]);
-            for (std::size_t k = A.first[i]; k < A.first[i + 1]; ++k) add(groups.of[A.other[k]], -A.c[k]);
+            for (std::size_t k = A.pairs->first[i]; k < A.pairs->first[i + 1]; ++k)
+                if (A.c[k] > 0) add(groups.of[A.pairs->other[k]], -A.c[k]);
         }
     });
 }
@@ -212,7 +213,7 @@ ConstraintPreconditionerSetup constraint_multigrid(const ParticleMultigrid& opti
 PressurePreconditionerSetup poisson_multigrid(const ParticleMultigrid& options) {
     return [options](const PressureMatrix& A) {
         auto levels = std::make_shared<Levels>();
-        std::vector<GridCell> cells = levels->form_groups(A.x, A.unknown, options.cell * A.spacing);
+        std::vector<GridCell> cells = levels->form_groups(A.pairs->x_own, A.unknown, options.cell * A.spacing);
         levels->inverse_diagonal.resize(A.size());
         parallel_for(A.size(), [&](Index i) { levels->inverse_diagonal[i] = 1 / A.diagonal[i]; });
         levels->ready(coarse_matrix(A, levels->groups), std::move(cells), options.coarse);

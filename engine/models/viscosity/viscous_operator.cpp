@@ -16,7 +16,7 @@ void ViscousOperator::set_up(const ViscosityOptions& options, const InteractionC
     options_ = options;
     dimensions_ = context.step.dimensions();
     use_coarse(nullptr);
-    pair_.resize(context.pairs.other.size());
+    resize_tightly(weight_, context.pairs.other.size());
     M_.resize(n), P_.resize(n), K_.resize(n), c_.resize(n), wr_.resize(n), free_.resize(n), whole_.resize(n);
     u_.resize(n), Q_.resize(n), own_.resize(n);
     touches_wall_ = false;
@@ -38,17 +38,12 @@ void ViscousOperator::set_up_moments(const ViscosityOptions& options, const Step
             Real xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, gx = 0, gy = 0, gz = 0;
             std::size_t k = pairs_->first[i];
             pairs_->groups_of(i, [&](const Pairs::Group& group) {
-                Real weight[Pairs::Group::most];
                 for (Index l = 0; l < group.count; ++l) {
                     const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], distance = group.distance[l];
                     const Real w = -step.volume * kernel.derivative(distance) / std::max(distance, std::numeric_limits<Real>::min());
-                    weight[l] = w;
+                    weight_[k++] = w;
                     xx += w * x * x, xy += w * x * y, xz += w * x * z, yy += w * y * y, yz += w * y * z, zz += w * z * z;
                     gx += w * x, gy += w * y, gz += w * z;
-                }
-                for (Index l = 0; l < group.count; ++l, ++k) {
-                    const Real w = weight[l];
-                    pair_[k] = {Vec3(w * group.r[0][l], w * group.r[1][l], w * group.r[2][l]), w};
                 }
             });
             Mat3d M;
@@ -130,7 +125,6 @@ void ViscousOperator::set_up_curvature(Span<const Mat3> before, Real dt) {
 
 /// B_i = 1 + K_i P_i (|h|^2 + h h^T) P_i + 2 c_i (sum w - g.M_i^+ g)            from the energy of i; g = sum_j w r_ij, h = M_i^+ g
 ///         + sum_j K_j P_j (|h_j|^2 + h_j h_j^T) P_j + 2 c_j (w - w r.M_j^+ w r)   from the energies of neighbours j; h_j = M_j^+ w r_ij
-/// Also converts the weights w of the pairs to the coefficients of the penalty's springs.
 void ViscousOperator::set_up_blocks(const ViscosityOptions& options) {
     const auto strain_block = [&](Index j, const Vec3& g, Mat3& B) {
         const Vec3 h = M_[j].matrix() * g;
@@ -145,12 +139,10 @@ void ViscousOperator::set_up_blocks(const ViscosityOptions& options) {
         Mat3 B = Mat3::Identity();
         const Real own = c_[i];
         Real springs = wall_.empty() ? 0 : wall_[i].near.spring, seen = 0;
-        for (std::size_t k = pairs_->first[i]; k < pairs_->first[i + 1]; ++k) {
-            const Index j = pairs_->other[k];
-            seen += 2 * c_[j] * strain_block(j, pair_[k].wr, B);
-            pair_[k].spring *= 2 * (own + c_[j]);
-            springs += pair_[k].spring;
-        }
+        each_pair(i, [&](Index j, const Pair& pair) {
+            seen += 2 * c_[j] * strain_block(j, pair.wr, B);
+            springs += pair.spring;
+        });
         seen += 2 * own * strain_block(i, wr_[i].wr, B);
         B.diagonal().array() += std::max(Real(0), springs - seen);
         if (friction_.acts()) B += friction_coefficient(i);

@@ -75,6 +75,19 @@ private:
         Vec3 wr;
         Real spring;
     };
+    /// Calls f(j, pair) for the neighbours j of i. Only w is stored per pair.
+    template <class F>
+    void each_pair(Index i, F&& f) const {
+        std::size_t k = pairs_->first[i];
+        pairs_->groups_of(i, [&](const Pairs::Group& group) {
+            Pair pair[Pairs::Group::most];
+            for (Index l = 0; l < group.count; ++l, ++k) {
+                const Real w = weight_[k];
+                pair[l] = {Vec3(w * group.r[0][l], w * group.r[1][l], w * group.r[2][l]), w * (2 * (c_[i] + c_[group.other[l]]))};
+            }
+            for (Index l = 0; l < group.count; ++l) f(group.other[l], pair[l]);
+        });
+    }
     /// Effect of the solids near a particle, linear in its velocity.
     struct Wall {
         Pair near{Vec3::Zero(), 0};  ///< sum w stretch r, sum 2 c w stretch^2
@@ -104,8 +117,8 @@ private:
     int dimensions_ = 3;
     const FluidPairs* pairs_ = nullptr;
     Span<const Real> soft_;
-    Column<Pair> pair_;
-    Column<Pair> wr_;  ///< sums of w r_ij over fluid and solids
+    Column<Real> weight_;  ///< w of each pair
+    Column<Pair> wr_;      ///< sums of w r_ij over fluid and solids
     WallFriction friction_;
     Column<Real> dt_nu_;         ///< dt mu/rho_0; valid if there is friction
     Column<Wall> wall_;          ///< empty: there are no solids
@@ -120,8 +133,8 @@ private:
     std::vector<Mat3d> body_blocks_;  ///< inverses of the 3x3 diagonal blocks of the bodies' entries
     bool touches_wall_ = false;
     const CoarseLevel* coarse_ = nullptr;
-    mutable Column<Sixteen> u_, Q_;
-    mutable Column<Sixteen> own_;  ///< part of y without the neighbours' stresses; each component is the sum of four lanes
+    mutable Column<Sixteen> u_, Q_;  ///< the last four lanes contain the position and -2 c
+    mutable Column<Sixteen> own_;    ///< part of y without the neighbours' stresses; each component is the sum of four lanes
 };
 
 }  // namespace whorl

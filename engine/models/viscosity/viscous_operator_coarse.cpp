@@ -102,16 +102,14 @@ void ViscousOperator::CoarseRows::find_shares(Index i) {
     shares.clear();
     if (const int own = groups.of(i); own >= 0) share_of(own).S += lever(groups.arm(i)) * A.wr_[i].wr.transpose();
     springs = 1 + (A.wall_.empty() ? 0 : A.wall_[i].near.spring);
-    for (std::size_t k = A.pairs_->first[i]; k < A.pairs_->first[i + 1]; ++k) {
-        const Index j = A.pairs_->other[k];
-        const Pair& pair = A.pair_[k];
+    A.each_pair(i, [&](Index j, const Pair& pair) {
         springs += pair.spring;
-        if (groups.of(j) < 0) continue;
+        if (groups.of(j) < 0) return;
         Share& s = share_of(groups.of(j));
         const Vec4 arm = lever(groups.arm(j));
         s.S -= arm * pair.wr.transpose();
         s.spring += pair.spring * arm;
-    }
+    });
 }
 
 void ViscousOperator::CoarseRows::add_strains(Index i) {

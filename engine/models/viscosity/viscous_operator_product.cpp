@@ -23,16 +23,16 @@ const SixteenLanes& in_register(const T& sixteen) {
 }
 
 /// Repeats four numbers in each of the four rows.
-SixteenLanes in_each_row(const Real* four) {
+SixteenLanes in_each_row(Four w) {
 #if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
-    return reinterpret_cast<SixteenLanes>(_mm512_broadcast_f32x4(_mm_load_ps(four)));
+    return reinterpret_cast<SixteenLanes>(_mm512_broadcast_f32x4(reinterpret_cast<__m128>(w)));
 #else
-    const Four w = reinterpret_cast<const Four&>(*four);
     // Two shuffles, because GCC 12 compiles a single one with stores to memory.
     const auto twice = __builtin_shufflevector(w, w, 0, 1, 2, 3, 4, 5, 6, 7);
     return __builtin_shufflevector(twice, twice, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 #endif
 }
+SixteenLanes in_each_row(const Real* four) { return in_each_row(reinterpret_cast<const Four&>(*four)); }
 
 #define WHORL_PICK(X, ...) __builtin_shufflevector(X, X, __VA_ARGS__)
 
@@ -66,19 +66,38 @@ SixteenLanes row_sums(const SixteenLanes& X) {
     return pairs + WHORL_PICK(pairs, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
 }
 
-/// sum_j w_ij,b f(j)_ab over the neighbours j of i.
-template <class Pair, class F>
-SixteenLanes sum_row(const FluidPairs& pairs, const Pair* pair, Index i, const F& f) {
+/// The last four lanes.
+Four last_row(const SixteenLanes& X) { return __builtin_shufflevector(X, X, 12, 13, 14, 15); }
+
+/// The shortest image of r in a periodic domain. The fourth component stays.
+Four wrapped(Four r, const Vec3& period, const Vec3& inverse) {
+    for (int a = 0; a < 3; ++a) r[a] -= period[a] * std::nearbyint(r[a] * inverse[a]);
+    return r;
+}
+
+/// sum_j (w r_ij, 2 w (c_i + c_j))_b f(X_j)_ab over the neighbours j of i. @param X with positions and -2 c in the last row
+template <bool periodic, class Sixteen, class F>
+SixteenLanes sum_row(const FluidPairs& pairs, const Real* weight, const Sixteen* X, Index i, const F& f) {
     const Index* other = pairs.other.data();
+    const Four own = last_row(in_register(X[i])) * Four{1, 1, 1, -1};
+    const Vec3 period = pairs.period, inverse = (period.array() > 0).select(1 / period.array(), 0);
+    const auto term = [&](std::size_t k) {
+        const SixteenLanes& there = in_register(X[other[k]]);
+        Four r = own - last_row(there);
+        if constexpr (periodic) r = wrapped(r, period, inverse);
+        return in_each_row(r * weight[k]) * f(there);
+    };
     SixteenLanes a{}, b{};  // two independent sums, so that multiply-adds overlap
     std::size_t k = pairs.first[i];
     const std::size_t end = pairs.first[i + 1];
-    for (; k + 1 < end; k += 2) {
-        a += in_each_row(pair[k].wr.data()) * f(other[k]);
-        b += in_each_row(pair[k + 1].wr.data()) * f(other[k + 1]);
-    }
-    if (k < end) a += in_each_row(pair[k].wr.data()) * f(other[k]);
+    for (; k + 1 < end; k += 2) a += term(k), b += term(k + 1);
+    if (k < end) a += term(k);
     return a + b;
+}
+template <class Sixteen, class F>
+SixteenLanes sum_row(const FluidPairs& pairs, const Column<Real>& weight, const Column<Sixteen>& X, Index i, const F& f) {
+    return pairs.period == Vec3::Zero() ? sum_row<false>(pairs, weight.data(), X.data(), i, f)
+                                        : sum_row<true>(pairs, weight.data(), X.data(), i, f);
 }
 
 }  // namespace
@@ -89,6 +108,8 @@ void ViscousOperator::spread(Span<const Vec3> u, bool free_only) const {
         alignas(4 * sizeof(Real)) Real v[4] = {counts ? u[i][0] : 0, counts ? u[i][1] : 0, counts ? u[i][2] : 0, 0};
         const SixteenLanes rows = in_each_row(v);
         reinterpret_cast<SixteenLanes&>(u_[i]) = WHORL_PICK(rows, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+        std::copy_n(pairs_->x_own[i].data(), 3, u_[i].lane + 12);
+        u_[i].lane[15] = -2 * c_[i];
     });
 }
 
@@ -100,7 +121,7 @@ void ViscousOperator::each_strain(Span<const Vec3> u, bool with_known, const F& 
     const bool walls_push_back = friction_.acts() || bodies();
     parallel_for(size(), [&](Index i) {
         const SixteenLanes own = in_register(u_[i]);
-        SixteenLanes A = sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return own - in_register(u_[j]); });
+        SixteenLanes A = sum_row(*pairs_, weight_, u_, i, [&](const SixteenLanes& there) { return own - there; });
         if (!wall_.empty()) {
             const Vec3 ui(own[0], own[4], own[8]);
             const Wall& wall = wall_[i];
@@ -133,7 +154,7 @@ void ViscousOperator::stress(Span<const Vec3> u, bool with_known) const {
         const Real K = K_[i], c = 2 * c_[i];
         const Real* M = M_[i].lane;
         const SixteenLanes Q = whole_[i] == 2 ? times(K * S, M) - times(c * A, P_[i].lane) : times(K * S - c * A, M);
-        reinterpret_cast<SixteenLanes&>(Q_[i]) = Q;
+        reinterpret_cast<SixteenLanes&>(Q_[i]) = __builtin_shufflevector(Q, own, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 28, 29, 30, 31);
         reinterpret_cast<SixteenLanes&>(own_[i]) = Q * in_each_row(wr_[i].wr.data()) + beside(A + own);
         if (bodies()) set_body_forces(i, u, Vec3(own[0], own[4], own[8]), Q_[i].matrix());
     });
@@ -152,7 +173,7 @@ void ViscousOperator::shear_rates(Span<const Vec3> u, Span<Real> gamma) const {
 void ViscousOperator::divergence(Span<const Vec3> u, Span<Vec3> y, bool free_only) const {
     parallel_for(size(), [&](Index i) {
         const SixteenLanes sums =
-            row_sums(in_register(own_[i]) + sum_row(*pairs_, pair_.data(), i, [&](std::size_t j) { return in_register(Q_[j]); }));
+            row_sums(in_register(own_[i]) + sum_row(*pairs_, weight_, Q_, i, [](const SixteenLanes& there) { return there; }));
         y[i] = !free_only || free_[i] ? Vec3(sums[0], sums[4], sums[8]) : Vec3(Vec3::Zero());
     });
     if (bodies()) sum_bodies(u, y);

@@ -24,14 +24,15 @@ void Projection::build(const Kernel& W, const Fields& f) {
     const Real V = f.step.volume;
     parallel_for(n, [&](Index i) {
         if (!matrix_.unknown[i]) return;
-        std::size_t k = matrix_.first[i];
+        std::size_t k = pairs.first[i];
         Real row = 0, pin = V * s.air[i], of_air = pin * s.pressure_outside(i);
         pairs.groups_of(i, [&](const Pairs::Group& group) {
             Real c[Pairs::Group::most];
             for (Index l = 0; l < group.padded(); ++l) c[l] = -2 * V * V * W.slope(group.distance[l]);
             for (Index l = 0; l < group.count; ++l) {
                 const Index j = group.other[l];
-                if (matrix_.unknown[j]) matrix_.other[k] = j, matrix_.c[k++] = c[l], row += c[l];
+                matrix_.c[k++] = matrix_.unknown[j] ? c[l] : Real(0);
+                if (matrix_.unknown[j]) row += c[l];
                 else if (s.surface[j]) pin += c[l], of_air += c[l] * s.pressure_outside(j), touches_surface_[i] = 1;
             }
         });
