@@ -1,6 +1,7 @@
 #include "engine/models/boundary/near_walls.h"
 
 #include <cmath>
+#include <limits>
 
 namespace whorl {
 
@@ -9,6 +10,14 @@ bool NearWalls::meet(Real reach) const {
         for (std::size_t l = 0; l < k; ++l)
             if (std::abs(normal[k].dot(normal[l])) < Real(0.9)) return true;
     return false;
+}
+
+Real NearWalls::least_gap() const {
+    Real least = std::numeric_limits<Real>::infinity();
+    for (std::size_t k = 0; k < count; ++k)
+        for (std::size_t l = 0; l < k; ++l)
+            if (normal[k].dot(normal[l]) < Real(-0.5)) least = std::min(least, height[k] + height[l]);
+    return least;
 }
 
 NearWalls walls_near(const InteractionContext& context, Index i, Real reach) {

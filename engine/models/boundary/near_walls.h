@@ -16,6 +16,8 @@ struct NearWalls {
     Real above(std::size_t k, const Vec3& from_particle) const { return height[k] + from_particle.dot(normal[k]); }
     /// Whether two of the walls within `reach` [m] of the particle are not parallel.
     bool meet(Real reach) const;
+    /// Smallest distance between two of the walls that face each other [m]; infinite if none do.
+    Real least_gap() const;
 };
 
 /// The walls within `reach` [m] of particle i that face each other or meet in a concave edge. Of walls that meet in a convex edge, only the

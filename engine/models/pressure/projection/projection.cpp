@@ -22,6 +22,10 @@ void Projection::build(const Kernel& W, const Fields& f) {
     parallel_for(n, [&](Index i) { matrix_.unknown[i] = f.role[i] == 0 && !s.surface[i] && pairs.count(i) > 0; });
     matrix_.lay_out(pairs, f.step.spacing);
     const Real V = f.step.volume;
+    // Gradients with a large L act on more than the sums of a particle with few neighbours contain. In narrow gaps the excess would make
+    // each solve overshoot.
+    Column<Real> excess(s.narrow ? n : 0);
+    parallel_for(static_cast<Index>(excess.size()), [&](Index i) { excess[i] = std::max(Real(1), s.whole.correction[i].trace() / 2); });
     parallel_for(n, [&](Index i) {
         if (!matrix_.unknown[i]) return;
         std::size_t k = pairs.first[i];
@@ -29,6 +33,8 @@ void Projection::build(const Kernel& W, const Fields& f) {
         pairs.groups_of(i, [&](const Pairs::Group& group) {
             Real c[Pairs::Group::most];
             for (Index l = 0; l < group.padded(); ++l) c[l] = -2 * V * V * W.slope(group.distance[l]);
+            if (s.narrow)
+                for (Index l = 0; l < group.count; ++l) c[l] *= (excess[i] + excess[group.other[l]]) / 2;
             for (Index l = 0; l < group.count; ++l) {
                 const Index j = group.other[l];
                 matrix_.c[k++] = matrix_.unknown[j] ? c[l] : Real(0);
@@ -59,10 +65,11 @@ void Projection::set_source(const Kernel& W, const Fields& f, Real dt) {
         b_[i] = 0;
         if (!matrix_.unknown[i]) return;
         const Mat3 G = difference_sum(W, context.pairs, i, step.volume, u) * s.whole.correction[i];
-        Real divergence = G.trace();
+        Real divergence = s.narrow ? s.of_gradient[i].cwiseProduct(G).sum() : G.trace();
         s.walls_of(i, [&](const WallTouch& touch) {
             const Vec3& normal = context.boundary.normal[touch.s];
-            const Real at_wall = (u[i] - context.boundary.velocity[touch.s]).dot(normal) - touch.height * normal.dot(G * normal);
+            const Real at_wall =
+                (u[i] - context.boundary.velocity[touch.s]).dot(normal) - (s.narrow ? Real(0) : touch.height * normal.dot(G * normal));
             divergence -= touch.flux * at_wall;
         });
         b_[i] = -step.volume * step.rest_density / dt * divergence;

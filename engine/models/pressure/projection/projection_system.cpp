@@ -1,5 +1,7 @@
 #include "engine/models/pressure/projection/projection_system.h"
 
+#include <Eigen/Eigenvalues>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -153,6 +155,34 @@ void set_viscous_sums(const InteractionContext& context, ProjectionSystem& s) {
     });
 }
 
+/// Sets the weights of the velocity gradient G_i in the divergence at i:
+///   D_i = K : G_i - sum_k flux_k (u_i - U_k).n_k,   K = I + sum_k flux_k height_k n_k n_k^T - sum_e kappa_e v_e v_e^T,
+/// over the boundary particles k, with the velocity U_k, and the eigenvectors v_e of L_i. A pressure p_i changes u_i in proportion to
+/// L_i b_i, with the imbalance b_i, and so D_i in proportion to sum_e [-l_e b_e total_e - (l_e b_e)^2 v_e.K v_e], with the eigenvalues l_e
+/// of L_i and total = sum_k flux_k n_k. If this sum is negative, the pressure increases the divergence that it should remove. Then kappa_e
+/// makes each negative term 0.
+void weigh_gradient(const InteractionContext& context, Index i, ProjectionSystem& s) {
+    Mat3 K = Mat3::Identity();
+    Vec3 total = Vec3::Zero();
+    s.walls_of(i, [&](const WallTouch& touch) {
+        const Vec3& n = context.boundary.normal[touch.s];
+        K += touch.flux * touch.height * n * n.transpose();
+        total += touch.flux * n;
+    });
+    Eigen::SelfAdjointEigenSolver<Mat3> L;
+    L.computeDirect(s.whole.correction[i]);
+    Real sum = 0;
+    Mat3 change = Mat3::Zero();
+    for (int e = 0; e < 3; ++e) {
+        const Vec3 v = L.eigenvectors().col(e);
+        const Real push = L.eigenvalues()[e] * s.whole.imbalance[i].dot(v), weight = v.dot(K * v), adds = push * push * weight;
+        const Real removes = -push * total.dot(v);
+        sum += removes - adds;
+        if (adds > std::max(Real(0), removes)) change += (1 - std::max(Real(0), removes) / adds) * weight * v * v.transpose();
+    }
+    s.of_gradient[i] = sum < 0 ? Mat3(K - change) : K;
+}
+
 /// @param fullness fraction of a full neighbourhood @param slopes sum 2 V |W'|/r over fluid and solids @param full sums of a lattice
 void find_surface(const InteractionContext& context, Read<field::role> role, const std::vector<Real>& fullness,
                   const std::vector<Real>& slopes, const LatticeSums& full, ProjectionSystem& s) {
@@ -205,6 +235,7 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
     if (s.any_walls)
         for (Index i = 0; i < n; ++i) s.first_touch[i + 1] = s.first_touch[i] + static_cast<std::size_t>(context.solid_pairs.count(i));
     s.touches.resize(s.first_touch[n]);
+    std::atomic<bool> narrow = false;
     s.mirrors.find(context);
     s.slides.resize(s.mirrors.size());
     parallel_for(s.mirrors.size(), [&](Index g) {
@@ -238,6 +269,7 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
                 const NearWalls walls = s.options.free_surface ? NearWalls{} : walls_near(context, i, step.support);
                 const bool meet = walls.meet(step.support);
                 s.near_edge[i] = meet && walls.meet(Real(1.5) * d);
+                if (step.dimensions() == 3 && walls.least_gap() < Real(5.5) * d) narrow.store(true, std::memory_order_relaxed);
                 std::size_t k = s.first_touch[i];
                 context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
                     const Vec3& normal = boundary.normal[q];
@@ -259,6 +291,12 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
             rho[i] = step.rest_density * (V * W.value(0) + own.kernel + wall_kernel);
             fullness[i] = static_cast<Real>(own.moment.trace()) / std::max(Real(0.3) * full.trace, full.trace - wall_trace);
         });
+        s.narrow = narrow;
+        s.of_gradient.assign(s.narrow ? n : 0, Mat3::Identity());
+        if (s.narrow)
+            parallel_for(n, [&](Index i) {
+                if (context.solid_pairs.count(i) > 0) weigh_gradient(context, i, s);
+            });
         if (s.options.free_surface) find_surface(context, role, fullness, slopes, full, s);
     });
     set_viscous_sums(context, s);

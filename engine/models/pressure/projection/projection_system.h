@@ -134,6 +134,8 @@ struct ProjectionSystem {
     Column<Real> air;               ///< missing part of a full neighbourhood's sum of -2 V W'/r near a free surface [1/m^2]
     std::vector<char> surface, near_surface;
     std::vector<char> near_edge;           ///< 1: in a full room, within 1.5 d of two walls that meet
+    bool narrow = false;                   ///< full room in 3D with fluid in a gap of less than 5.5 d between walls
+    Column<Mat3> of_gradient;              ///< if narrow: weights of the velocity gradient in the divergence; otherwise empty
     Mirrors mirrors;                       ///< images of the fluid behind flat walls
     std::vector<char> slides;              ///< 1: the fluid slips freely along all walls that make the image
     std::vector<std::size_t> first_touch;  ///< n + 1, into touches
