@@ -8,6 +8,7 @@ void FullViscosity::operator()(const InteractionContext& context, StepReport& re
     operator_.set_up(options_, context, role, mu, {}, before.values);
     set_up_coarse(context.pairs, context.step, role, x, aggregate.values);
     solve_implicit(operator_, options_.limits, {context, report, role, x, u, last});
+    operator_.release();
 }
 
 void YieldingViscosity::operator()(const InteractionContext& context, StepReport& report, Read<field::role> role, Read<field::position> x,

@@ -34,6 +34,8 @@ public:
     /// @param before gradients of the velocities at the start of the step [1/s], which determine T; empty: T = 0
     void set_up(const ViscosityOptions& options, const InteractionContext& context, Read<field::role> role, Read<field::viscosity> mu,
                 Span<const Real> density = {}, Span<const Mat3> before = {});
+    /// Frees the weights of the pairs until the next set_up().
+    void release() { Column<Real>().swap(weight_); }
     /// Limits the viscosity of the penalty at a particle, until the next call, to the smallest of these values among the particle and its
     /// neighbours. @param soft [Pa s], must outlive set_up(); empty: the particle's own viscosity counts
     void limit_penalty(Span<const Real> soft) { soft_ = soft; }

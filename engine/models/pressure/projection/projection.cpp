@@ -225,6 +225,7 @@ void Projection::operator()(const InteractionContext& context, StepReport& repor
     });
     parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
     write_ledgers(f);
+    Column<Real>().swap(matrix_.c);  // not needed until the next step, and as large as the weights of a viscous solve
     report.solves.push_back({SolveKind::pressure, all});
 }
 
