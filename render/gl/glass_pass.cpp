@@ -23,7 +23,7 @@ void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& 
     prepare(program);
     program.texture("seen", 0, GL_TEXTURE_2D, seen_.id());
     program.texture("fluid_distance", 1, GL_TEXTURE_2D, view.fluid);
-    program.texture("opaque_distance", 2, GL_TEXTURE_2D, view.solids);
+    program.texture("solid_buffer", 2, GL_TEXTURE_2D, view.solids);
     field_.bind(program, 3);
     program.set("to_clip", view.camera);
     program.set("has_fluid", view.has_fluid ? 1 : 0);

@@ -14,7 +14,7 @@ struct GlassView {
     int samples;                    ///< per pixel
     float lowest;                   ///< height below which nothing is drawn [m]
     GLuint geometry;                ///< framebuffer with the depth of the fluid and of opaque solids
-    GLuint fluid, solids;           ///< their distances from the eye [m]: of the fluid in alpha, of the solids in red; 0: none
+    GLuint fluid, solids;           ///< alpha: their distances from the eye [m], 0: none; red, green, blue: light of the solids
     bool has_fluid;                 ///< the fluid has a distance field
     float behind;                   ///< distance behind the glass at which a flow without a distance field is assumed [m]; 0: none
 };

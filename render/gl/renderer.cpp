@@ -588,19 +588,14 @@ void Renderer::Device::draw_refracted(const Shot& shot, const std::vector<FrameS
     glEnable(GL_DEPTH_TEST);
     glScissor(0, 0, width, height);
     draw_faces(shot, shot.camera);
-    if (!scene.any_solids()) {
-        const std::array<float, 4> none{};
-        glBindFramebuffer(GL_FRAMEBUFFER, faces.id());
-        glClearBufferfv(GL_COLOR, 2, none.data());
-    }
+    shade_solids(shot, shot.camera, geometry.id());
     glDisable(GL_SCISSOR_TEST);
-    glBindFramebuffer(GL_FRAMEBUFFER, geometry.id());
     const bool flows = shows_field(shot.look);
     if (!flows) draw_fluid(shot, shot.camera);
     const float flow_behind = flows ? (scene.bounds().centre() - shot.view.position).norm() : 0;
     glass_pass->draw(scene, solids,
-                     {shot.camera, samples.count(), shot.lowest() - 1e-4f, geometry.id(), normal.id(), face_distance.id(),
-                      !flows && !field.empty(), flow_behind},
+                     {shot.camera, samples.count(), shot.lowest() - 1e-4f, geometry.id(), normal.id(), solid.id(), !flows && !field.empty(),
+                      flow_behind},
                      shot.constants + gl::constant("clear_fluid", !flows && refracts(shot.material)), [&](gl::Program& program) {
                          set_studio(program, shot);
                          set_body(program, shot.material);

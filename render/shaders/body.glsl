@@ -4,6 +4,8 @@ uniform float roughness;
 uniform vec3 absorption;     // 1/voxel
 uniform vec3 scatter;
 uniform float haze;          // 1/voxel
+uniform mat4 to_clip;
+uniform sampler2D solid_buffer;  // light of opaque solids; a: their distance from the eye [m], 0: none
 
 // Fraction of light that a surface reflects. @param facing cosine of the angle on the side of the smaller index @param ratio of the indices
 float fresnel(float facing, float ratio) {
@@ -11,6 +13,45 @@ float fresnel(float facing, float ratio) {
     f0 *= f0;
     float x = 1.0 - clamp(facing, 0.0, 1.0), x2 = x * x;
     return f0 + (1.0 - f0) * x2 * x2 * x;
+}
+
+// 0 in water to 1 in a fluid that scatters more light than it absorbs. Inside a cloudy fluid the body's light hides the paths of rays that
+// are reflected several times, which would make grain and hard borders.
+float cloudiness() { return clamp(2.0 * haze / max(haze + absorption.g, 1e-9) - 0.35, 0.0, 1.0); }
+
+// Fraction of the light inside the fluid that its surface reflects inwards, and that the body's own light replaces. It grows to 1 towards the
+// angle of total reflection. @param square squared cosine of the refracted ray; negative: total reflection
+float inner_light(float square) {
+    return square > 0.0 ? max(fresnel(sqrt(square), refraction), cloudiness() * (1.0 - smoothstep(0.0, 0.3, square))) : 0.75 * cloudiness();
+}
+
+// Colour of the solid at q as the camera sees it; the colour of its front if q is on its back.
+// a: 1 if the camera sees this solid, and no other far in front of it.
+vec4 seen_solid(vec3 q) {
+    vec4 h = to_clip * vec4(q, 1.0);
+    if (h.w <= 0.0) return vec4(0.0);
+    // Interpolated between the pixels around q that show this solid: refraction enlarges pixels.
+    vec2 size = vec2(textureSize(solid_buffer, 0)), place = (0.5 * h.xy / h.w + 0.5) * size - 0.5, whole = floor(place), part = place - whole;
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) {
+        vec2 corner = vec2(i & 1, i >> 1), near = mix(1.0 - part, part, corner);
+        vec4 s = texelFetch(solid_buffer, ivec2(clamp(whole + corner, vec2(0.0), size - 1.0)), 0);
+        if (s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel) sum += near.x * near.y * vec4(s.rgb, 1.0);
+    }
+    return sum.a > 1e-3 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+}
+
+// seen_solid(q). At the solid's outline q may miss it by a pixel, so that the outline would have teeth: then the colour 1.5 voxels deeper.
+vec4 solid_at(vec3 q) {
+    vec4 s = seen_solid(q);
+    if (s.a > 0.5) return s;
+    vec3 n = vec3(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        vec3 h = vec3(0.0);
+        h[axis] = solid_voxel;
+        n[axis] = solid_distance(q + h) - solid_distance(q - h);
+    }
+    return seen_solid(q - 1.5 * solid_voxel * n / max(length(n), 1e-9));
 }
 
 // Distance from p, inside the fluid, along d to the surface [voxels].

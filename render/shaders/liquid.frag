@@ -1,9 +1,7 @@
 // A transparent fluid, one sample per pixel: the mesh gives the first hit, and rays through the distance field give the light behind it.
 in vec2 uv;
 uniform sampler2D normal_buffer;
-uniform sampler2D solid_buffer;
 uniform mat4 to_world;       // clip -> world
-uniform mat4 to_clip;
 uniform float weight;        // weight of this sample in the pixel
 uniform bool has_motion;     // the surface has moved since the moment of the distance field
 uniform sampler2D motion_buffer;  // displacement [m]
@@ -42,35 +40,6 @@ float way_to_solid(vec3 p, vec3 d, float limit) {
     return -1.0;
 }
 
-// Colour of the solid at q as the camera sees it; the colour of its front if q is on its back.
-// a: 1 if the camera sees this solid, and no other far in front of it.
-vec4 seen_solid(vec3 q) {
-    vec4 h = to_clip * vec4(q, 1.0);
-    if (h.w <= 0.0) return vec4(0.0);
-    // Interpolated between the pixels around q that show this solid: refraction enlarges pixels.
-    vec2 size = vec2(textureSize(solid_buffer, 0)), place = (0.5 * h.xy / h.w + 0.5) * size - 0.5, whole = floor(place), part = place - whole;
-    vec4 sum = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        vec2 corner = vec2(i & 1, i >> 1), near = mix(1.0 - part, part, corner);
-        vec4 s = texelFetch(solid_buffer, ivec2(clamp(whole + corner, vec2(0.0), size - 1.0)), 0);
-        if (s.a > 0.0 && distance(q, eye) - s.a < 12.0 * solid_voxel) sum += near.x * near.y * vec4(s.rgb, 1.0);
-    }
-    return sum.a > 1e-3 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
-}
-
-// seen_solid(q). At the solid's outline q may miss it by a pixel, so that the outline would have teeth: then the colour 1.5 voxels deeper.
-vec4 solid_at(vec3 q) {
-    vec4 s = seen_solid(q);
-    if (s.a > 0.5) return s;
-    vec3 n = vec3(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
-        vec3 h = vec3(0.0);
-        h[axis] = solid_voxel;
-        n[axis] = solid_distance(q + h) - solid_distance(q - h);
-    }
-    return seen_solid(q - 1.5 * solid_voxel * n / max(length(n), 1e-9));
-}
-
 // Light that comes to p from the direction d outside the fluid, times `through`.
 // @param at_solid whether p lies on a solid @param through transmitted fraction of light @param clear output: part of `through` left to a
 // plate behind a transparent image, equal for all colours; the studio lights the rest
@@ -82,10 +51,6 @@ vec3 seen_through(vec3 p, vec3 d, bool at_solid, vec3 through, float blur, out f
     // Radiance seen through the body is limited: far above white it would wash out the body's colour.
     return (through - clear) * (s.a > 0.5 ? min(s.rgb, vec3(1.8)) : surroundings(p, d, blur, 1.8));
 }
-
-// 0 in water to 1 in a fluid that scatters more light than it absorbs. Inside a cloudy fluid the body's light hides the paths of rays that
-// are reflected several times, which would make grain and hard borders.
-float cloudiness() { return clamp(2.0 * haze / max(haze + absorption.g, 1e-9) - 0.35, 0.0, 1.0); }
 
 // Light that comes to p from the direction d inside the fluid. @param lamp light that falls on the body @param clear as in seen_through()
 vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
@@ -109,9 +74,7 @@ vec3 light_through(vec3 p, vec3 d, vec3 lamp, out float clear) {
         if (n.y < -0.7 && p.y < floor_place + 1.5) break;
         if (has_solid_field && solid_distance(world_of(p + n)) < 0.5 * voxel) break;
         float leaving = dot(d, n), square = 1.0 - refraction * refraction * (1.0 - leaving * leaving);
-        // The body's own light replaces the light that the surface reflects inwards, which grows to 1 towards the angle of total reflection.
-        float inner = square > 0.0 ? max(fresnel(sqrt(square), refraction), cloudiness() * (1.0 - smoothstep(0.0, 0.3, square)))
-                                   : 0.75 * cloudiness();
+        float inner = inner_light(square);
         light += inner * through * lamp * scatter * 0.7;
         if (square < 0.0) {
             through *= 1.0 - inner;

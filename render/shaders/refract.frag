@@ -4,10 +4,8 @@
 // constant: bool clear_fluid: light passes through the fluid
 in vec3 world;
 in vec3 world_normal;
-uniform mat4 to_clip;
 uniform sampler2D seen;             // image without glass, linear light
 uniform sampler2D fluid_distance;   // a: distance of the fluid from the eye [m]; 0: none
-uniform sampler2D opaque_distance;  // r: distance of opaque solids from the eye [m]; 0: none
 uniform sampler3D glass_field;      // signed distance of all glass [m], as in solids.glsl
 uniform mat3 glass_turn;            // 1/m
 uniform vec3 glass_move;
@@ -125,13 +123,17 @@ bool in_image(vec4 clip, out vec2 at) {
 vec3 light_from(vec3 x, vec3 d, float way, int kind) {
     vec3 q = x + way * d;
     vec2 at;
-    bool shown = in_image(to_clip * (kind == background ? vec4(d, 0.0) : vec4(q, 1.0)), at);
-    float of_fluid = textureLod(fluid_distance, at, 0.0).a, front = of_fluid > 0.0 ? of_fluid : textureLod(opaque_distance, at, 0.0).r;
+    bool inside = in_image(to_clip * (kind == background ? vec4(d, 0.0) : vec4(q, 1.0)), at), shown = inside;
+    float of_fluid = textureLod(fluid_distance, at, 0.0).a, front = of_fluid > 0.0 ? of_fluid : textureLod(solid_buffer, at, 0.0).a;
     float off = abs(distance(q, eye) - front);
     if (kind <= ground) shown = shown && front == 0.0;
     if (kind == opaque) shown = shown && front > 0.0 && off < 3.0 * solid_voxel;
     if (kind == fluid) shown = shown && (of_fluid > 0.0 || behind > 0.0);
     if (shown) return textureLod(seen, at, 0.0).rgb;
+    vec4 solid = kind == opaque ? solid_at(q) : vec4(0.0);   // behind the fluid
+    if (solid.a > 0.5) return solid.rgb;
+    if (inside && kind == ground) return ground_seen(q, normalize(q - eye), light_on_ground(q.xz));
+    if (inside && kind == background) return backdrop(d);
     return kind == fluid && !clear_fluid ? body_colour * ambient(-d) : surroundings(x, d, 0.02, 1.8);
 }
 
@@ -220,12 +222,13 @@ void main() {
             sharp = 0.0;
         }
         float ratio = index_of(medium) / index_of(beyond), leaving = dot(d, n), square = 1.0 - ratio * ratio * (1.0 - leaving * leaving);
-        float inner = square > 0.0 ? fresnel(ratio > 1.0 ? sqrt(square) : leaving, ratio) : 1.0;
+        float inner = square > 0.0 ? fresnel(ratio > 1.0 ? sqrt(square) : leaving, ratio) : 0.0;
+        if (medium == in_fluid && beyond == in_air) inner = inner_light(square);
         if (medium == in_fluid) light += inner * through * lamp * scatter * 0.7;
+        through *= 1.0 - inner;
         if (square < 0.0) {   // total reflection
             d = reflect(d, n);
         } else {
-            through *= 1.0 - inner;
             d = normalize(ratio * d + (sqrt(square) - ratio * leaving) * n);
             medium = beyond;
         }
