@@ -7,7 +7,7 @@
 namespace whorl {
 
 /// u_i += D c sum_j (s_i + s_j)/2 V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),
-/// s_i = 1/(1 + |sym G_i|^2/(0.2 f)^2),   c = rate dt, at most 0.3
+/// s_i = 1/(1 + |sym G_i|^2/(0.3 f)^2),   c = rate dt, at most 0.3
 /// with D the number of dimensions and G the local velocity gradient (least squares; 0 if the neighbours do not span all directions). Fluid
 /// that deforms quickly is damped less: there the damping would take energy of the flow, not of particles that settle. With free bodies
 /// s = 1.
