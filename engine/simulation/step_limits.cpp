@@ -122,9 +122,9 @@ struct LimitMaker {
     /// falls.
     void start() {
         if (!(plan.largest_viscosity > 0) || scene.domain.gravity.is_zero()) return;
-        limit("start", "4 rho d^2 / mu + t/5", [first = 4 * rho_0 * d * d / plan.largest_viscosity](const World& w, double) {
-            return first + static_cast<double>(w.step.time) / 5;
-        });
+        const double first = std::max(4 * rho_0 * d * d / plan.largest_viscosity, scene.time.max_step / 1000);
+        limit("start", "max(4 rho d^2 / mu, max_step / 1000) + t/5",
+              [first](const World& w, double) { return first + static_cast<double>(w.step.time) / 5; });
     }
 
     template <class Field>
