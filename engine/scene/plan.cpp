@@ -36,6 +36,8 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
         return fmt::format("viscous number nu dt/d^2 = {:.3g} where {} is least: the flow there hardly diffuses within a step",
                            n.least_viscous_number, n.least_viscosity_key);
+    if (pressure == PressureModel::coupled && n.viscous_number <= coupled_above)
+        return "under the density constraint of \"ppe\" fluid with a yield stress stands like sand";
     const std::string number = fmt::format("viscous number nu dt/d^2 = {:.3g}", n.viscous_number);
     return pressure == PressureModel::coupled ? fmt::format("{} > {:g}{}: viscosity and pressure act together within a step", number,
                                                             coupled_above, open ? " with a free surface" : "")
@@ -48,7 +50,8 @@ PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool 
         return (open || scene.any_free_solid()) && !misses_angle(traits_of(PressureModel::wcsph), scene) ? PressureModel::wcsph
                                                                                                          : PressureModel::ppe;
     const PressureTraits& coupled = traits_of(PressureModel::coupled);
-    const bool viscous = n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number;
+    const bool viscous =
+        (n.viscous_number > coupled_above || scene.fluid.flow_law().yields()) && n.least_viscous_number >= coupled.least_viscous_number;
     const bool fits = n.free_surface && (coupled.moves_bodies || !scene.any_free_solid()) && !misses_angle(coupled, scene);
     return viscous && fits ? PressureModel::coupled : PressureModel::ppe;
 }
