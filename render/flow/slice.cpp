@@ -81,17 +81,18 @@ std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& 
 
 float flow_cover(float weight) { return std::clamp((weight - 0.25f) / 0.15f, 0.0f, 1.0f); }
 
-PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest) {
+PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest, const std::optional<ShownBox>& box) {
     const int axis = look.slice_axis == "x" ? 0 : look.slice_axis == "y" ? 1 : 2;
     PixelPlane plane;
     plane.right = axis == 0 ? Vec3f(-Vec3f::UnitZ()) : Vec3f(Vec3f::UnitX());
     plane.up = axis == 1 ? Vec3f(-Vec3f::UnitZ()) : Vec3f(Vec3f::UnitY());
-    const Vec3f size = frame.domain_max - frame.domain_min;
+    const ShownBox shown = box.value_or(ShownBox{frame.domain_min, frame.domain_max});
+    const Vec3f size = shown[1] - shown[0];
     const float wide = std::abs(size.dot(plane.right)), tall = std::abs(size.dot(plane.up));
     plane.pixel = std::max(wide, tall) / static_cast<float>(longest);
     plane.width = std::max(1, static_cast<int>(std::lround(wide / plane.pixel)));
     plane.height = std::max(1, static_cast<int>(std::lround(tall / plane.pixel)));
-    for (int a = 0; a < 3; ++a) plane.corner[a] = plane.right[a] + plane.up[a] < 0 ? frame.domain_max[a] : frame.domain_min[a];
+    for (int a = 0; a < 3; ++a) plane.corner[a] = shown[plane.right[a] + plane.up[a] < 0 ? 1 : 0][a];
     plane.corner[axis] = frame.dimensions == 2 ? 0 : slice_position(frame, look, axis);
     return plane;
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// Colours of a plane through the flow: those of the field, with streaks along the flow and other marks.
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "render/flow/plane_field.h"
@@ -18,8 +19,9 @@ struct FlowSlice {
 
 /// Share of a pixel that is drawn as fluid, 0 .. 1. @param weight PlaneField's cover
 float flow_cover(float weight);
-/// Plane of the look's slice through the domain, seen from the positive end of its axis. @param longest number of pixels of the longer side
-PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest);
+/// Plane of the look's slice through a box, seen from the positive end of its axis. @param longest number of pixels of the longer side
+/// @param box that bounds the plane; none: the domain
+PixelPlane slice_plane(const Frame& frame, const LookOptions& look, int longest, const std::optional<ShownBox>& box = {});
 /// Colours of the fluid in a plane. @param range of the colour map @param ground colour under inks, linear RGB
 FlowSlice flow_slice(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const PixelPlane& plane,
                      const Vec3f& ground);
@@ -35,13 +37,15 @@ struct SolidSection {
 std::vector<SolidSection> section_solids(const Frame& frame, const PixelPlane& plane, float line);
 
 /// Image of a slice as in a printed figure: seen face-on, as large as the image allows, solids in one tone with an outline, text in a
-/// margin. @param range of the colour map @param width, height of the image [pixels]
-Image draw_slice_image(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, int width, int height);
+/// margin. @param range of the colour map @param size width and height of the image [pixels] @param box as in slice_plane()
+Image draw_slice_image(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const std::array<int, 2>& size,
+                       const std::optional<ShownBox>& box = {});
 
 /// Difference of a field, `other` minus `one`, on a diverging map, in the pixels that have fluid in both frames. Of inks: the first.
 /// @param look of `one`, which selects the field; title and legend describe the difference @param range of the difference
-Image draw_difference_plate(const Frame& one, const Frame& other, const LookOptions& look, const std::array<float, 2>& range, int width,
-                            int height);
+/// @param size, box as above
+Image draw_difference_plate(const Frame& one, const Frame& other, const LookOptions& look, const std::array<float, 2>& range,
+                            const std::array<int, 2>& size, const std::optional<ShownBox>& box = {});
 /// 99th percentile of the finite values' magnitudes; 0 without values.
 float usual_size(std::vector<float> values);
 /// usual_size() of the difference over the fluid, on a plane of 160 pixels along its longer side; 0 without fluid.

@@ -20,10 +20,11 @@ void lay(Vec3f& colour, float tone, float share) { colour += share * (Vec3f::Con
 
 /// @param slice_in function that returns the FlowSlice of a plane on a ground of a colour
 template <class SliceIn>
-Image plate(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, int width, int height,
-            const SliceIn& slice_in) {
+Image plate(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const std::array<int, 2>& size,
+            const std::optional<ShownBox>& box, const SliceIn& slice_in) {
+    const auto [width, height] = size;
     const Tones tones = tones_of(look);
-    const PixelPlane whole = slice_plane(frame, look, 4096);
+    const PixelPlane whole = slice_plane(frame, look, 4096, box);
     const Layout layout = layout_of(width, height, static_cast<float>(whole.width) / static_cast<float>(whole.height), look, range);
     PixelPlane plane = whole;
     plane.width = layout.flow.width, plane.height = layout.flow.height;
@@ -74,17 +75,18 @@ PlaneField difference_field(const Frame& one, const Frame& other, const LookOpti
 
 }  // namespace
 
-Image draw_slice_image(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, int width, int height) {
-    return plate(frame, look, range, width, height,
+Image draw_slice_image(const Frame& frame, const LookOptions& look, const std::array<float, 2>& range, const std::array<int, 2>& size,
+                       const std::optional<ShownBox>& box) {
+    return plate(frame, look, range, size, box,
                  [&](const PixelPlane& plane, const Vec3f& ground) { return flow_slice(frame, look, range, plane, ground); });
 }
 
-Image draw_difference_plate(const Frame& one, const Frame& other, const LookOptions& look, const std::array<float, 2>& range, int width,
-                            int height) {
+Image draw_difference_plate(const Frame& one, const Frame& other, const LookOptions& look, const std::array<float, 2>& range,
+                            const std::array<int, 2>& size, const std::optional<ShownBox>& box) {
     LookOptions shown = look;
     shown.colour_map = "coolwarm";
     if (shown.field == "ink") shown.legend = false;
-    return plate(one, shown, range, width, height, [&](const PixelPlane& plane, const Vec3f&) {
+    return plate(one, shown, range, size, box, [&](const PixelPlane& plane, const Vec3f&) {
         const PlaneField field = difference_field(one, other, look, plane);
         const ColourTable colours(shown.colour_map);
         FlowSlice slice{plane, std::vector<float>(4 * field.cover.size())};

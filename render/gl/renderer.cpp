@@ -229,7 +229,7 @@ std::array<float, 2> Renderer::Device::begin(const Frame& frame, const LookOptio
 
 Image Renderer::Device::draw(const Frame& frame, const Surface& surface, const LookOptions& look, const View& view) {
     const std::array<float, 2> range = begin(frame, look);
-    if (look.style == "slice" && view.flat) return draw_slice_image(frame, look, range, width, height);
+    if (look.style == "slice" && view.flat) return draw_slice_image(frame, look, range, {width, height}, view.box);
     const Layout layout = layout_of(width, height, static_cast<float>(width) / static_cast<float>(height), look, range);
     const Shot shot = sum_samples(frame, surface, look, view, range, layout.flow);
     Image image;

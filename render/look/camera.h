@@ -1,5 +1,6 @@
 #pragma once
 /// Camera of an image.
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -16,13 +17,16 @@ struct CameraKey {
     float fov = 30;  ///< degrees, vertical
 };
 
+using ShownBox = std::array<Vec3f, 2>;  ///< lower and upper corner [m]
+
 /// The camera at one moment.
 struct View {
     Vec3f position, target, up;
-    float fov;                      ///< degrees, vertical
-    bool flat = false;              ///< set by the auto camera: a slice may fill the image instead of being drawn in perspective
-    float aperture = 0, focus = 0;  ///< m, diameter of the lens, and distance that is sharp
-    float open = 0;                 ///< s, simulated time that the shutter is open, centred on the frame's time
+    float fov;                         ///< degrees, vertical
+    bool flat = false;                 ///< set by the auto camera: a slice may fill the image instead of being drawn in perspective
+    std::optional<ShownBox> box = {};  ///< box that the auto camera is told to show
+    float aperture = 0, focus = 0;     ///< m, diameter of the lens, and distance that is sharp
+    float open = 0;                    ///< s, simulated time that the shutter is open, centred on the frame's time
     Vec3f position_velocity = Vec3f::Zero(), target_velocity = Vec3f::Zero();  ///< m/s, simulated time; 0 if `open` is 0
     bool blurs() const { return aperture > 0 || open > 0; }
 };

@@ -47,7 +47,8 @@ KeyTable make_camera_keys() {
     t.key("start_angle", &CameraOptions::start_angle, "degrees", "angle of the orbit at time 0; 0: along +z").only_with("kind", orbit);
     t.key("degrees_per_second", &CameraOptions::degrees_per_second, "degrees/s", "angular velocity of the orbit, in simulated time")
         .only_with("kind", orbit);
-    t.key("min", &CameraOptions::min, "m", "corner of the box that the camera shows; auto: determined before the run")
+    t.key("min", &CameraOptions::min, "m",
+          "corner of the box that the camera shows; auto: determined before the run, for a slice the domain")
         .only_with("kind", {"auto"});
     t.key("max", &CameraOptions::max, "m", "opposite corner of the box").only_with("kind", {"auto"});
     t.key("aperture", &CameraOptions::aperture, "m",
@@ -171,6 +172,10 @@ KeyTable make_look_keys() {
     t.key("title", &L::title, "", "text on every image; a panel without a title shows its label");
     t.key("legend", &L::legend, "", "draw the colour map with its numbers and unit").only_with("style", field);
     t.key("time_stamp", &L::time_stamp, "", "write the time on every image");
+    t.key("text_size", &L::text_size, "pixels",
+          "height of a capital letter; 0: 14 in an image of 720 lines, and 1/91 of the width of a video of panels, at least 9")
+        .at_least(0)
+        .at_most(200);
     t.all_live();
     t.key("environment", &L::environment, "",
           "panoramic image of the surroundings (.exr, path relative to the scene file), which lights the scene and is reflected in it; "

@@ -59,6 +59,7 @@ struct LookOptions {
     std::string title;                    ///< text on the image; a panel without a title shows its label
     bool legend = false;
     bool time_stamp = false;
+    float text_size = 0;  ///< pixels, height of a capital letter; 0: 14 in an image of 720 lines
 };
 
 /// Whether the look draws nothing behind the fluid and the solids.

@@ -12,12 +12,14 @@
 namespace whorl {
 namespace {
 
-/// Height of a capital letter [pixels]: 14 in an image of 720 lines.
-float text_height(const Image& image) { return std::max(9.0f, static_cast<float>(std::min(image.height, image.width)) / 51); }
+/// Height of a capital letter [pixels]: the look's, or 14 in an image of 720 lines. It is legible in an image of 360 lines.
+float text_height(int width, int height, const LookOptions& look) {
+    return look.text_size > 0 ? look.text_size : std::max(9.0f, static_cast<float>(std::min(width, height)) / 51);
+}
 
 TextStyle style_for(const Image& image, const LookOptions& look) {
     TextStyle style;
-    style.height = text_height(image);
+    style.height = text_height(image.width, image.height, look);
     style.colour = Vec3f::Constant(0.1f);
     if (look.background == "dark") std::swap(style.colour, style.halo);
     return style;
@@ -190,8 +192,7 @@ bool has_legend(const LookOptions& look) { return look.legend && shows_field(loo
 
 Layout layout_of(int width, int height, float aspect, const LookOptions& look, const std::array<float, 2>& range) {
     Layout layout;
-    // Legible in an image of 360 lines, not larger than necessary at 1080.
-    layout.text = std::max(9.0f, static_cast<float>(std::min(width, height)) / 51);
+    layout.text = text_height(width, height, look);
     const bool words = !look.title.empty() || look.time_stamp || has_legend(look);
     if (!words) {
         layout.flow = fitted({0, 0, width, height}, aspect);

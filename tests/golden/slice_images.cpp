@@ -49,7 +49,7 @@ LookOptions slice_of(const std::string& field) {
 }
 
 void compare_plate(const LookOptions& look, int width, int height, const std::string& name) {
-    test::compare_with_stored(draw_slice_image(vortex(), look, look.range, width, height), name, "Cairo");
+    test::compare_with_stored(draw_slice_image(vortex(), look, look.range, {width, height}), name, "Cairo");
 }
 
 }  // namespace

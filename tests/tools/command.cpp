@@ -219,7 +219,7 @@ TEST_CASE("invalid input exits with 2, reports every mistake, and writes nothing
           "colour_map, inks, range, trail, "
           "slice_axis, "
           "slice_position, "
-          "streaks, streak_time, arrows, isolines, relief, opacity, lines, line_width, line_length, title, legend, time_stamp, "
+          "streaks, streak_time, arrows, isolines, relief, opacity, lines, line_width, line_length, title, legend, time_stamp, text_size, "
           "environment\n");
     CHECK(whorl_in(folder.path(), "plan no_such.toml").code == 2);
     CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);

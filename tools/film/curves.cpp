@@ -108,7 +108,7 @@ Canvas draw_plots(const std::string& title, const std::vector<CurvePlot>& plots)
 }
 
 Image PanelChart::at(double time) const {
-    const double text = std::max(11.0, height / 9.5), thin = std::max(1.0, text / 14);
+    const double thin = std::max(1.0, text / 14);
     const Vec3f paper = Vec3f::Constant(dark ? 0.0f : 1.0f), ink = Vec3f::Constant(dark ? 0.85f : 0.15f), pale = 0.3f * ink + 0.7f * paper;
     double names = 0;
     CurveAxes axes{};  // the ranges include 0

@@ -27,6 +27,7 @@ struct PanelChart {
     std::string title;          ///< name of the plotted quantity
     std::vector<Curve> curve;   ///< over time [s]; the axes cover all points
     int width = 0, height = 0;  ///< pixels
+    double text = 14;           ///< size of the font [pixels]
     bool dark = false;          ///< pale lines on black
 
     /// Image at this time [s]: curves are strong up to it and pale after it.

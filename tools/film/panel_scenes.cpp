@@ -112,6 +112,11 @@ int panel_columns(const Scene& scene) {
 
 int chart_height(const Scene& scene) { return scene.output.chart.empty() ? 0 : scene.output.size[1] / 4 / 2 * 2; }
 
+float panel_text(const SceneFile& file) {
+    const auto width = static_cast<float>(file.scene.output.size[0]);
+    return file.look.text_size > 0 ? file.look.text_size : std::max(9.0f, std::round(width / 91));
+}
+
 std::vector<PanelCell> panel_cells(const SceneFile& file) {
     std::vector<PanelCell> cells;
     int runs = 0;
@@ -146,6 +151,7 @@ std::vector<SceneFile> panel_scenes(const SceneFile& file, const Choose& choose)
     // Even sizes, so that each could be a separate video.
     alone.scene.output.size = {(file.scene.output.size[0] - (columns - 1) * panel_gap) / columns / 2 * 2,
                                (file.scene.output.size[1] - chart_height(file.scene) - (rows - 1) * panel_gap) / rows / 2 * 2};
+    alone.look.text_size = panel_text(file);
     const std::vector<PanelKeys>& panels = file.scene.panels;
     const bool differences = std::any_of(panels.begin(), panels.end(), [](const PanelKeys& panel) { return !panel.difference.empty(); });
     if (differences && file.scene.output.images) export_raw(alone.scene);  // a difference is drawn from raw frames

@@ -35,6 +35,9 @@ int panel_columns(const Scene& scene);
 /// Height of the chart under the panels [pixels]; 0: none.
 int chart_height(const Scene& scene);
 
+/// Height of a capital letter in all panels and the chart [pixels].
+float panel_text(const SceneFile& file);
+
 constexpr int panel_gap = 4;  ///< pixels between panels
 
 /// The file with the colour ranges and camera boxes of `runs` as keys of its panels, so that it gives the same images again.

@@ -168,11 +168,12 @@ private:
         const float high = most > 0 ? static_cast<float>(round_number_above(most)) : 1;
         LookOptions look = file.look;
         look.title = scene_.panels[k].label.empty() ? "difference" : scene_.panels[k].label;
+        std::optional<ShownBox> box;
+        if (file.camera.min && file.camera.max) box = {*file.camera.min, *file.camera.max};
         fs::create_directories(folder / "frames");
         for (int number = 1; number <= frames; ++number) {
             const auto [a, b] = pair_of(number);
-            const auto& size = file.scene.output.size;
-            write_png(picture_file(folder, number), draw_difference_plate(a, b, look, {-high, high}, size[0], size[1]));
+            write_png(picture_file(folder, number), draw_difference_plate(a, b, look, {-high, high}, file.scene.output.size, box));
         }
     }
 
@@ -182,6 +183,7 @@ private:
         const std::size_t dot = of.rfind('.');
         PanelChart chart;
         chart.title = of.substr(dot + 1), chart.width = scene_.output.size[0], chart.height = chart_height(scene_);
+        chart.text = panel_text(request_.file) / 0.73;  // a font's size over the height of its capitals
         std::replace(chart.title.begin(), chart.title.end(), '_', ' ');
         chart.dark = scenes_[0].look.background == "dark";
         for (std::size_t k = 0; !of.empty() && k < scenes_.size(); ++k) {

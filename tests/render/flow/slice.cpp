@@ -129,10 +129,10 @@ TEST_CASE("fluid at rest looks the same in every frame, and moving fluid nearly 
     look.style = "slice";
     look.streak_time = 0.2f;
     look.range = {0, 0.2f};
-    const Image first = draw_slice_image(frame, look, look.range, 400, 400);
+    const Image first = draw_slice_image(frame, look, look.range, {400, 400});
     for (std::size_t p = 0; p < frame.position.size(); ++p) frame.position[p] += frame.velocity[p] / 24;
     for (std::size_t p = 0; p < frame.position.size(); ++p) frame.velocity[p] = vortex(frame.position[p]);
-    const Image second = draw_slice_image(frame, look, look.range, 400, 400);
+    const Image second = draw_slice_image(frame, look, look.range, {400, 400});
     const auto corner = [](const Image& image) {  // 0.45 m from the vortex: it turns there by less than 0.01 m/s
         Image part = plain_image(60, 60, 0);
         for (int y = 0; y < 60; ++y)
