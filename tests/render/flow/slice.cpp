@@ -78,6 +78,16 @@ TEST_CASE("a slice continues across a periodic face", "[render][slice]") {
     CHECK(*std::min_element(field.cover.begin(), field.cover.end()) > 0.6f);
 }
 
+TEST_CASE("a slice shows the box of the camera, or the whole domain without one", "[render][slice]") {
+    const Frame frame = uneven(2, turning);
+    const ShownBox box{Vec3f(0.25f, 0.5f, 0), Vec3f(0.75f, 0.75f, 0)};
+    const PixelPlane part = slice_plane(frame, LookOptions{}, 200, box), whole = slice_plane(frame, LookOptions{}, 200);
+    CHECK(part.corner == Vec3f(0.25f, 0.5f, 0));
+    CHECK((part.width == 200 && part.height == 100));
+    CHECK(part.pixel == Approx(0.5f / 200));
+    CHECK(whole.corner.head<2>() == frame.domain_min.head<2>());
+}
+
 TEST_CASE("slices are bit-identical for any number of threads", "[render][slice]") {
     const Frame frame = uneven(2, turning);
     LookOptions look;
