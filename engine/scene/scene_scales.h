@@ -16,16 +16,16 @@ struct SpunVessel {
 };
 
 struct SceneScales {
-    double spacing = 0;          ///< m
-    double gravity = 0;          ///< largest over the run [m/s^2]
-    double fall = 0;             ///< height of the highest fluid above the domain's floor along gravity [m]; 0 if that axis is periodic
-    double speed = 0;            ///< largest speed of emitters, blocks, solids and a free fall [m/s]
+    double spacing = 0;  ///< m
+    double gravity = 0;  ///< largest over the run [m/s^2]
+    double fall = 0;     ///< height of the highest fluid above the domain's floor along gravity [m]; 0 if that axis is periodic
+    double speed = 0;    ///< largest speed of emitters, blocks, solids and a free fall [m/s]
     /// Largest over blocks and emitters; with a flow law where the speed changes over the narrowest feature [Pa s].
     double viscosity = 0;
-    double nu = 0;               ///< m^2/s
-    double step = 0;             ///< time step that the flow allows: cfl d/speed, at most max_step [s]
-    double viscous_number = 0;   ///< nu step/d^2
-    double explicit_step = 0;    ///< longest stable step of explicit viscosity (viscous_step()) [s]; infinite without viscosity
+    double nu = 0;              ///< m^2/s
+    double step = 0;            ///< time step that the flow allows: cfl d/speed, at most max_step [s]
+    double viscous_number = 0;  ///< nu step/d^2
+    double explicit_step = 0;   ///< longest stable step of explicit viscosity (viscous_step()) [s]; infinite without viscosity
     /// Smallest over blocks and emitters at the start; with a flow law where the speed changes over a spacing [Pa s].
     double least_viscosity = 0;
     std::string least_viscosity_key;  ///< key that gives it: "emitter[0].viscosity"
