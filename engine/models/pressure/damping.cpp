@@ -1,34 +1,19 @@
 #include "engine/models/pressure/damping.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/core/parallel.h"
 #include "engine/math/inverse_in.h"
 
 namespace whorl {
-namespace {
-
-/// Strain rate at which the damping is halved, in units of sqrt(g/d). With 0.1, 0.2 and 0.3 a dam of 8192 particles that reaches the far
-/// wall has 0.957, 0.952 and 0.950 of its energy (0.962 without damping, 0.936 with the same damping everywhere). With 0.1 some particles
-/// in an open box go on trembling if pressure.source is "density" and pressure.correction 1; with 0.2 the energy budget of a piston closes
-/// to 1.2 %, with 0.3 to 0.4 %.
-constexpr double strained = 0.3;
-
-}  // namespace
 
 void DampUnresolved::operator()(const InteractionContext& context, Read<field::role> role, Update<field::velocity> u) {
     const StepContext& step = context.step;
     const double fall = std::sqrt(static_cast<double>(step.gravity.norm() / step.spacing) + tension_ / static_cast<double>(step.mass));
     const auto c = static_cast<Real>(std::min(0.3, rate_ * static_cast<double>(step.dt) * fall));
     if (!(c > 0)) return;
-    // A raft would rock for longer.
-    const bool bodies =
-        std::any_of(context.solids.all.begin(), context.solids.all.end(), [](const Solid& solid) { return solid.body.has_value(); });
-    const auto half_rate = static_cast<Real>(bodies ? std::numeric_limits<double>::infinity() : strained * fall);
     const Column<Vec3> change = with_kernel(step.kernel, step.support, [&](const auto& W) {
-        return find_changes(W, context.pairs, step, u, find_gradients(W, context.pairs, step, u, half_rate), c);
+        return find_changes(W, context.pairs, step, u, find_gradients(W, context.pairs, step, u), c);
     });
     parallel_for(u.size(), [&](Index i) {
         if (role[i] == 0) u[i] += change[i];
@@ -38,9 +23,9 @@ void DampUnresolved::operator()(const InteractionContext& context, Read<field::r
 /// G_i = (sum_j w (u_i - u_j) r^T) (sum_j w r r^T)^-1,   w = V W/r^2
 template <class Kernel>
 DampUnresolved::Stretching DampUnresolved::find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step,
-                                                          Update<field::velocity> u, Real half_rate) {
+                                                          Update<field::velocity> u) {
     Stretching stretching;
-    stretching.along.resize(u.size()), stretching.across.resize(u.size()), stretching.share.resize(u.size());
+    stretching.along.resize(u.size()), stretching.across.resize(u.size());
     parallel_for(u.size(), [&](Index i) {
         Mat3 moment = Mat3::Zero(), product = Mat3::Zero();
         pairs.groups_of(i, [&](const Pairs::Group& group) {
@@ -69,13 +54,11 @@ DampUnresolved::Stretching DampUnresolved::find_gradients(const Kernel& W, const
         // The pull along a pair needs only (G r).r of both particles: r_a r_b (G_ab + G_ba)/2, six numbers per particle.
         stretching.along[i] = G.diagonal();
         stretching.across[i] = Vec3(G(0, 1) + G(1, 0), G(1, 2) + G(2, 1), G(2, 0) + G(0, 2));
-        const Real strain2 = stretching.along[i].squaredNorm() + stretching.across[i].squaredNorm() / 2;
-        stretching.share[i] = 1 / (1 + strain2 / (half_rate * half_rate));
     });
     return stretching;
 }
 
-/// D c sum_j (s_i + s_j)/2 V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
+/// D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2
 template <class Kernel>
 Column<Vec3> DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u,
                                           const Stretching& stretching, Real c) {
@@ -83,18 +66,17 @@ Column<Vec3> DampUnresolved::find_changes(const Kernel& W, const FluidPairs& pai
     parallel_for(u.size(), [&](Index i) {
         Vec3 sum = Vec3::Zero();
         pairs.groups_of(i, [&](const Pairs::Group& group) {
-            alignas(64) Real v[3][most], along[3][most], across[3][most], share[most], pull[most];
+            alignas(64) Real v[3][most], along[3][most], across[3][most], pull[most];
             group.gather(u.values.data(), v);
             group.gather(stretching.along.data(), along);
             group.gather(stretching.across.data(), across);
-            group.gather(stretching.share.data(), share);
             const Vec3 &d = stretching.along[i], &o = stretching.across[i];
             for (Index l = 0; l < group.padded(); ++l) {
                 const Real x = group.r[0][l], y = group.r[1][l], z = group.r[2][l], r = group.distance[l];
                 const Real stretched = (d[0] + along[0][l]) * x * x + (d[1] + along[1][l]) * y * y + (d[2] + along[2][l]) * z * z +
                                        (o[0] + across[0][l]) * x * y + (o[1] + across[1][l]) * y * z + (o[2] + across[2][l]) * z * x;
                 const Real e_r = (v[0][l] - u[i][0]) * x + (v[1][l] - u[i][1]) * y + (v[2][l] - u[i][2]) * z + stretched / 2;
-                pull[l] = W.value(r) * step.volume * e_r / std::max(r * r, min_positive) * ((stretching.share[i] + share[l]) / 2);
+                pull[l] = W.value(r) * step.volume * e_r / std::max(r * r, min_positive);
             }
             for (int a = 0; a < 3; ++a) {
                 Real part = 0;

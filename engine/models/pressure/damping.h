@@ -6,16 +6,13 @@
 
 namespace whorl {
 
-/// u_i += D c sum_j (s_i + s_j)/2 V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),
-/// s_i = 1/(1 + |sym G_i|^2/(0.3 f)^2),   c = rate dt, at most 0.3
-/// with D the number of dimensions and G the local velocity gradient (least squares; 0 if the neighbours do not span all directions). Fluid
-/// that deforms quickly is damped less: there the damping would take energy of the flow, not of particles that settle. With free bodies
-/// s = 1.
+/// u_i += D c sum_j V W_ij (e_ij.r_ij) r_ij/|r_ij|^2,   e_ij = u_j - u_i - (G_i + G_j)/2 (x_j - x_i),   c = rate dt, at most 0.3
+/// with D the number of dimensions and G the local velocity gradient (least squares; 0 if the neighbours do not span all directions).
 ///
 /// Particles settle from a loose packing into a denser one. In an inviscid fluid the energy that this releases persists as relative motion
 /// of neighbours. A linear flow has e = 0 and is not damped. Forces act along the pairs, so momentum and angular momentum are conserved.
-/// `rate` is given in units of f = sqrt(g/d + sigma/(rho d^3)), the inverse of the time in which gravity and surface tension move a
-/// particle by a spacing. Without gravity and surface tension there is no damping.
+/// `rate` is given in units of sqrt(g/d + sigma/(rho d^3)), the inverse of the time in which gravity and surface tension move a particle by
+/// a spacing. Without gravity and surface tension there is no damping.
 class DampUnresolved {
 public:
     /// @param tension surface tension [N/m]
@@ -23,15 +20,13 @@ public:
     void operator()(const InteractionContext& context, Read<field::role> role, Update<field::velocity> u);
 
 private:
-    /// Symmetric part of the velocity's gradient: the diagonal, and twice the other entries [1/s]; and s_i.
+    /// Symmetric part of the velocity's gradient: the diagonal, and twice the other entries [1/s].
     struct Stretching {
         Column<Vec3> along, across;
-        Column<Real> share;
     };
     static constexpr Index most = Pairs::Group::most;
     template <class Kernel>
-    static Stretching find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u,
-                                     Real half_rate);
+    static Stretching find_gradients(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u);
     /// @returns the changes of the velocities [m/s]
     template <class Kernel>
     static Column<Vec3> find_changes(const Kernel& W, const FluidPairs& pairs, const StepContext& step, Update<field::velocity> u,

@@ -191,7 +191,7 @@ TEST_CASE("piston waves 1.7 spacings high have the height of theory within 8 % o
     CHECK(height_far / height_near == Approx(1).epsilon(0.08));
 }
 
-TEST_CASE("a dam break on a wet bed has Stoker's depth within 2 %, its bore's position within 6 %", "[validation][sim][long]") {
+TEST_CASE("a dam break on a wet bed has Stoker's depth within 2 %, its bore's position within 6 %", "[validation][sim]") {
     // Stoker 1957, section 10.8: a bore and a rarefaction with u + 2 c of the high water meet in water of depth h at the speed u. 16 and 8
     // layers.
     constexpr double high = 0.2, low = 0.1, d = 0.0125;
