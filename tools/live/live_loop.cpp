@@ -169,7 +169,7 @@ void LiveLoop::show_frame() {
     if (frame_steps_ > 0 && frame_wall_ > 0) {
         const double frame = 1 / simulation_->scene().time.fps, kept = std::exp(-frame_wall_);
         played_ = kept * played_ + frame, play_wall_ = kept * play_wall_ + frame_wall_;
-        live_renderer_.set_interval(of_real_time() < 0.95 ? 2 * frame : frame);  // a slow simulation needs the time of every second image
+        live_renderer_.set_interval(frame);
         say_pace();
     }
     end_if_over(simulation_->scene());

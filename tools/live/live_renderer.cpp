@@ -16,15 +16,7 @@ bool same(const SurfaceOptions& a, const SurfaceOptions& b) {
     return a.voxel == b.voxel && a.radius == b.radius && a.iso == b.iso && a.smoothing == b.smoothing && a.distance == b.distance;
 }
 
-/// Time without a change after which an image of half the size is drawn again at full size [s].
-constexpr double settling = 0.25;
-
 }  // namespace
-
-struct LiveRenderer::Renderers {
-    Renderer whole;
-    std::optional<Renderer> half;  ///< opened when it is first needed
-};
 
 LiveRenderer::LiveRenderer(int width, int height, double frame) : width_(width), height_(height), interval_(frame) {
     share_threads_with_software_driver();
@@ -85,24 +77,14 @@ std::shared_ptr<const Picture> LiveRenderer::after(std::uint64_t number, double 
     return !closed_ && newer() ? newest_ : nullptr;
 }
 
-std::shared_ptr<const Picture> LiveRenderer::whole() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] {
-        if (closed_ || !newest_ || newest_is_whole()) return true;
-        if (!std::exchange(whole_wanted_, true)) changed_.notify_all();
-        return false;
-    });
-    return closed_ ? nullptr : newest_;
-}
-
 void LiveRenderer::work() {
-    Renderers renderers{Renderer(width_, height_), {}};
+    std::optional<Renderer> renderer(std::in_place, width_, height_);
     {
         const std::lock_guard lock(mutex_);
-        device_ = renderers.whole.device();
+        device_ = renderer->device();
     }
     bool is_new = false;
-    while (const auto state = next(is_new)) draw(renderers, state, is_new);
+    while (const auto state = next(is_new)) draw(renderer, state, is_new);
 }
 
 /// Waits for a state to draw. @param is_new false: the state was drawn before, with another look @return null after close()
@@ -117,19 +99,13 @@ std::shared_ptr<const LiveRenderer::State> LiveRenderer::next(bool& is_new) {
             shown_ = waiting_->revision;
             return std::exchange(waiting_, nullptr);
         }
-        const bool refines = newest_ && !newest_is_whole();
-        if (refines && now >= drawn_at_ + settling) whole_wanted_ = true;
-        if (look_ && drawn_ && (!look_is_drawn_ || whole_wanted_)) return drawn_;
+        if (look_ && drawn_ && !look_is_drawn_) return drawn_;
         constexpr double long_time = 3600;  // s
-        const double until = std::min(waiting_ && look_ ? due_ : now + long_time, refines ? drawn_at_ + settling : now + long_time);
-        changed_.wait_for(lock, std::chrono::duration<double>(until - now));
+        changed_.wait_for(lock, std::chrono::duration<double>(waiting_ && look_ ? due_ - now : long_time));
     }
 }
 
-void LiveRenderer::draw(Renderers& renderers, std::shared_ptr<const State> state, bool is_new) {
-    const bool whole = locked(mutex_, whole_wanted_) || !halves_;
-    const bool first = (!whole && !renderers.half) || !newest();  // such an image compiles its shaders
-    if (!whole && !renderers.half) renderers.half.emplace(width_ / 2, height_ / 2);
+void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const State> state, bool is_new) {
     auto look = locked(mutex_, look_);
     const Frame& frame = state->frame;
     const double began = wall_seconds();
@@ -143,31 +119,17 @@ void LiveRenderer::draw(Renderers& renderers, std::shared_ptr<const State> state
     if (const auto now = locked(mutex_, look_); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
     View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);
     view.open = 0;  // no motion blur: the interval between images varies
-    Image image = (whole ? renderers.whole : *renderers.half).draw(frame, surface_, look->how.look, view);
-    const double drawn = drawn_at_ = wall_seconds();
-    const double gap = began - std::exchange(began_, began);
-    if (!first) choose_size(drawn - began, gap);
+    Image image = renderer->draw(frame, surface_, look->how.look, view);
+    const double drawn = wall_seconds();
 
     const std::lock_guard lock(mutex_);
     drawn_ = state;
     look_is_drawn_ = look == look_;
-    if (whole) whole_wanted_ = false;
     newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
                                               std::move(image));
     times_["surface"] = {surfaced - began, 0, 1};
     times_["draw"] = {drawn - surfaced, 0, 1};
     changed_.notify_all();
-}
-
-/// @param seconds wall time of an image @param gap wall time since the start of the image before it [s]
-void LiveRenderer::choose_size(double seconds, double gap) {
-    constexpr double high = 0.5, low = 0.12, middle = 0.3, weight = 0.2;
-    constexpr int smallest_halved = 480;  // pixels
-    if (width_ < smallest_halved) return;
-    share_ += weight * (std::min(1.0, seconds / std::max(gap, seconds)) - share_);
-    if (halves_ ? share_ > low : share_ < high) return;
-    halves_ = !halves_;
-    share_ = middle;
 }
 
 StageTimes LiveRenderer::times() const {

@@ -1,8 +1,7 @@
 #pragma once
 /// Draws images of a live run on a separate thread: state -> surface -> image. It draws the latest state, at most one image per frame
 /// interval, and drops earlier states; the simulation never waits. A change of the look and the first state after a change of the fluid are
-/// drawn immediately. If drawing needs more than half of the time, images have half the size, a quarter of the pixels. Such an image is
-/// drawn again at full size once nothing has changed for a quarter of a second, and for whole().
+/// drawn immediately.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -65,9 +64,7 @@ public:
     std::shared_ptr<const Picture> newest() const { return locked(mutex_, newest_); }
     /// Waits for an image with a number above `number`. @return null if there is none within `seconds`, or after close()
     std::shared_ptr<const Picture> after(std::uint64_t number, double seconds) const;
-    /// Latest image at full size, drawn now if necessary. @return null before the first image and after close()
-    std::shared_ptr<const Picture> whole();
-    /// Ends the drawing thread and every waiting call of after() and whole().
+    /// Ends the drawing thread and every waiting call of after().
     void close();
 
     /// Wall times of the last image by stage: surface, draw, and encode if a JPEG was requested.
@@ -86,12 +83,9 @@ private:
         PictureOptions how;
         std::uint64_t revision;
     };
-    struct Renderers;
     void work();
     std::shared_ptr<const State> next(bool& is_new);
-    void draw(Renderers& renderers, std::shared_ptr<const State> state, bool is_new);
-    void choose_size(double seconds, double gap);
-    bool newest_is_whole() const { return newest_ && newest_->image.width == width_; }
+    void draw(std::optional<class Renderer>& renderer, std::shared_ptr<const State> state, bool is_new);
 
     int width_, height_;
     mutable std::mutex mutex_;
@@ -102,7 +96,6 @@ private:
     double interval_, due_ = 0;   ///< least interval between two images [s]; wall time when the next one is due [s]
     std::uint64_t shown_ = 0;     ///< revision of the simulation in the latest image
     bool look_is_drawn_ = false;  ///< whether the latest image has the latest look
-    bool whole_wanted_ = false;   ///< draw the latest state again, at full size
     std::shared_ptr<const Picture> newest_;
     std::uint64_t pictures_ = 0;
     StageTimes times_;
@@ -110,11 +103,7 @@ private:
     std::exception_ptr error_;
     Surface surface_;            ///< surface of drawn_; used only by the drawing thread
     SurfaceOptions surface_of_;  ///< options of surface_
-    // Used only by the drawing thread.
-    bool halves_ = false;              ///< draw images of half the size
-    double share_ = 0;                 ///< part of the time that drawing needs, mean over recent images
-    double began_ = 0, drawn_at_ = 0;  ///< wall times at the start and end of the last image [s]
-    std::thread thread_;               ///< declared last, because it uses all members above
+    std::thread thread_;         ///< declared last, because it uses all members above
 };
 
 }  // namespace whorl

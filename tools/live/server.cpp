@@ -288,7 +288,7 @@ struct LiveServer::Http {
 
     void send_newest_image(Response& response) {
         controls.viewer_came();
-        const auto picture = live_renderer.after(0, 5) ? live_renderer.whole() : nullptr;
+        const auto picture = live_renderer.newest() ? live_renderer.newest() : live_renderer.after(0, 5);
         if (!picture) return refuse(response, 503, "no image yet");
         response.set_header("X-Frame", std::to_string(picture->frame));
         response.set_header("X-Time", fmt::format("{}", picture->time));
