@@ -395,9 +395,8 @@ struct Simulation::State {
                 what += " (pressure.form = \"projection\" does not support splashes; \"constraint\" does)";
             if (plan.traits.pressure.source == PressureSource::velocity && !plan.free_surface && scene.solids.size() > 1)
                 what +=
-                    " (solids or gaps between them may be too coarse for pressure.form = \"projection\"; choose a smaller fluid.spacing, "
-                    "or "
-                    "\"constraint\", which loses more energy)";
+                    " (solids or gaps between them may be too coarse for pressure.form = \"projection\"; choose a smaller "
+                    "fluid.spacing, or \"constraint\", which loses more energy)";
             if (const std::string room = overfull(); !room.empty()) what += "; " + room;
             world.report.diverged = Divergence{"time step", "velocity", time, Vec3d::Zero(), what};
             return world.report;

@@ -59,7 +59,7 @@ View pose_at(const CameraOptions& camera, double time, const Vec3f& domain_min, 
     const bool plane = !(domain_min.z() < domain_max.z());
     View view = framed(camera, camera.min.value_or(domain_min), camera.max.value_or(domain_max), plane ? Vec3f::UnitZ() : from_above);
     view.flat = true;
-    if (camera.min && camera.max) view.box = {*camera.min, *camera.max};
+    view.box = camera.box();
     return view;
 }
 

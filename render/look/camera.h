@@ -50,6 +50,9 @@ struct CameraOptions {
     std::optional<float> focus;             ///< m, distance that is sharp; none: the target's
     float shutter = 180;                    ///< degrees, share of `interval` during which the shutter is open; 360: all of it
     double interval = 0;                    ///< s, simulated time between two images; follows from the scene's fps and slow motion
+
+    /// The box to show, if both corners are set.
+    std::optional<ShownBox> box() const { return min && max ? std::optional<ShownBox>({*min, *max}) : std::nullopt; }
 };
 
 /// Rotation from world to camera axes. Its rows are the unit vectors to the right, up, and from the target to the eye.

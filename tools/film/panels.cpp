@@ -168,8 +168,7 @@ private:
         const float high = most > 0 ? static_cast<float>(round_number_above(most)) : 1;
         LookOptions look = file.look;
         look.title = scene_.panels[k].label.empty() ? "difference" : scene_.panels[k].label;
-        std::optional<ShownBox> box;
-        if (file.camera.min && file.camera.max) box = {*file.camera.min, *file.camera.max};
+        const std::optional<ShownBox> box = file.camera.box();
         fs::create_directories(folder / "frames");
         for (int number = 1; number <= frames; ++number) {
             const auto [a, b] = pair_of(number);

@@ -28,6 +28,7 @@ void YieldingViscosity::operator()(const InteractionContext& context, StepReport
         flow.update();
     }
     solve_implicit(operator_, options_.limits, s);
+    operator_.release();
     operator_.limit_penalty({});
 }
 

@@ -30,7 +30,7 @@ template <class Kernel>
 Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i) const {
     const ProjectionSystem& s = *system_;
     const StepContext& step = flow.context.step;
-    const Real over_density = 1 / step.rest_density, dimensions = static_cast<Real>(step.dimensions());
+    const Real over_density = 1 / step.rest_density;
     Vec3 sum = Vec3::Zero();
     Mat3 G = Mat3::Zero();
     const Vec3 own = flow.u[i];
@@ -57,10 +57,8 @@ Vec3 CorrectedViscosity::acceleration(const Kernel& W, const Flow& flow, Index i
     G = step.volume * G * s.viscous.correction[i];
     StickingSums sums{sum, s.viscous.trace[i], s.viscous.imbalance[i]};
     add_walls(W, flow, i, sums);
-    Vec3 found =
-        s.near_surface[i]
-            ? Vec3(2 * flow.over_lattice * over_density * sums.laplacian)
-            : Vec3((2 * dimensions / std::max(sums.trace, Real(0.1)) * over_density) * (sums.laplacian - own_mu * (G * sums.imbalance)));
+    const Real scale = s.laplacian_scale(step, i, sums.trace, flow.over_lattice) * over_density;
+    Vec3 found = scale * (s.near_surface[i] ? sums.laplacian : Vec3(sums.laplacian - own_mu * (G * sums.imbalance)));
     if (friction_.acts()) found -= own_mu * over_density * (friction_.coefficient(i) * own - friction_.load(i));
     return found;
 }
