@@ -215,7 +215,9 @@ def gallery_image(m, scene, *changes):
     keys = read_scene(f"scenes/{scene}.toml")
     frame = 1 + round(moment * keys["time"]["fps"] * keys["time"].get("slow_motion", 1))
     if "panel" in keys:  # whorl draw draws one panel
-        return whole_film(m, scene).folder / f"frames/{frame:06}.png"
+        run = m.render(f"scenes/{scene}.toml", f"pictures/gallery_{scene}", threads=cores, images=True,
+                       options=["--quality", *quality.split(), "--frames", frame])
+        return run.folder / f"frames/{frame:06}.png"
     run = m.render(f"scenes/{scene}.toml", f"pictures/gallery_{scene}", threads=cores, images=True,
                    options=["--quality", *quality.split(), "--frames", frame, "--export", "raw", "--no-draw"])
     image = m.out / f"pictures/gallery_{scene}_{'plain' if changes else 'image'}/frames/{frame:06}.png"
