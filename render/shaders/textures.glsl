@@ -57,7 +57,8 @@ Texture rock(vec3 q, float width) {
 
 // Slab of stone, sawn and honed.
 Texture slab(vec3 q, float width) {
-    float cloud = layers(14.0 * q, 14.0 * width), speck = noise(420.0 * q, 420.0 * width);
+    vec3 turned = vec3(0.8 * q.x + 0.6 * q.z, q.y, 0.8 * q.z - 0.6 * q.x);   // so that the cells of the noise do not show
+    float cloud = layers(14.0 * q, 14.0 * width), speck = 0.5 * (noise(560.0 * q, 560.0 * width) + noise(730.0 * turned, 730.0 * width));
     float vein = 1.0 - smoothstep(0.0, 0.06, abs(layers(6.0 * q + 40.0, 6.0 * width) - 0.5));
     return Texture(vec3(0.75 + 0.4 * cloud + 0.35 * (speck - 0.5)) + 0.12 * vein, 0.0);
 }

@@ -109,7 +109,7 @@ gallery_scenes = {
     "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
     "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "draft --set look.samples=8"),
-    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.5, "draft --set look.samples=16"),
+    "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.0, "draft --set look.samples=16"),
 }
 
 
