@@ -107,7 +107,7 @@ gallery_scenes = {
     "spin_up": ("A torque on the particles' spin sets the fluid in rotation if the spin is zero at the wall.", 1.4, "standard"),
     "karman_street": ("A cylinder in a stream sheds vortices in turn.", 2.5, "standard"),
     "shear_layer": ("Two streams roll up into billows, which pair.", 1.2, "standard"),
-    "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.8, "standard"),
+    "taylor_green": ("Vortices that fill a cube break up into tubes.", 0.71, "standard"),
     "vortex_rings": ("One ring slips through the other; two meet head on and break into five.", 1.75, "draft --set look.samples=8"),
     "stirred_tank": ("A paddle stirs ink in a glass and stops. With spin the fluid turns on.", 1.0, "draft --set look.samples=16"),
 }
