@@ -98,7 +98,7 @@ gallery_scenes = {
     "freezing_lava": ("Toes of lava creep over cold rock and freeze one after the other.", 4.5, "draft --set look.samples=16"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
     "rotating_drop": ("Two drops with a neck between them rotate in weightlessness until the neck breaks. At a third of the speed.", 0.85, "standard"),
-    "dam_break": ("A block of water collapses and hits the wall.", 0.68, "standard"),
+    "dam_break": ("A block of water collapses and hits the wall.", 0.96, "standard"),
     "dam_break_obstacle": ("The same water runs into a post.", 0.3, "standard"),
     "paddle": ("Two crossed blades turn in a box of water.", 2.9, "standard"),
     "floating_boxes": ("A wave carries off crates, a cask and a ball.", 1.05, "standard"),
