@@ -53,8 +53,26 @@ struct Linear {
     std::array<Vec3f, 5> gradient;
 };
 
+/// Shortens the gradients of the shown field of particle i: extrapolated to a neighbour, its value stays in the range of the values of the
+/// particle and its neighbours (Barth and Jespersen 1989, doi:10.2514/6.1989-366). Linear fields keep their gradient.
+void bound(Linear& of, const PlaneParticles& near, const std::vector<std::array<float, 5>>& value, int count, Index i) {
+    std::array<float, 5> low = value[i], high = value[i], share;
+    share.fill(1);
+    near.rows.near(near.rows.at(i), near.reach, [&](Index j, const Vec3f&) {
+        for (int k = 2; k < count; ++k) low[k] = std::min(low[k], value[j][k]), high[k] = std::max(high[k], value[j][k]);
+    });
+    near.rows.near(near.rows.at(i), near.reach, [&](Index, const Vec3f& r) {
+        for (int k = 2; k < count; ++k) {
+            const float change = of.gradient[k].dot(r), room = (change > 0 ? high[k] : low[k]) - value[i][k];
+            if (std::abs(change) > std::abs(room)) share[k] = std::min(share[k], room / change);
+        }
+    });
+    for (int k = 2; k < count; ++k) of.gradient[k] *= share[k];
+}
+
 /// Gradients G by least squares: G minimises the sum over neighbours j of w (f_j - f_i - G r)^2, w = (1 - r^2/h^2)^2.
-std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<std::array<float, 5>>& value, int count, bool flat) {
+std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<std::array<float, 5>>& value, int count, bool flat,
+                                  bool bounded) {
     std::vector<Linear> fields(value.size());
     const float h = near.reach;
     parallel_for(near.rows.size(), [&](Index i) {
@@ -75,6 +93,7 @@ std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<
         moments.diagonal().array() += 1e-4f * size;
         const Mat3f inverse = moments.inverse();
         for (int k = 0; k < count; ++k) fields[i].gradient[k] = inverse * change[k];
+        if (bounded) bound(fields[i], near, value, count, i);
     });
     return fields;
 }
@@ -166,7 +185,7 @@ void finish(PlaneField& field, const Tile& t, int count, float lattice) {
 
 }  // namespace
 
-PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>& value, const PixelPlane& plane) {
+PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>& value, const PixelPlane& plane, bool bounded) {
     const bool flat = frame.dimensions == 2;
     const float h = std::max(2 * frame.spacing, 1.2f * plane.pixel);
     const PlaneParticles near(frame, plane, h);
@@ -177,7 +196,7 @@ PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>
         own[i] = {frame.velocity[p].dot(plane.right), frame.velocity[p].dot(plane.up)};
         for (std::size_t k = 0; k < value.size(); ++k) own[i][2 + k] = value[k][p];
     }
-    const std::vector<Linear> fields = linear_fields(near, own, count, flat);
+    const std::vector<Linear> fields = linear_fields(near, own, count, flat, bounded);
 
     PlaneField field{plane.width, plane.height, {}, {}, {}, {}, 0};
     const std::size_t pixels = grid_count(plane.width, plane.height);

@@ -74,7 +74,7 @@ std::array<std::vector<float>, 3> inks_in(const Frame& frame, const PixelPlane& 
         const Vec3f shown = f(ink == points.vector.end() ? Vec3f(Vec3f::Zero()) : Vec3f(ink->second[p].cwiseMax(0.0f).cwiseMin(1.0f)));
         for (int k = 0; k < 3; ++k) value[k].push_back(shown[k]);
     }
-    return plane_field(points, value, plane).value;
+    return plane_field(points, value, plane, true).value;
 }
 
 }  // namespace

@@ -66,6 +66,24 @@ TEST_CASE("a linear field is exact in every pixel, also at the edges, in 2D and 
         }
 }
 
+TEST_CASE("values of inks stay in their range at a border, and linear fields stay exact", "[render][slice]") {
+    const Frame frame = uneven(2, turning);
+    std::vector<float> step, linear;
+    for (const Vec3f& x : frame.position)
+        step.push_back(x.x() + 0.4f * x.y() > 0.6f ? 1.0f : 0.0f), linear.push_back(2 + 3 * x.x() - x.y());
+    const PixelPlane plane = slice_plane(frame, {}, 150);
+    const PlaneField free = plane_field(frame, {step, linear}, plane), bounded = plane_field(frame, {step, linear}, plane, true);
+    const auto outside = [](const std::vector<float>& value) {  // largest distance from 0 .. 1
+        float most = 0;
+        for (const float v : value) most = std::max({most, -v, v - 1});
+        return most;
+    };
+    CHECK(outside(free.value[0]) > 0.05f);
+    CHECK(outside(bounded.value[0]) < 0.01f);  // between neighbours, the value is extrapolated a little beyond the range
+    // At the edges the particles that would continue the field are missing, and the gradient is shortened.
+    CHECK(largest_error(bounded.value[1], plane, 15, [](const Vec3f& x) { return 2 + 3 * x.x() - x.y(); }) < 1e-3f);
+}
+
 TEST_CASE("a slice continues across a periodic face", "[render][slice]") {
     Frame frame = uneven(2, turning);
     frame.periodic = {true, true, false};
