@@ -45,6 +45,21 @@ TEST_CASE("draw makes bit-identical images to render, and other images with anot
     CHECK(picture(other, 3) != third);
 }
 
+TEST_CASE("draw gives solids another look, and refuses to show a solid that the run hid") {
+    const Scratch scratch("[[solid]]\nshape = \"box\"\nmin = [-0.02, 0.0, -0.02]\nmax = [0.02, 0.004, 0.02]\n");
+    const fs::path other = scratch / "other";
+    scratch.render({"--frames", "1"});
+    const auto drawn = [&](const std::string& change) {
+        test::succeed({"draw", scratch.run(), "--set", change, "--out", other.string(), "--quiet", "--overwrite"});
+        return read_whole(other / "frames/000001.png");
+    };
+    const std::string same = drawn("solid[1].material=ceramic");
+    CHECK((same == read_whole(scratch / "run/frames/000001.png")));
+    CHECK((drawn("solid[1].colour=#20a040") != same));
+    CHECK_THAT(test::refusal({"draw", scratch.run(), "--set", "solid[1].show=false", "--out", other.string(), "--quiet", "--overwrite"}),
+               Catch::Contains("--set solid[1].show=false: the change affects the simulation"));
+}
+
 TEST_CASE("drawing a range into its run keeps its exports, and elsewhere replaces another run") {
     const Scratch scratch;
     const fs::path run = scratch / "run", other = scratch / "other";

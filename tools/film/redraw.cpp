@@ -194,6 +194,7 @@ int redraw(const RedrawRequest& request) {
         Frame frame = exported_frame(request.run, number);
         share_meshes(frame.solids, before);
         before = frame.solids;
+        for (const auto& [k, look] : request.looks) frame.solids.at(k).appearance = look;
         if (replay.apply_until(frame.time, [](const Scene&, const Plan&, double) {})) how = options_now();
         film.add(std::move(frame), how, nullptr, false);
         pictures.push_back(picture_file(request.out, number, options.output.format));

@@ -1,6 +1,7 @@
 #pragma once
 /// A run from its scene to its run folder: common part of `whorl render` and `whorl resume`.
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,13 +57,14 @@ void check_end(const std::filesystem::path& folder, const Scene& scene, int made
 void check_pictures(const std::filesystem::path& folder, const Scene& scene, int made);
 
 struct RedrawRequest {
-    SceneFile file;                 ///< scene of the run, with changes of the look, camera, surface or output
-    std::filesystem::path run;      ///< the run folder
-    std::filesystem::path out;      ///< folder of frames/ and the video; may be the run folder, if the caller has locked it
-    std::vector<std::string> made;  ///< exports that already exist for all frames
-    int first = 1, last = 0;        ///< frames to draw; last = 0: to the end
-    bool goes_on = false;           ///< the run is in progress in another process: draws each frame when it is written
-    bool overwrite = false;         ///< replaces another run, or images of another run, in `out`
+    SceneFile file;                           ///< scene of the run, with changes of the look, camera, surface or output
+    std::filesystem::path run;                ///< the run folder
+    std::filesystem::path out;                ///< folder of frames/ and the video; may be the run folder, if the caller has locked it
+    std::vector<std::string> made;            ///< exports that already exist for all frames
+    std::map<std::size_t, Appearance> looks;  ///< new looks of solids and nozzles, by their index in the frames' solids
+    int first = 1, last = 0;                  ///< frames to draw; last = 0: to the end
+    bool goes_on = false;                     ///< the run is in progress in another process: draws each frame when it is written
+    bool overwrite = false;                   ///< replaces another run, or images of another run, in `out`
     bool quiet = false;
 };
 

@@ -32,10 +32,20 @@ void read_frames(const std::string& text, RedrawRequest& request) {
     request.first = first, request.last = last;
 }
 
+/// Whether the frames of `before` cannot show `now`. They can show other looks of solids and nozzles, but not a solid that was hidden.
+bool needs_simulation(SceneFile before, const SceneFile& now) {
+    const auto take = [](auto& things, const auto& from) {
+        for (std::size_t k = 0; k < std::min(things.size(), from.size()); ++k)
+            if (things[k].appearance.show == from[k].appearance.show) things[k].appearance = from[k].appearance;
+    };
+    take(before.scene.solids, now.scene.solids), take(before.scene.emitters, now.scene.emitters);
+    return decides(before, now);
+}
+
 /// The first change that affects the simulation by itself, as the user gave it; "--set" if only several together do.
 std::string deciding(const SceneFile& before, const std::vector<KeyValue>& changes) {
     for (const KeyValue& change : changes) try {
-            if (decides(before, changed(before, {change}))) return change.value.place.file;
+            if (needs_simulation(before, changed(before, {change}))) return change.value.place.file;
         } catch (const InputError&) {  // valid only together with another change
         }
     return "--set";
@@ -71,9 +81,13 @@ int draw(const DrawOptions& options) {
         throw InputError(
             {folder.string(), 0, 0}, "the run has several panels",
             "draw each panel, as in whorl draw " + (folder / "panels/1").string() + ", then combine them: whorl resume " + folder.string());
-    if (decides(before, request.file))
+    if (needs_simulation(before, request.file))
         throw InputError({deciding(before, changes), 0, 0}, "the change affects the simulation, which is over", "render the scene again",
-                         "allowed: keys of [look], [camera], [surface] and [output]");
+                         "allowed: keys of [look], [camera], [surface] and [output], and the material, colour, roughness, metallic and "
+                         "texture of a solid or an emitter");
+    const std::vector<Appearance> old = looks_of_solids(before.scene), looks = looks_of_solids(request.file.scene);
+    for (std::size_t k = 0; k < looks.size(); ++k)
+        if (looks[k] != old[k]) request.looks[k] = looks[k];
     request.run = folder;
     request.out = elsewhere ? options.out : folder;
     if (!elsewhere) request.made = before.scene.output.exports;
@@ -90,10 +104,11 @@ int draw(const DrawOptions& options) {
 void add_draw(CLI::App& program, Job& chosen) {
     const auto [app, o] =
         add_command(program, chosen, "draw", "draw a run's images again from its exported frames (--export raw), without simulating", draw,
-                    "--set may change keys of [look], [camera], [surface] and [output].\n"
+                    "--set may change keys of [look], [camera], [surface] and [output], and the looks of solids and emitters.\n"
                     "Examples:\n"
                     "  whorl render honey_coil --export raw\n"
                     "  whorl draw out/honey_coil --set look.material=chocolate --out out/chocolate_coil\n"
+                    "  whorl draw out/honey_coil --set solid[0].material=wood --out out/wood\n"
                     "  whorl draw out/honey_coil --frames 40-60");
     app.add_option("--frames", o.range, "one frame, or a range as in 1-100 (default: all)")->type_name("A-B");
     add_options(app, o, {&o.folder, &o.set, &o.out, &o.overwrite, &o.size, &o.no_video, &o.threads, &o.quiet});

@@ -103,15 +103,16 @@ std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differe
     return lines;
 }
 
+std::vector<Appearance> looks_of_solids(const Scene& scene) {
+    std::vector<Appearance> all;
+    for (const SolidKeys& s : scene.solids) all.push_back(s.appearance);
+    for (const EmitterKeys& e : scene.emitters) all.push_back(e.appearance);
+    return all;
+}
+
 bool decides(const SceneFile& before, const SceneFile& now) {
-    const auto looks = [](const Scene& scene) {
-        std::vector<Appearance> all;
-        for (const SolidKeys& s : scene.solids) all.push_back(s.appearance);
-        for (const EmitterKeys& e : scene.emitters) all.push_back(e.appearance);
-        return all;
-    };
     return !differences(before.scene, now.scene).empty() || before.scene.time.end != now.scene.time.end ||
-           looks(before.scene) != looks(now.scene);
+           looks_of_solids(before.scene) != looks_of_solids(now.scene);
 }
 
 SceneFile with_first_changes(const SceneFile& file, const std::vector<KeyValue>& beat) {

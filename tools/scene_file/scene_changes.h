@@ -25,6 +25,10 @@ std::vector<KeyDifference> differences(const SceneFile& before, const SceneFile&
 
 /// One line for each difference whose key may not change during a run; empty if all may.
 std::vector<std::string> needs_restart(const std::vector<KeyDifference>& differences);
+
+/// Looks of the solids, then of the emitters' nozzles, in the order of a frame's solids.
+std::vector<Appearance> looks_of_solids(const Scene& scene);
+
 /// Whether the simulation (not only the image) differs.
 bool decides(const SceneFile& before, const SceneFile& now);
 
