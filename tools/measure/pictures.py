@@ -57,13 +57,14 @@ def picture_controls(m):
     drawing.picture(m, "docs/pictures/guide/controls.jpg", pictures, 400, ["-q:v", "3"], columns=3)
 
 
-# A plain look of three scenes: no lens, no motion blur, few samples, little smoothing.
+# A plain look of five scenes: no lens, no motion blur, few samples, little smoothing.
 plain_look = ("camera.aperture=0", "camera.shutter=0", "look.samples=4")
 plain_looks = {"honey_ball": ("surface.smoothing=3",), "toothpaste": ("surface.smoothing=1", "look.table=none", "look.scattering=0"),
-               "sewing_machine": ("surface.smoothing=3", "look.table=none")}
+               "sewing_machine": ("surface.smoothing=3", "look.table=none"), "honey_coil": ("surface.smoothing=3", "look.table=none"),
+               "dam_break": ("surface.smoothing=1", "look.table=none", "look.foam=0")}
 
 
-@table("picture_pairs", "three images of the gallery, each next to the same frame with a plain look", "3 minutes",
+@table("picture_pairs", "five images of the gallery, each next to the same frame with a plain look", "10 minutes",
        files="docs/pictures/guide/pairs.jpg", section=False)
 def picture_pairs(m):
     pictures = [gallery_image(m, scene, *change) for scene, look in plain_looks.items() for change in ((*plain_look, *look), ())]
