@@ -213,7 +213,7 @@ TEST_CASE("a round wall counts in the density by the part of the kernel that lie
             CoupledRows rows;
             rows.build(one.x, one.role, one.domain, d, o);
             const double alone = rows.neighbourhood[0].density;
-            rows.build(one.x, one.role, one.domain, d, o, solids, Real(0.001), held, {});
+            rows.build(one.x, one.role, one.domain, d, o, {solids, Real(0.001), held, {}});
             double all = 0, behind = 0;
             const auto n = static_cast<int>(10 * o.support);
             each_lattice_point(3, n, [&](int a, int b, int c) {

@@ -189,18 +189,21 @@ private:
     const Lanes* wall_weight_;
 };
 
+/// Solids that become neighbours of the particles that touch them.
+struct TouchedSolids {
+    const Solids& solids;
+    Real dt = 0;              ///< s, for the solids' velocities
+    Span<std::int32_t> held;  ///< field::held
+    Span<Vec3> slip;          ///< field::contact_normal
+};
+
 class CoupledRows {
 public:
     static constexpr Index block_size = 256;
 
     /// @param spacing d [m] @param role field::role; the gate does not apply to pairs of two prescribed particles
-    void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options) {
-        build(x, role, domain, spacing, options, {}, 0, {}, {});
-    }
-    /// @param solids become neighbours of the particles that touch them @param dt [s], for their velocities @param held field::held
-    /// @param slip field::contact_normal
     void build(Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing, const CoupledOptions& options,
-               const Solids& solids, Real dt, Span<std::int32_t> held, Span<Vec3> slip);
+               const TouchedSolids& solids = {{}, 0, {}, {}});
 
     Index size() const { return static_cast<Index>(neighbourhood.size()); }
     int dimensions() const { return dimensions_; }
@@ -247,6 +250,7 @@ private:
     struct Scratch;
     struct Found;
     struct Walls;
+    struct WallsOfRow;
     void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options, const Walls& walls);
     void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();

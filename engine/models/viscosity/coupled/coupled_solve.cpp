@@ -28,7 +28,7 @@ void CoupledNeighbourhood::operator()(Read<field::position> x, Read<field::role>
                                       Update<field::held> held, Update<field::contact_normal> slip, const Solids& solids,
                                       const StepContext& step) const {
     CoupledSystem& s = *system;
-    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, solids, step.dt, held.values, slip.values);
+    s.rows.build(x.values, role.values, step.domain, step.spacing, s.options, {solids, step.dt, held.values, slip.values});
     parallel_for(x.size(), [&](Index i) { density[i] = step.rest_density * s.rows.neighbourhood[i].density; });
 }
 
