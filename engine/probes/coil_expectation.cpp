@@ -1,5 +1,7 @@
 #include "engine/probes/coil_expectation.h"
 
+#include <sys/resource.h>
+
 #include <cmath>
 
 #include "engine/core/binary_io.h"
@@ -58,7 +60,11 @@ std::optional<CoilTheory> CoilExpectation::at(const CoilParameters& parameters) 
     if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) answer_ = coming_.get();
     if (answer_ && relative_change(answer_->of, parameters) <= (answer_->theory ? same : same_none)) return answer_->theory;
     if (search_ == TheorySearch::wait) return (answer_ = find(parameters))->theory;
-    if (!coming_.valid()) coming_ = std::async(std::launch::async, [this, parameters] { return find(parameters); });
+    if (!coming_.valid())
+        coming_ = std::async(std::launch::async, [this, parameters] {
+            setpriority(PRIO_PROCESS, 0, 10);  // in Linux of this thread only; steps and images come first
+            return find(parameters);
+        });
     return answer_ && relative_change(answer_->of, parameters) <= neighbour ? answer_->theory : std::nullopt;
 }
 

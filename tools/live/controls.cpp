@@ -22,6 +22,11 @@ namespace {
 constexpr double one_movement = 1.0;
 constexpr std::size_t kept_undos = 200;
 
+/// Whether a change can be shown by drawing the same state again.
+bool of_picture(const KeyDifference& d) {
+    return d.path.starts_with("look") || d.path.starts_with("camera") || d.path.starts_with("surface");
+}
+
 SceneFile without_later_changes(SceneFile file) {
     file.scene.changes.clear();
     return file;
@@ -43,14 +48,16 @@ void Controls::set_locked(const std::vector<KeyValue>& changes, bool may_undo) {
     if (changes.empty()) return;
     auto next = std::make_shared<PlannedScene>();
     next->file = changed(wanted_, changes);
-    if (const auto lines = needs_restart(differences(wanted_, next->file)); !lines.empty()) {
+    const std::vector<KeyDifference> now_different = differences(wanted_, next->file);
+    if (const auto lines = needs_restart(now_different); !lines.empty()) {
         std::vector<Problem> problems;
         for (const std::string& line : lines)
             problems.push_back({changes.front().value.place, line + " during the run",
                                 "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}", ""});
         throw InputError(std::move(problems));
     }
-    next->plan = decides(wanted_, next->file) ? make_plan(next->file.scene) : plan_;
+    const bool simulates = decides(wanted_, next->file);
+    next->plan = simulates ? make_plan(next->file.scene) : plan_;
     if (const auto models = changes_of_models(plan_, next->plan); !models.empty())
         throw InputError(changes.front().value.place, "the change needs other models: " + models.front().text(),
                          "restart with it: POST /control {\"do\": \"restart\", \"set\": {...}}");
@@ -68,6 +75,8 @@ void Controls::set_locked(const std::vector<KeyValue>& changes, bool may_undo) {
     orders_.scene = std::move(next);
     for (const KeyValue& c : changes) set_.insert_or_assign(c.path, c.value);
     ++revision_;
+    if (simulates) simulated_revision_ = revision_;
+    if (std::any_of(now_different.begin(), now_different.end(), of_picture)) picture_revision_ = revision_;
     changed_.notify_all();
 }
 
@@ -142,7 +151,7 @@ bool Controls::try_restart(const Restart& how) {
     orders_.changes.clear();
     file_problem_.clear();
     if (!not_kept.empty()) tell_locked(false, not_kept);
-    ++revision_;
+    picture_revision_ = simulated_revision_ = ++revision_;
     changed_.notify_all();
     return true;
 }
@@ -185,6 +194,7 @@ Orders Controls::take_changes_locked() {
     taken.playing = orders_.playing && !waiting_;
     taken.step = false;
     taken.revision = revision_;
+    taken.picture_revision = picture_revision_;
     orders_.scene.reset();
     orders_.changes.clear();
     return taken;

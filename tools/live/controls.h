@@ -70,6 +70,7 @@ struct Orders {
     std::shared_ptr<PlannedScene> scene;  ///< scene with the changes applied; null if nothing changed
     std::vector<KeyValue> changes;        ///< changes from the previous scene to this one
     std::uint64_t revision = 0;           ///< revision of the scene
+    std::uint64_t picture_revision = 0;   ///< revision of the last change of look, camera or surface
 };
 
 class Controls {
@@ -139,10 +140,11 @@ public:
     Plan plan() const { return locked(mutex_, plan_); }
     struct WantedPicture {
         PictureOptions how;
-        std::uint64_t revision;
+        std::uint64_t revision;            ///< of the last change of `how`
+        std::uint64_t simulated_revision;  ///< of the last change of the simulation
     };
     WantedPicture picture() const {
-        return with_lock([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, revision_}; });
+        return with_lock([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, picture_revision_, simulated_revision_}; });
     }
     Options options() const { return locked(mutex_, options_); }
     /// Whether the run plays. False while it waits at its first frame for a viewer, play() or step().
@@ -181,6 +183,7 @@ private:
     std::optional<Notice> notice_;
     std::string file_problem_;
     std::uint64_t revision_ = 1, notices_ = 0;
+    std::uint64_t picture_revision_ = 1, simulated_revision_ = 1;  ///< see WantedPicture
 };
 
 /// Reports each save of a file. A separate thread checks the file eight times a second, and reports a save when two checks in a row see the

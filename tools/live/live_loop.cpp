@@ -83,7 +83,7 @@ void LiveLoop::follow(const Orders& orders) {
     PlannedScene& wanted = *orders.scene;
     const auto before = std::exchange(followed_, orders.scene);
     const bool physics = !before || wanted.simulation || decides(before->file, wanted.file);
-    look_ = orders.revision;
+    look_ = orders.picture_revision;
     if (physics) revision_ = orders.revision;
     if (!wanted.simulation && simulation_->totals().steps == 0 && physics) try {
             // No step was made yet: start again from the new values. The recording then has them as initial values.
@@ -128,8 +128,10 @@ void LiveLoop::after_step(const StepReport& report, double began) {
     step_wall_ = now - std::exchange(step_began_, now);
     stepped_ = revision_;
     const bool reached = simulation_->time() >= frame_time(simulation_->scene(), frame_ + 1);
-    if (!reached && (stepped_ > shown_ || live_renderer_.wants_state_within(step_wall_))) show_state();
-    follow(controls_.take_changes());
+    const Orders orders = controls_.take_changes();
+    // If a change waits, an image of this state would delay the image that shows the change.
+    if (!reached && (stepped_ > shown_ || (!orders.scene && live_renderer_.wants_state_within(step_wall_)))) show_state();
+    follow(orders);
 }
 
 void LiveLoop::show_state() {

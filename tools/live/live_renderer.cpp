@@ -70,6 +70,12 @@ void LiveRenderer::look(PictureOptions how, std::uint64_t revision) {
     changed_.notify_all();
 }
 
+void LiveRenderer::expect(std::uint64_t revision) {
+    constexpr double most = 0.25;  // s: the run may be paused, or a step may take long
+    const std::lock_guard lock(mutex_);
+    if (revision > expected_) expected_ = revision, expected_until_ = wall_seconds() + most;
+}
+
 std::shared_ptr<const Picture> LiveRenderer::after(std::uint64_t number, double seconds) const {
     std::unique_lock lock(mutex_);
     const auto newer = [&] { return newest_ && newest_->number > number; };
@@ -92,8 +98,8 @@ std::shared_ptr<const LiveRenderer::State> LiveRenderer::next(bool& is_new) {
     std::unique_lock lock(mutex_);
     for (;;) {
         if (closed_) return nullptr;
-        const double now = wall_seconds();
-        is_new = look_ && waiting_ && (waiting_->revision > shown_ || due_ <= now);
+        const double now = wall_seconds(), due = expected_ > shown_ ? std::max(due_, expected_until_) : due_;
+        is_new = look_ && waiting_ && (waiting_->revision > shown_ || due <= now);
         if (is_new) {
             due_ = now + interval_;
             shown_ = waiting_->revision;
@@ -101,7 +107,7 @@ std::shared_ptr<const LiveRenderer::State> LiveRenderer::next(bool& is_new) {
         }
         if (look_ && drawn_ && !look_is_drawn_) return drawn_;
         constexpr double long_time = 3600;  // s
-        changed_.wait_for(lock, std::chrono::duration<double>(waiting_ && look_ ? due_ - now : long_time));
+        changed_.wait_for(lock, std::chrono::duration<double>(waiting_ && look_ ? due - now : long_time));
     }
 }
 
@@ -115,6 +121,10 @@ void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const
         surface_ = field ? Surface{} : build_surface(frame, surface, look->how.look.foam);
     surface_of_ = surface;
     const double surfaced = wall_seconds();
+    {  // A state that shows no change itself makes way for one that does.
+        const std::lock_guard lock(mutex_);
+        if (newest_ && newest_->revisions.fluid == state->revision && waiting_ && waiting_->revision > state->revision) return;
+    }
     // Use a look that was set meanwhile, if it needs no other surface.
     if (const auto now = locked(mutex_, look_); same(now->how.surface, surface) && shows_field(now->how.look) == field) look = now;
     View view = view_at(look->how.camera, frame.time, frame.domain_min, frame.domain_max);

@@ -60,6 +60,10 @@ public:
     /// Sets the look and draws the latest frame again. An older `revision` of the scene than the current one is ignored.
     void look(PictureOptions how, std::uint64_t revision);
 
+    /// Draws no state without this change of the scene for a moment, so that the image of the state with the change is not delayed.
+    /// @param revision of a change that the simulation has not made yet
+    void expect(std::uint64_t revision);
+
     /// Latest image; null before the first.
     std::shared_ptr<const Picture> newest() const { return locked(mutex_, newest_); }
     /// Waits for an image with a number above `number`. @return null if there is none within `seconds`, or after close()
@@ -95,6 +99,8 @@ private:
     bool closed_ = false;
     double interval_, due_ = 0;   ///< least interval between two images [s]; wall time when the next one is due [s]
     std::uint64_t shown_ = 0;     ///< revision of the simulation in the latest image
+    std::uint64_t expected_ = 0;  ///< revision that expect() announced
+    double expected_until_ = 0;   ///< wall time until which to wait for it [s]
     bool look_is_drawn_ = false;  ///< whether the latest image has the latest look
     std::shared_ptr<const Picture> newest_;
     std::uint64_t pictures_ = 0;

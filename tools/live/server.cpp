@@ -364,6 +364,7 @@ struct LiveServer::Http {
     void show_look() {
         const auto wanted = controls.picture();
         live_renderer.look(wanted.how, wanted.revision);
+        live_renderer.expect(wanted.simulated_revision);
     }
 
     void restart(const nlohmann::json& order, Response& response) {
