@@ -1,4 +1,4 @@
-/// Right-hand side of the coupled solve: the volume that the step requests, known pressures, loads.
+// Right-hand side of the coupled solve: the volume that the step requests, known pressures, loads.
 #include <algorithm>
 
 #include "engine/core/parallel.h"

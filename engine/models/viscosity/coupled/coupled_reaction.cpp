@@ -1,4 +1,4 @@
-/// Forces of the fluid on solids, after the coupled solve.
+// Forces of the fluid on solids, after the coupled solve.
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/reaction.h"
 #include "engine/models/viscosity/coupled/coupled_step.h"
@@ -15,9 +15,8 @@ void CoupledStep::write_ledgers() {
         solid.receive(kind, Wrench::at(solid.image(at).cast<double>() - solid.centre(), m * velocity.cast<double>()));
     };
     const auto walls_take = [&](Push kind, Real sign) {
-        form.each_wall_force([&](const RowBlock&, const WallPoint& wall, const Vec3& f) {
-            push(solids.all[wall.solid], kind, wall.position, sign * f);
-        });
+        form.each_wall_force(
+            [&](const RowBlock&, const WallPoint& wall, const Vec3& f) { push(solids.all[wall.solid], kind, wall.position, sign * f); });
     };
     if (!balancing.empty()) {
         Solid& vessel = solids.all[options.vessel];
@@ -38,8 +37,7 @@ void CoupledStep::write_ledgers() {
         for (const WallPoint& wall : block.walls) {
             const Index i = block.begin + wall.row;
             if (wall.friction > 0 && role[i] == 0)
-                push(solids.all[wall.solid], Push::viscous, wall.position,
-                     ContactFriction::of(wall, mu[i], step) * (u[i] - wall.velocity));
+                push(solids.all[wall.solid], Push::viscous, wall.position, ContactFriction::of(wall, mu[i], step) * (u[i] - wall.velocity));
         }
     rest.share(solids, step, m * momentum_of(role, x.values, [&](Index i) { return load[i]; }));
 }
@@ -48,13 +46,12 @@ void CoupledStep::write_ledgers() {
 /// error. If it were counted as (negative) heat, the heat would fall.
 void CoupledStep::count_pushes(StepReport& report) {
     if (options.vessel < 0 || !solids.any_probed()) return;
-    const double pushes = parallel_sum(n, [&](Index i) {
+    const double power = parallel_sum(n, [&](Index i) {
         const Real pushed = divergence[i] - curvature[i].trace();
         return role[i] == 0 ? static_cast<double>(system.rows.neighbourhood[i].volume * p[i] * pushed) : 0.0;
     });
     if (!report.work) report.work.emplace();
-    report.work->viscosity -=
-        static_cast<double>(step.mass) * static_cast<double>(dt) / static_cast<double>(step.rest_density) * pushes;
+    report.work->viscosity -= static_cast<double>(step.mass) * static_cast<double>(dt) / static_cast<double>(step.rest_density) * power;
 }
 
 /// Releases the particles that a solid with slip pulls and that are under tension, because solids only push. (Errors of the force may

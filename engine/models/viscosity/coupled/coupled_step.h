@@ -4,6 +4,7 @@
 #include "engine/geometry/solids.h"
 #include "engine/models/viscosity/coupled/coupled_system.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
+#include "engine/models/viscosity/strain/curvature.h"
 #include "engine/particles/step_context.h"
 
 namespace whorl {

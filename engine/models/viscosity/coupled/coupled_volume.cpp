@@ -1,4 +1,4 @@
-/// Volume of fluid as a whole, where one update of the multiplier per step does not keep it.
+// Volume of fluid as a whole, where one update of the multiplier per step does not keep it.
 #include "engine/core/parallel.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/viscosity/coupled/coupled_step.h"
@@ -38,8 +38,7 @@ void CoupledStep::keep_volume(SolveReport& report) {
         });
         const bool kept_it = starts ? dt * std::sqrt(all.squares / n) < at_start : dt * all.missing < tolerated * n;
         if (round == 0) {
-            if (kept_it || system.no_way_out ||
-                all.missing < (starts ? tolerated / 3 / dt * n : as_a_whole * std::sqrt(all.squares * n)))
+            if (kept_it || system.no_way_out || all.missing < (starts ? tolerated / 3 / dt * n : as_a_whole * std::sqrt(all.squares * n)))
                 return;
             first = all, old_solved = solved, old_load = load, old_pressure = pressure;
             old_p.assign(p.values.begin(), p.values.end());

@@ -110,8 +110,8 @@ struct CoupledRows::WallsOfRow {
     const CoupledOptions& o;
     RowBlock& block;
     Index i;
-    Vec3 at;          ///< position of particle i [m]
-    Real h, d;        ///< radius of the weight in spacings; spacing [m]
+    Vec3 at;           ///< position of particle i [m]
+    Real h, d;         ///< radius of the weight in spacings; spacing [m]
     Neighbourhood& n;  ///< of particle i
     const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
     const std::size_t before = block.walls.size();

@@ -1,4 +1,4 @@
-/// Neighbours within the support of each particle, and the gate that admits them to the row.
+// Neighbours within the support of each particle, and the gate that admits them to the row.
 #include <algorithm>
 #include <cmath>
 

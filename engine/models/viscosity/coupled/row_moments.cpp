@@ -1,4 +1,4 @@
-/// Sums over finished rows: moments, their inverse, the surface indicator.
+// Sums over finished rows: moments, their inverse, the surface indicator.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 

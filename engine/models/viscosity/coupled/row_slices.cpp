@@ -1,4 +1,4 @@
-/// Layout of a block: rows of similar length share a slice.
+// Layout of a block: rows of similar length share a slice.
 #include <algorithm>
 #include <numeric>
 

@@ -1,4 +1,4 @@
-/// Solids as neighbours: which particles they hold, and their part of a particle's density and moments (docs/physics.md 5).
+// Solids as neighbours: which particles they hold, and their part of a particle's density and moments (docs/physics.md 5).
 #include <algorithm>
 #include <cmath>
 #include <limits>
