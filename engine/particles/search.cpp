@@ -2,15 +2,11 @@
 // across a periodic border could disagree.
 #include "engine/particles/search.h"
 
-#ifdef __AVX512F__
-#include <immintrin.h>
-#endif
-
-#include <bit>
 #include <limits>
 
 #include "engine/core/column.h"
 #include "engine/core/parallel.h"
+#include "engine/particles/distance_test.h"
 
 namespace whorl {
 namespace {
@@ -20,80 +16,6 @@ namespace {
 constexpr double edge_along = 0.5, edge_across = 1;
 
 bool is_finite(const Vec3& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
-
-/// Parameters of the distance test.
-struct Test {
-    Real x[3];
-    Real period[3], inverse_period[3];
-    Real support2;
-    Index self;
-};
-
-/// The test for filtering rows of pairs; x and self are not set.
-Test test_for(Real support, const Domain& domain) {
-    Test test{};
-    test.support2 = support * support;
-    const Vec3 period = domain.period();
-    for (int a = 0; a < 3; ++a) {
-        test.period[a] = period[a];
-        test.inverse_period[a] = period[a] > 0 ? 1 / period[a] : 0;
-    }
-    return test;
-}
-
-/// Appends the candidates in [begin, end) that are nearer than the support to `out` and returns its new end. It may write up to
-/// `most_lanes` entries past that end.
-#if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
-template <bool periodic>
-Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
-    const auto group = [&](Index k) {
-        __m512 d[3];
-        for (int a = 0; a < 3; ++a) {
-            d[a] = _mm512_sub_ps(_mm512_set1_ps(test.x[a]), _mm512_loadu_ps(p[a] + k));
-            if constexpr (periodic) {
-                const __m512 images =
-                    _mm512_roundscale_ps(_mm512_mul_ps(d[a], _mm512_set1_ps(test.inverse_period[a])), _MM_FROUND_TO_NEAREST_INT);
-                d[a] = _mm512_fnmadd_ps(images, _mm512_set1_ps(test.period[a]), d[a]);
-            }
-        }
-        const __m512 r2 = _mm512_fmadd_ps(d[0], d[0], _mm512_fmadd_ps(d[1], d[1], _mm512_mul_ps(d[2], d[2])));
-        const __m512i j = _mm512_loadu_si512(index + k);
-        const __mmask16 valid = static_cast<__mmask16>((1u << std::clamp(end - k, 0, most_lanes)) - 1);
-        const __mmask16 other = _mm512_mask_cmpneq_epi32_mask(valid, j, _mm512_set1_epi32(test.self));
-        const __mmask16 near = _mm512_mask_cmp_ps_mask(other, r2, _mm512_set1_ps(test.support2), _CMP_LT_OQ);
-        _mm512_storeu_si512(out, _mm512_maskz_compress_epi32(near, j));
-        out += std::popcount(static_cast<unsigned>(near));
-    };
-    for (Index k = begin; k < end;
-         k += 2 * most_lanes) {  // two groups per iteration: the branch predictor is then rarely wrong about the length of a run
-        group(k);
-        group(k + most_lanes);
-    }
-    return out;
-}
-#else
-template <bool periodic>
-Index* append_near(const Test& test, const Real* const p[3], const Index* index, Index begin, Index end, Index* out) {
-    for (Index k = begin; k < end; k += most_lanes) {
-        Real r2[most_lanes];
-        for (Index l = 0; l < most_lanes; ++l) {  // always whole groups, so that every pair is computed by the same instructions
-            Real d[3];
-            for (int a = 0; a < 3; ++a) {
-                d[a] = test.x[a] - p[a][k + l];
-                if constexpr (periodic) d[a] -= test.period[a] * std::nearbyint(d[a] * test.inverse_period[a]);
-            }
-            r2[l] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        }
-        const Index count = std::min(most_lanes, end - k);
-        for (Index l = 0; l < count; ++l) {
-            const Index j = index[k + l];
-            *out = j;
-            out += (r2[l] < test.support2) & (j != test.self);
-        }
-    }
-    return out;
-}
-#endif
 
 }  // namespace
 
@@ -106,7 +28,7 @@ int NeighbourSearch::Axis::bin(double cell) const {
 /// Radius of the search, slightly beyond the support, so that rounding in the cells cannot lose a pair that the test would accept.
 struct NeighbourSearch::Reach {
     double radius;
-    Test test;
+    DistanceTest test;
 };
 
 struct NeighbourSearch::Rows {
@@ -245,7 +167,7 @@ void NeighbourSearch::fill_bins(Span<const Vec3> x, const Domain& domain) {
 
 template <bool periodic>
 void NeighbourSearch::append_row(const Vec3& x, Index self, const Reach& reach, Rows& rows) const {
-    Test test = reach.test;
+    DistanceTest test = reach.test;
     test.self = self;
     double low[3] = {0, 0, 0};
     int count[3] = {1, 1, 1};
@@ -352,7 +274,7 @@ double farthest_move(Span<const Vec3> from, Span<const Vec3> to, const Domain& d
 
 /// Copies the neighbours in row `other` that are within the support to `out`. @returns their number
 template <bool periodic>
-Index keep_near(const Test& test, Span<const Vec3> x, const Index* other, Index count, Index* out) {
+Index keep_near(const DistanceTest& test, Span<const Vec3> x, const Index* other, Index count, Index* out) {
     constexpr Index most = 64;
     alignas(64) Index index[most + 2 * most_lanes], near[most + 4 * most_lanes];
     alignas(64) Real at[3][most + 2 * most_lanes];
@@ -388,7 +310,7 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
     pairs.x_own = x_own, pairs.x_other = x_other;
     pairs.support = support;
 
-    const Test test = test_for(support, domain);
+    const DistanceTest test = test_for(support, domain);
     const auto n = static_cast<Index>(x_own.size());
     std::vector<std::size_t> begins;  // start of each block's rows in `other`, because join_blocks() overwrites `first`
     for (Index begin = 0; begin < n; begin += block) begins.push_back(pairs.first[begin]);
@@ -401,7 +323,7 @@ bool NeighbourSearch::narrow(Span<const Vec3> x_own, Span<const Vec3> x_other, R
             Index* const out = rows.room_for(static_cast<Index>(past - from));
             for (Index i = begin; i < end; ++i) {
                 const std::size_t next = i + 1 < end ? pairs.first[i + 1] : past;
-                Test of_row = test;
+                DistanceTest of_row = test;
                 for (int a = 0; a < 3; ++a) of_row.x[a] = x_own[i][a];
                 of_row.self = -1;
                 rows.used += static_cast<std::size_t>(
