@@ -7,122 +7,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <bit>
-#include <charconv>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <sstream>
 
 #include "engine/core/errors.h"
+#include "engine/geometry/mesh_text.h"
 
 namespace whorl {
 namespace {
-
-using Corner = std::uint32_t;
-
-std::string lower(std::string_view text) {
-    std::string made(text);
-    for (char& c : made) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return made;
-}
-
-/// Reads a text file by lines and words.
-class Words {
-public:
-    /// @param joins whether a line that ends in "\" continues on the next one
-    Words(const std::string& file, std::string_view text, bool joins = false) : file_(file), rest_(text), joins_(joins) {}
-
-    /// Moves to the next line. @return false at the end of the file
-    bool next_line() {
-        if (rest_.empty()) return false;
-        const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
-        line_text_ = rest_.substr(0, end), column_ = 1;
-        rest_.remove_prefix(end);
-        rest_.remove_prefix(rest_.starts_with("\r\r\n") ? 3 : rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
-        ++line_;
-        goes_on_ = joins_ && line_text_.ends_with('\\');
-        if (goes_on_) line_text_.remove_suffix(1);
-        words_ = line_text_;
-        return true;
-    }
-    /// The next word of this line, or "" at its end.
-    std::string_view word() {
-        std::size_t begin = words_.find_first_not_of(" \t");
-        while (begin == words_.npos && goes_on_ && next_line()) begin = words_.find_first_not_of(" \t");
-        begin = std::min(begin, words_.size());
-        column_ = static_cast<int>(line_text_.size() - words_.size() + begin) + 1;
-        words_.remove_prefix(begin);
-        const std::size_t end = std::min(words_.find_first_of(" \t"), words_.size());
-        const std::string_view found = words_.substr(0, end);
-        words_.remove_prefix(end);
-        return found;
-    }
-    template <class T>
-    T whole(std::string_view text) const {
-        T value{};
-        const std::errc error = read(text, value);
-        if (error != std::errc()) fail(not_a_number(text, error), "allowed: whole numbers");
-        return value;
-    }
-    /// @param most largest magnitude of the number; if infinite, nan is also allowed
-    double number(std::string_view text, double most = std::numeric_limits<double>::max()) const {
-        double value = 0;
-        std::errc error = read(text, value);
-        if (error == std::errc::result_out_of_range) error = {}, value = std::strtod(std::string(text).c_str(), nullptr);  // 0 or infinite
-        if (error == std::errc() && std::abs(value) > most) error = std::errc::result_out_of_range;
-        if (error != std::errc() || (std::isnan(value) && std::isfinite(most)))
-            fail(not_a_number(text, error), std::isfinite(most) ? fmt::format("allowed: numbers from {:.2g} to {:.2g}", -most, most) : "");
-        return value;
-    }
-    Vec3d point() {
-        Vec3d x;
-        for (int a = 0; a < 3; ++a) x[a] = number(word(), std::numeric_limits<float>::max());
-        return x;
-    }
-    /// Moves to the next line that has a word. @return false at the end of the file
-    bool next_full_line() {
-        while (next_line())
-            if (words_.find_first_not_of(" \t") != words_.npos) return true;
-        return false;
-    }
-    /// Skips the name of an STL solid: the rest of the line, or only the words before "facet normal" if the line contains it.
-    void skip_name() { words_.remove_prefix(std::min(words_.size(), lower(words_).find("facet normal"))); }
-    std::string_view rest() const { return rest_; }
-    /// Reports a fault at the last word that was read.
-    [[noreturn]] void fail(const std::string& what, const std::string& allowed = "") const {
-        throw InputError({file_, line_, column_}, what, "", allowed);
-    }
-
-private:
-    /// Converts the whole text to a number.
-    template <class T>
-    static std::errc read(std::string_view text, T& value) {
-        if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        return end == text.data() + text.size() ? error : std::errc::invalid_argument;
-    }
-    static std::string not_a_number(std::string_view text, std::errc error) {
-        const bool too_large = error == std::errc::result_out_of_range;
-        return text.empty() ? "a number is missing" : fmt::format("\"{}\" {}", text, too_large ? "is too large" : "is not a number");
-    }
-
-    std::string file_;
-    std::string_view rest_, line_text_, words_;
-    bool joins_, goes_on_ = false;
-    int line_ = 0, column_ = 0;
-};
-
-/// Vertices and polygons in the order of the file.
-struct Polygons {
-    std::vector<Vec3d> position;
-    std::vector<Corner> corner;    ///< vertex of each corner, polygon after polygon
-    std::vector<std::size_t> end;  ///< end of each polygon in `corner`
-    bool single = false;           ///< whether the file stores single precision
-};
 
 Polygons read_obj(const std::string& file, std::string_view text) {
     Polygons mesh;
@@ -163,15 +58,6 @@ Polygons read_ascii_stl(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-template <class T>
-T bytes_as(const char* bytes, bool swapped = false) {
-    static_assert(std::endian::native == std::endian::little);
-    std::array<char, sizeof(T)> value;
-    std::copy_n(bytes, sizeof(T), value.begin());
-    if (swapped) std::reverse(value.begin(), value.end());
-    return std::bit_cast<T>(value);
-}
-
 Polygons read_binary_stl(const std::string& file, std::string_view text) {
     const std::size_t count = bytes_as<std::uint32_t>(text.data() + 80);
     if (text.size() < 84 + 50 * count)
@@ -190,115 +76,7 @@ Polygons read_binary_stl(const std::string& file, std::string_view text) {
     return mesh;
 }
 
-/// A property of a PLY element. Type letters: b, h, i for integers of 1, 2, 4 bytes (capital: unsigned); f, d for floats of 4, 8 bytes.
-struct PlyProperty {
-    std::string name;
-    char type = 0, length_type = 0;  ///< length_type: type of a list's length, 0 if it is not a list
-};
-struct PlyElement {
-    std::string name;
-    std::size_t count = 0;
-    std::vector<PlyProperty> properties;
-};
-
-/// Reads a value from the front of the bytes; empty if there are too few.
-std::optional<double> ply_value(char type, std::string_view& bytes, bool swapped) {
-    const auto take = [&]<class T>(T) -> std::optional<double> {
-        if (bytes.size() < sizeof(T)) return {};
-        const T value = bytes_as<T>(bytes.data(), swapped);
-        bytes.remove_prefix(sizeof(T));
-        return static_cast<double>(value);
-    };
-    switch (type) {
-        case 'b': return take(std::int8_t{});
-        case 'B': return take(std::uint8_t{});
-        case 'h': return take(std::int16_t{});
-        case 'H': return take(std::uint16_t{});
-        case 'i': return take(std::int32_t{});
-        case 'I': return take(std::uint32_t{});
-        case 'f': return take(float{});
-        default: return take(double{});
-    }
-}
-
-Polygons read_ply(const std::string& file, std::string_view text) {
-    static const std::map<std::string, char, std::less<>> types{{"char", 'b'},  {"int8", 'b'},    {"uchar", 'B'},  {"uint8", 'B'},
-                                                                {"short", 'h'}, {"int16", 'h'},   {"ushort", 'H'}, {"uint16", 'H'},
-                                                                {"int", 'i'},   {"int32", 'i'},   {"uint", 'I'},   {"uint32", 'I'},
-                                                                {"float", 'f'}, {"float32", 'f'}, {"double", 'd'}, {"float64", 'd'}};
-    Words words(file, text);
-    std::vector<PlyElement> elements;
-    std::string format;
-    bool ended = false;
-    const auto type_of = [&](std::string_view name) {
-        const auto found = types.find(name);
-        if (found == types.end()) words.fail(fmt::format("type {} is not known", name));
-        return found->second;
-    };
-    while (!ended && words.next_line()) {
-        const std::string_view key = words.word();
-        if (key == "format") {
-            format = words.word();
-            if (format != "ascii" && format != "binary_little_endian" && format != "binary_big_endian")
-                words.fail("PLY format " + format + " is not read; allowed: ascii, binary_little_endian, binary_big_endian");
-        } else if (key == "element") {
-            const std::string name(words.word());
-            elements.push_back({name, words.whole<std::size_t>(words.word()), {}});
-        } else if (key == "property") {
-            if (elements.empty()) words.fail("a property before the first element");
-            PlyProperty property;
-            std::string_view type = words.word();
-            if (type == "list") property.length_type = type_of(words.word()), type = words.word();
-            property.type = type_of(type);
-            property.name = words.word();
-            elements.back().properties.push_back(property);
-        }
-        ended = key == "end_header";
-    }
-    if (!ended) words.fail("the header has no line end_header");
-    const bool binary = format.starts_with('b'), swapped = format == "binary_big_endian";
-    Polygons mesh;
-    std::string_view bytes = words.rest();
-    std::vector<Corner> corners;
-    for (const PlyElement& element : elements) {
-        if (element.count > 0 && element.properties.empty()) words.fail("element " + element.name + " has no property");
-        for (std::size_t k = 0; k < element.count; ++k) {
-            const auto next = [&](char type, bool is_read) {
-                if (!binary)
-                    return words.number(words.word(),
-                                        is_read ? std::numeric_limits<double>::max() : std::numeric_limits<double>::infinity());
-                if (const auto value = ply_value(type, bytes, swapped)) return *value;
-                throw InputError({file}, fmt::format("cut short: it ends at {} {} of {}", element.name, k + 1, element.count));
-            };
-            if (!binary && !words.next_full_line())
-                words.fail(fmt::format("the file ends at {} {} of {}", element.name, k + 1, element.count));
-            Vec3d x = Vec3d::Zero();
-            for (const PlyProperty& property : element.properties) {
-                const bool list = property.length_type != 0, is_vertex = element.name == "vertex";
-                const bool is_face =
-                    list && element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index");
-                const bool is_place = !list && is_vertex && (property.name == "x" || property.name == "y" || property.name == "z");
-                const double length = list ? next(property.length_type, true) : 1;
-                if (!(length >= 0 && length < 1e6)) words.fail("a list has an impossible length");
-                corners.clear();
-                for (int l = 0; l < static_cast<int>(length); ++l) {
-                    const double value = next(property.type, is_face || is_place);
-                    if (list) corners.push_back(value >= 0 && value < ~Corner(0) ? static_cast<Corner>(value) : ~Corner(0));
-                    else if (is_place) x[property.name[0] - 'x'] = value, mesh.single |= binary && property.type == 'f';
-                }
-                if (!is_face || corners.size() < 3) continue;
-                mesh.corner.insert(mesh.corner.end(), corners.begin(), corners.end());
-                mesh.end.push_back(mesh.corner.size());
-            }
-            if (element.name != "vertex") continue;
-            if (!x.cast<float>().allFinite()) words.fail(fmt::format("vertex {} is not finite in single precision", k));
-            mesh.position.push_back(x);
-        }
-    }
-    return mesh;
-}
-
-/// Reads glTF with assimp. The other formats have their own readers in this file, because those of assimp are not reliable: its OBJ reader
+/// Reads glTF with assimp. The other formats have their own readers, because those of assimp are not reliable: its OBJ reader
 /// skips lines that it does not understand and ends a number at a decimal comma. Its STL reader requires valid normals and lower case. On
 /// 2000 damaged PLY files, its PLY reader crashes 432 times and never ends 391 times.
 /// With a node, reads only the meshes of that node and its children, in its axes.
