@@ -102,6 +102,7 @@ private:
     /// the step, sqrt(p/rho) dt > d/4, it is limited to p = rho (d/(4 dt))^2. The fluid is then compressed, in steps of a usual length.
     /// @returns whether the pressure was limited
     static bool limit_level(Span<Real> q, const StepContext& step);
+    std::string squeezed_text(const InteractionContext& context, Span<const Real> q) const;
     /// Effect of the images in one wall on particle i, over the pairs in which i is nearer to the wall than the other particle. The
     /// opposite impulse is distributed over the boundary particles of the wall, with weights that decrease with their distance from i.
     struct ByImages {
