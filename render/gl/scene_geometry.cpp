@@ -10,7 +10,7 @@
 namespace whorl {
 namespace {
 
-constexpr float solid_tolerance = 1e-4f;  // m: solids are cut this far below the ground, as in draw_faces() of renderer.cpp
+constexpr float solid_tolerance = 1e-4f;  // m: solids are cut this far below the ground, as in draw_faces() of solid_passes.cpp
 
 /// Fills in a mesh with the surface's values per vertex; missing values are 0.
 void fill_vertices(gl::Vertices& vertices, const TriangleMesh& mesh, const Surface& surface) {
