@@ -207,7 +207,7 @@ private:
         kicks();
         force();
         if (traits_.viscosity.implicit) {
-            if (weightless() || (!plan_.free_surface && !scene_.solids.empty()))
+            if (weightless() || !scene_.solids.empty())
                 stage("expected pressure", "pressure", ExpectPressure{system}, &EnergyBudget::pressure);
             implicit_viscosity();
         }

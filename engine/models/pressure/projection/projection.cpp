@@ -111,6 +111,7 @@ void Projection::damp_unresolved(const Fields& f) const {
 void Projection::take_old_share(const Fields& f, Real share) {
     const auto& [context, step, role, u, p, solved, a] = f;
     const Real most = system_->most_carried(step);
+    if (system_->expected) ExpectedOnBodies::forget(context);
     parallel_for(u.size(), [&](Index i) {
         const bool goes_on = role[i] == 0 && a[i].norm() < most;
         if (goes_on) u[i] -= (system_->expected ? share - 1 : share) * step.dt * a[i];
@@ -224,6 +225,7 @@ void Projection::operator()(const InteractionContext& context, StepReport& repor
         }
     });
     parallel_for(n, [&](Index i) { p[i] += theta * solved[i]; });
+    if (s.expected) ExpectedOnBodies::take(context);
     write_ledgers(f);
     Column<Real>().swap(matrix_.c);  // not needed until the next step, and as large as the weights of a viscous solve
     report.solves.push_back({SolveKind::pressure, all});

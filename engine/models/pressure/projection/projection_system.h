@@ -18,6 +18,7 @@
 #include "engine/models/bodies/reaction.h"
 #include "engine/models/boundary/near_walls.h"
 #include "engine/models/boundary/wall.h"
+#include "engine/models/pressure/expected_force.h"
 #include "engine/models/pressure/mirrors.h"
 #include "engine/models/pressure/pressure_matrix.h"
 #include "engine/particles/field.h"
@@ -403,13 +404,15 @@ Vec3 carried(const Kernel& W, const LinearSums& sums, const FluidPairs& pairs, I
 /// change that exceeds the share of the old pressure.
 struct ExpectPressure {
     std::shared_ptr<ProjectionSystem> system;
-    void operator()(const StepContext& step, Read<field::role> role, Read<field::pressure_acceleration> a,
+    void operator()(const InteractionContext& context, Read<field::role> role, Read<field::pressure_acceleration> a,
                     Update<field::velocity> u) const {
+        const StepContext& step = context.step;
         const Real most = system->most_carried(step);
         system->expected = true;
         parallel_for(u.size(), [&](Index i) {
             if (role[i] == 0 && a[i].norm() < most) u[i] -= step.dt * a[i];
         });
+        ExpectedOnBodies::expect(context, most);
     }
 };
 
