@@ -52,14 +52,6 @@ void CoupledStep::set_pressure() {
     });
 }
 
-/// Velocity of a particle after the loads of the step. @param before its velocity at the start
-Vec3 CoupledStep::loaded(Index i, const Vec3& before) const {
-    Vec3 v = before + dt * step.gravity;
-    if (!balancing.empty()) v += balancing[i];
-    if (system.friction.acts()) v += system.friction.load[i];
-    return v;
-}
-
 /// Corrects the force of the pressure in a vessel that turns. Its fluid has the pressure p_0 = rho (level + g.x + rate^2 r^2/2), with
 /// the rate from the fluid's angular momentum. The force -grad p_0 has errors in the rows of disordered particles and next to walls,
 /// which would drive a vortex that lifts the edge. Away from surfaces (c < 0.2, fading to 0.4; the surface of a lattice has 0.31) the

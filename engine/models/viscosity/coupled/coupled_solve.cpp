@@ -76,14 +76,6 @@ void CoupledStep::set_up_preconditioner(bool changed) {
     if (!options.diagonal) M.be_identity();
 }
 
-/// @returns v.y
-double CoupledStep::multiply(Span<const Vec3> v, Span<Vec3> y) const {
-    return form.apply(v, y, [this](Index i, const Vec3& product) { return unknowns.part(i, product); });
-}
-
-/// sqrt(r.M r); leaves M r in `work`.
-double CoupledStep::preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
-
 /// Errors of slow motions persist from step to step and add up. So the tolerance applies to steps in which the fastest fluid moves by
 /// 0.4 d, and is reduced in proportion in shorter steps. The factor is at least 0.03, because in slow fluid errors decay.
 SolveLimits CoupledStep::limits() const {

@@ -1,5 +1,8 @@
 #pragma once
 /// One step of the coupled solve: its phases in order, and their shared data. Public stages: coupled_solve.h.
+#include <algorithm>
+#include <cmath>
+
 #include "engine/core/parallel.h"
 #include "engine/geometry/solids.h"
 #include "engine/models/viscosity/coupled/coupled_system.h"
@@ -70,10 +73,20 @@ struct CoupledStep {
     void set_pressure();
     void balance();
     double set_load();
-    Vec3 loaded(Index i, const Vec3& before) const;
+    /// Velocity of a particle after the loads of the step. @param before its velocity at the start
+    Vec3 loaded(Index i, const Vec3& before) const {
+        Vec3 v = before + dt * step.gravity;
+        if (!balancing.empty()) v += balancing[i];
+        if (system.friction.acts()) v += system.friction.load[i];
+        return v;
+    }
     SolveReport solve(double reference, bool again);
-    double multiply(Span<const Vec3> v, Span<Vec3> y) const;
-    double preconditioned_norm(Span<const Vec3> r);
+    /// @returns v.y
+    double multiply(Span<const Vec3> v, Span<Vec3> y) const {
+        return form.apply(v, y, [this](Index i, const Vec3& product) { return unknowns.part(i, product); });
+    }
+    /// sqrt(r.M r); leaves M r in `work`.
+    double preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
     SolveLimits limits() const;
     void descend(Span<const Vec3> way);
     void descend_along_last_change();
