@@ -2,7 +2,6 @@
 #include <Eigen/LU>
 
 #include "render/gl/renderer_device.h"
-#include "render/gl/stencil.h"
 
 namespace whorl {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "render/flow/slice.h"
 #include "render/gl/renderer_device.h"
-#include "render/gl/stencil.h"
 #include "render/look/environment.h"
 #include "render/look/field_values.h"
 #include "render/look/overlay.h"
