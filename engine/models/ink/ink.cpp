@@ -3,6 +3,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/ink/ink_markers.h"
+#include "engine/models/pressure/projection/difference_sums.h"
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/sph/laplacian_moment.h"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "engine/models/pressure/projection/sticking.h"
 
 namespace whorl {
 namespace {

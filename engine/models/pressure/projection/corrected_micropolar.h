@@ -2,7 +2,7 @@
 /// Micropolar terms of the projection: curls and Laplacians of velocity and spin that are exact for linear fields on uneven particles.
 #include "engine/math/expression_field.h"
 #include "engine/models/micropolar/micropolar.h"
-#include "engine/models/pressure/projection/projection_system.h"
+#include "engine/models/pressure/projection/difference_sums.h"
 
 namespace whorl {
 

@@ -4,6 +4,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/models/bodies/reaction.h"
+#include "engine/models/pressure/projection/difference_sums.h"
 
 namespace whorl {
 
@@ -73,7 +74,7 @@ Vec3 CorrectedViscosity::beside_mirrors(const Kernel& W, const Flow& flow, Index
     const MirroredSums sums = mirrored_sums(W, *system_, flow.context, i, flow.u, of_images, mean);
     StickingSums walls{sums.laplacian, sums.trace, sums.imbalance};
     add_walls(W, flow, i, walls);
-    const Real scale = 2 * static_cast<Real>(step.dimensions()) / std::max(walls.trace, Real(0.1)) / step.rest_density;
+    const Real scale = system_->laplacian_scale(step, i, walls.trace, flow.over_lattice) / step.rest_density;
     Vec3 found = scale * (walls.laplacian - own_mu * (sums.gradient * walls.imbalance));
     if (friction_.acts()) found -= own_mu / step.rest_density * (friction_.coefficient(i) * own - friction_.load(i));
     return found;

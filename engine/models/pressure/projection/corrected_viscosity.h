@@ -1,7 +1,7 @@
 #pragma once
 /// Explicit viscosity of the projection: Brookshaw's Laplacian minus its value for a linear field.
 #include "engine/models/boundary/friction.h"
-#include "engine/models/pressure/projection/projection_system.h"
+#include "engine/models/pressure/projection/sticking.h"
 
 namespace whorl {
 

@@ -8,6 +8,7 @@
 #include "engine/math/conjugate_gradients.h"
 #include "engine/math/inverse_in.h"
 #include "engine/models/motion/fickian.h"
+#include "engine/models/pressure/projection/difference_sums.h"
 
 namespace whorl {
 
