@@ -29,7 +29,6 @@
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/models/viscosity/full_viscosity.h"
 #include "engine/models/viscosity/strain/curvature.h"
-#include "engine/particles/search.h"
 #include "engine/sph/density.h"
 
 namespace whorl {
@@ -38,38 +37,6 @@ namespace {
 /// Relative density error that may remain at a single particle. A tolerance looser than the default saves iterations, but does not loosen
 /// this limit, so that splashes keep their shape. @param tolerance for the mean error of all particles
 double largest_error(double tolerance) { return 10 * std::min(tolerance, PressureOptions{}.limits.tolerance); }
-
-/// Finds fluid and solid neighbours, for models with one support radius.
-Stage neighbours() {
-    Stage stage{"neighbours", "neighbours", {{&field_info<field::position>(), Access::read}}};
-    stage.run = [](World& w) {
-        const auto x = std::as_const(w.fluid).column<field::position>();
-        const Real support = w.step.support;
-        // The last step may have found neighbours at its end. They are not reused at a frame time, because a resumed run has none.
-        const bool fresh = w.step.at_frame_time;
-        if (fresh || !NeighbourSearch::narrow(x, x, support, w.step.domain, w.fluid_pairs))
-            w.search.find(x, support, w.step.domain, w.fluid_pairs);
-        const Span<const Vec3> boundary = w.boundary_particles.position;
-        if (fresh || !NeighbourSearch::narrow(x, boundary, support, w.step.domain, w.solid_pairs))
-            w.search.find(x, boundary, support, w.step.domain, w.solid_pairs);
-    };
-    return stage;
-}
-
-/// Moves the solids to the end of the step.
-Stage move_solids() {
-    return {"solids", "move", {}, [](World& w) {
-                w.solids.set_time(w.step.time + w.step.dt, w.step.dt);
-                if (w.solids.any_moving()) w.boundary_particles.follow(w.solids);
-            }};
-}
-
-std::vector<Stream> make_streams(const Scene& scene) {
-    std::vector<Stream> streams;
-    for (const StreamKeys& keys : scene.streams)
-        streams.push_back({keys.min.cast<Real>(), keys.max.cast<Real>(), keys.velocity, keys.time});
-    return streams;
-}
 
 /// Chooses the preconditioner that the scene requests from those that a pressure solver offers.
 template <class SetUp>

@@ -1,5 +1,6 @@
 #pragma once
 /// Makes the stages of a step, in order, from the plan. This is the only place that knows the stages of all models.
+#include "engine/models/motion/motion.h"
 #include "engine/simulation/stage.h"
 #include "engine/simulation/step_limits.h"
 
@@ -10,6 +11,12 @@ struct Assembly {
     std::vector<Stage> stages;
     std::vector<StepLimit> limits;
 };
+
+/// Finds fluid and solid neighbours, for models with one support radius.
+Stage neighbours();
+/// Moves the solids to the end of the step.
+Stage move_solids();
+std::vector<Stream> make_streams(const Scene& scene);
 
 Assembly assemble(const Scene& scene, const Plan& plan);
 

@@ -15,6 +15,12 @@ void place_solids(const Scene& scene, const Plan& plan, World& world);
 /// @throws InputError if a block contains no particle or a particle with invalid values, or if the domain is overfilled and the pressure
 /// model does not move particles apart
 void place_blocks(const Scene& scene, const Plan& plan, std::vector<Emitter>& emitters, World& world);
+/// Initial positions of a block's particles.
+std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const World& world, std::size_t b);
+/// Assigns block particles in the pipe behind an opening to the emitter and fills the rest of the pipe, so that the pipe leaves no gap in
+/// the fluid around it.
+void fill_pipe(Emitter& emitter, const std::vector<std::shared_ptr<const Shape>>& shapes, const World& world,
+               std::vector<std::vector<Vec3>>& points);
 /// Sets viscosity and origin of the particles from index `first` on, which have just entered. Does nothing if no model needs it.
 /// @param source 0: a block; k: emitter k - 1 @return a particle without a valid viscosity
 std::optional<Divergence> set_viscosity(const Scene& scene, World& world, Index first, int source);
