@@ -34,6 +34,16 @@ double part_inside_block(const SceneShapes& shapes, std::size_t block, std::size
 /// Part of the domain outside solids in which no block places fluid.
 double part_left_empty(const Scene& scene, const SceneShapes& shapes);
 
+inline constexpr double next_to_nothing = 0.02;  ///< largest part of the domain that may be empty in a full room
+
+/// Part of its rotation that a free body loses within a turn, because at a free surface the Laplacian of each velocity component makes
+/// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (1.84 is the first zero of J_1').
+double rotation_lost(const Plan& plan, const Scene& scene, const SceneScales& n, const SceneShapes& shapes);
+inline constexpr double most_rotation_lost = 0.01;
+std::string rotation_text(const Plan& plan, const Scene& scene, const SceneScales& n, const SceneShapes& shapes);
+/// Adds the warnings that do not refuse the scene.
+void add_warnings(Plan& plan, const Scene& scene, const SceneScales& n, const SceneShapes& shapes);
+
 /// Whether drops miss the contact angle of this solid, cos = 2 wetting - 1, by more than 12 degrees (measured, docs/physics.md 10).
 inline bool misses_angle(const PressureTraits& pressure, const SolidKeys& solid) {
     return !pressure.form && (!pressure.solves_viscosity || solid.slip != Slip::no || solid.wetting > 0.5);

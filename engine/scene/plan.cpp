@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "engine/models/pressure/pressure_multigrid.h"
 #include "engine/models/surface_tension/surface_tension.h"
@@ -17,8 +16,6 @@
 
 namespace whorl {
 namespace {
-
-constexpr double next_to_nothing = 0.02;  ///< largest part of the domain that may be empty in a full room
 
 /// Viscous number above which viscosity and pressure are solved together instead of one after the other. In pours of 0.04, 0.012 and 0.004
 /// m^2/s (scenes/lava.toml, viscous numbers 0.68, 0.20 and 0.068) the joint solve needs 0.7, 0.4 and 0.4 of the time, and has errors of 8
@@ -80,7 +77,7 @@ public:
         tell_surface_tension();
         choose_shifting();
         check();
-        warn();
+        add_warnings(plan_, scene_, n_, shapes_);
         return std::move(plan_);
     }
 
@@ -100,8 +97,6 @@ private:
     void note(const char* key, std::string value, bool automatic, const std::string& reason) {
         plan_.choices.push_back({key, std::move(value), automatic, automatic ? reason : "as the scene says"});
     }
-    void add_warning(std::string text) { plan_.warnings.push_back(std::move(text)); }
-
     void tell_numbers() {
         if (scene_.domain.dimensions == 2)
             plan_.choices.push_back({"domain.dimensions", "2", false, "masses, forces and energies are per metre of depth"});
@@ -169,8 +164,9 @@ private:
         if (plan_.traits.pressure.solves_viscosity) reason = "the coupled pressure solves for the viscosity";
         else if (n_.viscosity == 0) reason = "fluid.viscosity is 0";
         else if (scene_.fluid.flow_law().acts()) wanted = ViscosityModel::full, reason = "the viscosity depends on the strain rate";
-        else if (n_.explicit_step >= step_ && rotation_lost() > most_rotation_lost)
-            wanted = ViscosityModel::full, reason = fmt::format("an explicit Laplacian removes {}", rotation_taken());
+        else if (n_.explicit_step >= step_ && rotation_lost(plan_, scene_, n_, shapes_) > most_rotation_lost)
+            wanted = ViscosityModel::full,
+            reason = fmt::format("an explicit Laplacian removes {}", rotation_text(plan_, scene_, n_, shapes_));
         else if (n_.explicit_step >= step_) wanted = ViscosityModel::explicit_laplacian, reason = explicit_step("longer");
         else wanted = ViscosityModel::full, reason = explicit_step("shorter");
         plan_.viscosity = choose("models.viscosity", scene_.models.viscosity, wanted, reason);
@@ -180,21 +176,6 @@ private:
             note("viscosity matrix", fmt::format("{:.3g} GB", plan_.estimated_particles * bytes / 1e9), true,
                  fmt::format("{:.1f} kB per particle: two rings of neighbours, 3x3 numbers each", bytes / 1e3));
         }
-    }
-
-    /// Part of its rotation that a free body loses within a turn, because at a free surface the Laplacian of each velocity component makes
-    /// du/dn zero, not the stress. A cylinder of radius a loses it at the rate nu (1.84/a)^2 (1.84 is the first zero of J_1').
-    double rotation_lost() const {
-        const bool free_surface = n_.free_surface && part_left_empty(scene_, shapes_) > next_to_nothing;
-        if (traits_of(scene_.models.micropolar).spins) return 0;               // there the rotation becomes spin
-        if (plan_.traits.pressure.form == PressureForm::projection) return 0;  // it uses another Laplacian
-        if (!free_surface || scene_.viscosity.without_spin() != LaplacianForm::brookshaw || !(n_.speed > 0)) return 0;
-        const double radius = n_.across * d_ / 2, turn = 2 * std::numbers::pi * radius / n_.speed;
-        return std::isfinite(radius) ? 1 - std::exp(-n_.nu * std::pow(1.84 / radius, 2) * turn) : 0;
-    }
-    static constexpr double most_rotation_lost = 0.01;
-    std::string rotation_taken() const {
-        return fmt::format("{:.2g} % of the rotation of a body with a free surface within a turn", 100 * rotation_lost());
     }
 
     /// Particles come to rest with a viscosity of alpha = 0.1, nu = alpha c R/(4 (D + 2)). The viscosity of the fluid itself is
@@ -289,126 +270,6 @@ private:
                 }))
                 problems.push_back({at, "a likely slip: " + warning.text, "", ""});
         }
-    }
-
-    void warn() {
-        warn_of_meshes();
-        warn_of_viscosity();
-        warn_of_pressure();
-        warn_of_placement();
-        if (n_.spun.climb > d_ && n_.spun.edge > n_.spun.rim) warn_of_spinning();
-        for (ScaleWarning& warning : warnings_of_scale(scene_, shapes_)) add_warning(std::move(warning.text));
-        if (plan_.traits.micropolar.spins) warn_micropolar(plan_, scene_);
-    }
-
-    void warn_of_meshes() {
-        const auto tell_all = [&](const char* kind, const auto& shapes, const auto& shape_of) {
-            for (std::size_t i = 0; i < shapes.size(); ++i)
-                for (const std::string& remark : shape_of(shapes[i])->remarks) add_warning(entry_name(kind, i) + ".file: " + remark);
-        };
-        const auto itself = [](const auto& shape) { return shape; };
-        tell_all("block", shapes_.blocks, itself), tell_all("drain", shapes_.drains, itself);
-        tell_all("solid", shapes_.solids.all, [](const Solid& solid) { return solid.shape; });
-    }
-
-    void warn_of_spinning() {
-        add_warning(fmt::format(
-            "solid[{}] turns at {:.3g} rad/s: fluid that turns with it climbs to {:.3g} m, and the vessel or the domain ends at {:.3g} m",
-            n_.spun.solid, n_.spun.rate, n_.spun.edge, n_.spun.rim));
-    }
-
-    void warn_of_viscosity() {
-        if (n_.viscosity > 0 && plan_.viscosity == ViscosityModel::none && !plan_.traits.viscous())
-            add_warning(fmt::format("fluid.viscosity = {:.3g} Pa s has no effect: models.viscosity is none", n_.viscosity));
-        if (plan_.viscosity == ViscosityModel::explicit_laplacian && n_.explicit_step < 0.15 * n_.step)
-            add_warning(fmt::format(
-                "explicit viscosity needs steps of {:.3g} s, and the flow allows {:.3g} s: models.viscosity = \"full\" may be faster",
-                n_.explicit_step, n_.step));
-        if (plan_.viscosity == ViscosityModel::explicit_laplacian && rotation_lost() > most_rotation_lost)
-            add_warning(fmt::format("viscosity.laplacian = \"brookshaw\" removes {}: use \"monaghan\", or models.viscosity = \"full\"",
-                                    rotation_taken()));
-        warn_of_lattice();
-        if (n_.across < 4)
-            add_warning(fmt::format("only {:.1f} particles across {}: details there are lost, use a smaller fluid.spacing", n_.across,
-                                    n_.narrowest));
-        const bool viscous_walls =
-            plan_.traits.pressure.solves_viscosity || (plan_.boundary != BoundaryModel::none && plan_.traits.viscosity.viscous);
-        for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-            if (scene_.solids[k].slip == Slip::navier && !viscous_walls)
-                add_warning(fmt::format("solid[{}].slip_length has no effect: no viscosity acts at solids (models.viscosity is {})", k,
-                                        name_of(plan_.viscosity)));
-    }
-
-    /// Forces along pairs are isotropic only if the neighbours' fourth moments are, which few neighbours on a lattice do not provide.
-    void warn_of_lattice() {
-        if (plan_.viscosity != ViscosityModel::explicit_laplacian || scene_.viscosity.without_spin() != LaplacianForm::monaghan) return;
-        const LatticeStiffness stiff = monaghan_lattice_stiffness(plan_.kernel, plan_.support, d_);
-        if (std::max(std::abs(stiff.stretching - 1), std::abs(stiff.shear - 1)) > 0.05)
-            add_warning(
-                fmt::format("on a lattice, viscosity.laplacian = \"monaghan\" is {:.2f} times as stiff as it should be in stretching and "
-                            "{:.2f} times in shear with fluid.support = {:g}; use 4, or \"brookshaw\"",
-                            stiff.stretching, stiff.shear, plan_.support / d_));
-    }
-
-    void warn_of_pressure() {
-        if (plan_.pressure == PressureModel::none) add_warning("models.pressure is none: nothing keeps the particles apart");
-        if (plan_.traits.pressure.source == PressureSource::density && scene_.pressure.damping == 0)
-            add_warning(
-                "without pressure.damping, pressure.source = \"density\" shakes particles at walls: fluid at rest trembles, and a full "
-                "closed box comes apart where pressure.correction is large");
-        if (plan_.traits.pressure.source == PressureSource::velocity && plan_.free_surface)
-            add_warning(
-                "pressure.form = \"projection\" holds a surface that moves gently: it diverges or loses volume if a column collapses, a "
-                "jet lands, a body falls or rises through the surface, a drop lies on a solid, thin fluid turns in a round vessel, or "
-                "fluid "
-                "without weight meets other fluid or turns fast; pressure.form = \"constraint\" holds these");
-        if (plan_.traits.pressure.source == PressureSource::velocity && !plan_.free_surface && scene_.domain.gravity(0).norm() > 0)
-            for (std::size_t k = 0; k < scene_.solids.size(); ++k)
-                if (const double density = scene_.solids[k].density; density > 0 && density < 0.9 * scene_.fluid.density)
-                    add_warning(
-                        fmt::format("solid[{}] is lighter than the fluid: pressed against another solid it is not stable with "
-                                    "pressure.form = \"projection\"; use \"constraint\"",
-                                    k));
-        if (!plan_.traits.pressure.has_sound) return;
-        if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
-            add_warning("pressure.background_pressure pushes particles away from the free surface; use 0");
-        if (scene_.pressure.gradient == GradientForm::difference && plan_.shifting == ShiftingModel::none)
-            add_warning(
-                "pressure.gradient = \"difference\" keeps no particles apart: without models.shifting = \"fickian\" they clump and gain "
-                "energy");
-        if (!scene_.fluid.force.is_zero() && scene_.pressure.sound_speed == 0)
-            add_warning(
-                fmt::format("pressure.sound_speed = {:.3g} m/s was chosen without the speeds that fluid.force causes; set it to ten times "
-                            "the largest of them",
-                            plan_.sound_speed));
-        if (plan_.sound_speed < 8 * n_.speed)
-            add_warning(fmt::format("Mach number {:.2f} (speed {:.3g} m/s, sound {:.3g} m/s): density varies by about {:.0f} %",
-                                    n_.speed / plan_.sound_speed, n_.speed, plan_.sound_speed,
-                                    100 * std::pow(n_.speed / plan_.sound_speed, 2)));
-    }
-
-    void warn_of_placement() {
-        for (std::size_t i = 0; i < scene_.blocks.size(); ++i) {
-            if (const double part = part_inside_solids(shapes_, i, 0); part > 0.1)
-                add_warning(fmt::format("{:.0f} % of block[{}] lies inside solids and is left out", 100 * part, i));
-            for (std::size_t k = 0; k < i; ++k)
-                if (const double part = part_inside_block(shapes_, i, k, d_ / 2); part > 0.05)
-                    add_warning(
-                        fmt::format("{:.2g} % of block[{}] lies inside block[{}], where the particles of both have no room; let the blocks "
-                                    "touch without an overlap",
-                                    100 * part, i, k));
-        }
-        for (const ClosedRoom& room : plan_.rooms) warn_of_room(room);
-        for (std::string& warning : warnings_of_lids(scene_, shapes_)) add_warning(std::move(warning));
-    }
-
-    void warn_of_room(const ClosedRoom& room) {
-        const double excess = room.fluid + room.coming - room.volume, volume = plan_.particle_volume();
-        if (excess < std::max(volume, next_to_nothing * room.volume)) return;
-        add_warning(
-            fmt::format("more comes than fits: the volume of {} is {:.3g} m^{}, {:.3g} are filled at the start, and {} adds {:.3g} until "
-                        "the end, {:.3g} ({:.0f} particles) too much; set a stop, or give the room a drain or an opening",
-                        room.text(), room.volume, plan_.dimensions(), room.fluid, room.names(), room.coming, excess, excess / volume));
     }
 
     const Scene &given_, &scene_;

@@ -33,6 +33,8 @@ Scene read_scene(const std::string& file, const ReadRequest& request = {});
 /// Reads a scene from a text. @param file its name in messages; mesh files are searched from its folder
 Scene read_scene_text(const std::string& text, const std::string& file, const ReadRequest& request = {});
 
+/// Whether files and folders of the run can have this name.
+bool is_file_name(const std::string& text);
 /// The scene's name from its file: the stem, with _ for each character that names cannot contain.
 std::string scene_name(const std::filesystem::path& file);
 

@@ -43,4 +43,7 @@ private:
     std::set<std::string> failed_, left_out_;
 };
 
+/// Reports keys that contradict each other, and derives values that the file leaves out.
+void make_consistent(Scene& scene, Reader& reader);
+
 }  // namespace whorl
