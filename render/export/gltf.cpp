@@ -14,6 +14,7 @@
 #include "engine/core/atomic_file.h"
 #include "engine/core/errors.h"
 #include "engine/io/csv.h"
+#include "render/export/gltf_material.h"
 #include "render/export/textured_mesh.h"
 #include "render/look/environment.h"
 #include "render/look/lamps.h"
@@ -22,15 +23,10 @@
 namespace whorl {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Constants of the glTF format.
 constexpr int type_float = 5126, type_uint32 = 5125, array_buffer = 34962, element_array_buffer = 34963;
 constexpr std::uint32_t glb_magic = 0x46546C67, glb_version = 2, chunk_json = 0x4E4F534A, chunk_binary = 0x004E4942;
 constexpr float lumen_per_watt = 683;
-
-Json numbers(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
-Json numbers(const Eigen::Quaternionf& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 /// A soft box of the studio, as in studio.glsl. @param axis direction to its centre @param width, height half-sizes, tangents of angles
 Json soft_box(const Vec3f& axis, const Vec3f& right, float width, float height, const Vec3f& radiance) {
@@ -162,49 +158,17 @@ struct SceneExport::Document {
         channel("rotation", accessor(offset + keys * sizeof(Vec3f), keys, sizeof(Eigen::Quaternionf), type_float, "VEC4", 0));
     }
 
-    static std::string material_name(const FrameSolid& solid) {
-        if (solid.container) return "glass of a container";
-        const Appearance& a = solid.appearance;
-        if (a.colour.minCoeff() < 0 && a.roughness < 0 && a.metallic < 0 && a.texture.empty()) return a.material;
-        const SolidMaterial m = solid_material(a);
-        const std::string picture =
-            a.texture.empty() ? "" : fmt::format("; {} {:g}", a.texture.filename().string(), a.texture_size.value_or(0));
-        return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}; {:g}; {:g}{})", a.material, m.colour.x(), m.colour.y(), m.colour.z(), m.roughness,
-                           m.metal, picture);
-    }
-
     int material(const FrameSolid& solid) {
         const std::string name = material_name(solid);
         const auto [known, fresh] = materials.try_emplace(name, static_cast<int>(root["materials"].size()));
         if (!fresh) return known->second;
-        const SolidMaterial look = solid.container ? solid_material("glass") : solid_material(solid.appearance);
-        const bool glass = look.refraction > 0 && !solid.container;
-        const Vec3f base = glass ? Vec3f(Vec3f::Ones()) : look.colour;
-        Json description{{"name", name},
-                         {"pbrMetallicRoughness",
-                          {{"baseColorFactor", {base.x(), base.y(), base.z(), solid.container ? 0.1f : 1.0f}},
-                           {"metallicFactor", look.metal},
-                           {"roughnessFactor", glass ? 0 : look.roughness}}},
-                         {"doubleSided", true}};
-        if (solid.container) description["alphaMode"] = "BLEND";
-        if (glass) refract(description, look);
+        Json description = material_json(solid);
+        if (description.contains("extensions"))
+            for (const auto& [extension, _] : description["extensions"].items()) extensions.insert(extension);
         if (!solid.appearance.texture.empty())
             description["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", picture(solid.appearance.texture)}};
         root["materials"].push_back(description);
         return known->second;
-    }
-
-    /// Light passes through the material, is refracted, and absorbed inside. Its roughness is left out: in Whorl it is the unevenness of a
-    /// clear surface; in glTF it would make the material frosted.
-    void refract(Json& description, const SolidMaterial& look) {
-        constexpr float depth = 0.01f;  // m, at which light has the attenuation colour
-        description["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
-                                     {"KHR_materials_ior", {{"ior", look.refraction}}},
-                                     {"KHR_materials_volume",
-                                      {{"thicknessFactor", depth},
-                                       {"attenuationDistance", depth},
-                                       {"attenuationColor", numbers(Vec3f((-depth * look.absorption).array().exp()))}}}};
-        for (const auto& [extension, _] : description["extensions"].items()) extensions.insert(extension);
     }
 
     /// Index of a picture, which the binary contains as it is in its file.
