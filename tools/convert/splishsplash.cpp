@@ -1,130 +1,23 @@
 #include "tools/convert/splishsplash.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <memory>
 #include <optional>
 
 #include "engine/core/utf8.h"
 #include "engine/geometry/mesh_file.h"
-#include "render/surface/surface.h"
-#include "tools/convert/json_tree.h"
+#include "tools/convert/splishsplash_scene.h"
 
 namespace whorl {
 namespace {
 
+using namespace splishsplash;
+
 /// Bounds of the scene's content [m].
 using Extent3 = Eigen::AlignedBox3d;
-
-/// Placement of an object in a scene of SPlisHSPlasH: x = rotation (scale x_own) + translation.
-struct Placement {
-    Vec3d scale = Vec3d::Ones(), translation = Vec3d::Zero();
-    Mat3d rotation = Mat3d::Identity();
-    Vec3d operator()(const Vec3d& x) const { return rotation * scale.cwiseProduct(x) + translation; }
-    bool turned() const { return !rotation.isIdentity(1e-9); }
-};
-
-Placement placement_of(const JsonNode& node) {
-    Placement at;
-    at.scale = node.vector_of("scale").value_or(at.scale);
-    at.translation = node.vector_of("translation").value_or(at.translation);
-    const Vec3d axis = node.vector_of("rotationAxis").value_or(Vec3d::UnitZ());
-    const double angle = node.number_of("rotationAngle").value_or(0);
-    if (angle != 0 && axis.norm() > 0) at.rotation = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-    return at;
-}
-
-/// Positions of the particles in a Houdini file: .bgeo, version 5, optionally compressed (gzip). Format: big-endian counts, the names and
-/// sizes of the points' attributes, then x, y, z, w and the attributes of each point. @throws InputError if the file is not of this format
-std::vector<Vec3f> read_particles(const std::filesystem::path& file) {
-    const auto fail = [&](const char* why) { throw InputError({file.string(), 0, 0}, why, "", "particles in version 5 of .bgeo"); };
-    std::string bytes;
-    const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), &gzclose);
-    std::array<char, 1 << 16> part;
-    for (int n = 0; in && bytes.size() < (1u << 30) && (n = gzread(in.get(), part.data(), part.size())) > 0;)
-        bytes.append(part.data(), static_cast<std::size_t>(n));
-    std::size_t at = 5;
-    const auto take = [&](int size) {
-        std::uint32_t value = 0;
-        if (bytes.size() < at + static_cast<std::size_t>(size)) fail("ends too early");
-        for (; size > 0; --size) value = value << 8 | static_cast<std::uint8_t>(bytes[at++]);
-        return value;
-    };
-    if (bytes.rfind("BgeoV", 0) != 0 || take(4) != 5) fail("has another format");
-    std::array<std::uint32_t, 8> counts;  // points, primitives, groups of both, attributes of points, ...
-    for (std::uint32_t& count : counts) count = take(4);
-    std::size_t each = 16;  // bytes of a point
-    for (std::uint32_t k = 0; k < counts[4]; ++k) {
-        constexpr std::uint32_t names = 4;  // type of attributes whose value is one of several strings
-        const std::uint32_t length = take(2);
-        at += length;
-        const std::uint32_t size = take(2), type = take(4);
-        each += 4 * size;
-        if (type != names) at += 4 * size;
-        else
-            for (std::uint32_t n = take(4); n > 0; --n) {
-                const std::uint32_t text = take(2);
-                at += text;
-            }
-    }
-    std::vector<Vec3f> places;
-    for (std::uint32_t i = 0; i < counts[0]; ++i, at += each - 12)
-        for (places.emplace_back(); float& x : places.back()) x = std::bit_cast<float>(take(4));
-    return places;
-}
-
-/// Surface around particles of this spacing [m].
-TriangleMesh surface_of(const std::vector<Vec3f>& places, double spacing) {
-    Frame frame;
-    frame.spacing = static_cast<float>(spacing);
-    frame.position = places;
-    frame.velocity.resize(places.size(), Vec3f::Zero());
-    Eigen::AlignedBox3f room;
-    for (const Vec3f& x : places) room.extend(x);
-    frame.domain_min = room.min().array() - 8 * frame.spacing, frame.domain_max = room.max().array() + 8 * frame.spacing;
-    SurfaceOptions how;
-    how.distance = false;
-    return build_surface(frame, how).mesh;
-}
-
-/// Box of edge 1, centred on the origin: the mesh UnitBox of SPlisHSPlasH, from which its scenes make walls.
-TriangleMesh unit_box() {
-    TriangleMesh box;
-    for (int corner = 0; corner < 8; ++corner)
-        box.position.push_back(Vec3f(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f));
-    box.triangle = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-    return box;
-}
-
-/// Names of the methods in SPlisHSPlasH, by their numbers from 1 on (pressure: from 0 on). Since version 2.16 the parameters of a method
-/// are in a section with its name.
-using Methods = std::vector<std::string_view>;
-constexpr std::string_view standard = "Standard viscosity", takahashi = "Takahashi et al. 2015 (improved)", weiler = "Weiler et al. 2018",
-                           xsph = "XSPH", zorilla = "Zorilla, Ritter, et al. 2020";
-const Methods viscosities{standard, "Bender and Koschier 2017", "Peer et al. 2015", "Peer et al. 2016", takahashi, weiler},
-    viscosities_before{standard, xsph, "Bender and Koschier 2017", "Peer et al. 2015", "Peer et al. 2016", takahashi, weiler},
-    pressures{"WCSPH", "PCISPH", "PBF", "IISPH", "DFSPH", "Projective Fluids", "ICSPH"}, vorticities{"Bender et al. 2017"},
-    tensions{"Becker & Teschner 2007", "Akinci et al. 2013", "He et al. 2014", "Jeske et al. 2023", zorilla};
-
-/// Name of a method by its number; empty if there is no such number.
-std::string_view name_of(const Methods& methods, double number, int first = 1) {
-    const double k = number - first;
-    return k >= 0 && k < static_cast<double>(methods.size()) ? methods[static_cast<std::size_t>(k)] : std::string_view();
-}
-
-/// Node with the parameters of a method: its section or, in files of versions before 2.16, the object that contains its number.
-const JsonNode& section_of(const JsonNode& node, std::string_view method) {
-    const JsonNode* found = node.find(std::string(method));
-    return found && found->value.is_object() ? *found : node;
-}
 
 class Converter {
 public:
