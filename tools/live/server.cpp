@@ -1,7 +1,6 @@
 #include "tools/live/server.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 
 #include <array>
 #include <atomic>
@@ -11,7 +10,7 @@
 #include "engine/core/parallel.h"
 #include "engine/scene/read.h"
 #include "render/look/camera.h"
-#include "tools/live/access.h"
+#include "tools/live/http.h"
 #include "tools/live/values.h"
 #include "tools/process/json_text.h"
 #include "tools/process/process.h"
@@ -19,54 +18,16 @@
 namespace whorl {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using httplib::Request;
-using httplib::Response;
-
 /// Number of connections that are answered in parallel, and of viewers of /stream and of /events. A viewer keeps its connection:
 /// 12 of each leave 16 connections for other requests.
 constexpr int workers = 40, most_streams = 12;
 constexpr std::size_t longest_body = 64 * 1024;
 constexpr double wake_up = 0.25;  ///< interval at which a waiting thread checks whether the server ends [s]
 
-void answer(Response& response, int status, const Json& json) {
-    response.status = status;
-    response.set_content(json_text(json) + "\n", "application/json");
-}
-void refuse(Response& response, int status, const std::string& why) { answer(response, status, {{"ok", false}, {"error", why}}); }
-void done(Response& response, Json more = Json::object()) {
-    Json json{{"ok", true}};
-    json.update(more);
-    answer(response, 200, json);
-}
-
-/// Answers with a text that the browser saves as a file.
-void attach(Response& response, const std::string& name, const std::string& text) {
-    response.set_header("Content-Disposition", "attachment; filename=\"" + name + "\"");
-    response.set_content(text, "text/plain; charset=utf-8");
-}
-
 Json json_of(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Files that the page loads without the token.
 bool is_part_of_page(const std::string& path) { return path == "/live.css" || path == "/live.js" || path == "/plots.js"; }
-
-/// Reason for refusing a request for which the HTTP library would read or send data without a limit; empty if there is none.
-std::string without_limit(const Request& request) {
-    if (request.has_header("Range")) return "ranges are not supported: leave out the header Range";
-    if (request.has_header("Transfer-Encoding") || request.has_header("Content-Encoding"))
-        return "send the body uncompressed and unchunked, with its Content-Length";
-    const bool no_body = request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS";
-    return no_body || request.has_header("Content-Length") ? "" : "the Content-Length is missing";
-}
-
-RequestOrigin origin_of(const Request& request) {
-    RequestOrigin c{request.get_header_value("Host"), request.get_header_value("Origin"), request.get_header_value("Sec-Fetch-Site"), ""};
-    if (request.has_param("token")) c.token = request.get_param_value("token");
-    const std::string bearer = request.get_header_value("Authorization");
-    if (c.token.empty() && bearer.rfind("Bearer ", 0) == 0) c.token = bearer.substr(7);
-    return c;
-}
 
 }  // namespace
 
