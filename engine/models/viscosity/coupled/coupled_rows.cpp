@@ -101,7 +101,7 @@ void CoupledRows::build_block(RowBlock& block, const Found& found, Span<const st
         s.append_row(i, h, role, o);
         if (!near_walls.nearest.empty() && near_walls.nearest[i] < static_cast<Real>(o.support) * found.spacing) {
             near_walls.hold(i, found, o);
-            WallsOfRow{near_walls, s, o, block, i, position(i), h, found.spacing, neighbourhood[i]}.find();
+            s.find_walls(block, i, position(i), h, found.spacing, near_walls, o, neighbourhood[i]);
         } else if (!near_walls.nearest.empty()) near_walls.held[i] = -1;
         s.row_first.push_back(s.row_other.size());
         s.row_h.push_back(h);

@@ -250,7 +250,6 @@ private:
     struct Scratch;
     struct Found;
     struct Walls;
-    struct WallsOfRow;
     void build_block(RowBlock& block, const Found& found, Span<const std::int16_t> role, const CoupledOptions& options, const Walls& walls);
     void find_moments(RowBlock& block, const CoupledOptions& options);
     void number_slots();

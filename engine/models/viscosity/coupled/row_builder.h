@@ -69,6 +69,9 @@ struct CoupledRows::Scratch {
     Real find_candidates(Index i, const Found& found, const CoupledOptions& options);
     void find_bridges(Index i, Real h, const Found& found, const CoupledOptions& options);
     void append_row(Index i, Real h, Span<const std::int16_t> role, const CoupledOptions& options);
+    void find_walls(RowBlock& block, Index i, const Vec3& at, Real h, Real d, const Walls& walls, const CoupledOptions& options,
+                    Neighbourhood& n) const;
+    Real uncovered(const Vec3& normal, int dimensions) const;
     void arrange(RowBlock& block) const;
     void resize(std::size_t n) {
         for (Column<Real>* c : {&x, &y, &z, &r2, &w}) c->resize(n);
@@ -101,30 +104,6 @@ struct CoupledRows::Scratch {
         }
         return false;
     }
-};
-
-/// The solids near one particle: their part of its density, and the wall points that hold it.
-struct CoupledRows::WallsOfRow {
-    const Walls& walls;
-    const Scratch& others;  ///< the candidates of the particle's row
-    const CoupledOptions& o;
-    RowBlock& block;
-    Index i;
-    Vec3 at;           ///< position of particle i [m]
-    Real h, d;         ///< radius of the weight in spacings; spacing [m]
-    Neighbourhood& n;  ///< of particle i
-    const Real support = static_cast<Real>(o.support) * d, reach = static_cast<Real>(o.wall_reach) * d;
-    const std::size_t before = block.walls.size();
-    Real outside = 1;  ///< fraction of the weight outside of solids
-
-    void find();
-
-private:
-    void count(const Solid& solid, const Vec3& normal, Real height);
-    Real uncovered(const Vec3& normal) const;
-    void add(const Solid& solid, std::size_t k, const Vec3& normal, Real height);
-    Real look_beside(const Solid& solid, std::size_t k, const Vec3& normal, Real height);
-    void share_edges();
 };
 
 }  // namespace whorl
