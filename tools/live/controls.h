@@ -144,7 +144,9 @@ public:
         std::uint64_t simulated_revision;  ///< of the last change of the simulation
     };
     WantedPicture picture() const {
-        return with_lock([&] { return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, picture_revision_, simulated_revision_}; });
+        return with_lock([&] {
+            return WantedPicture{{wanted_.surface, wanted_.camera, wanted_.look}, picture_revision_, simulated_revision_};
+        });
     }
     Options options() const { return locked(mutex_, options_); }
     /// Whether the run plays. False while it waits at its first frame for a viewer, play() or step().
