@@ -288,7 +288,7 @@ std::string vessel_error(const ShapeKeys& keys, std::string& key) {
     if (!free_rim && keys.rim) return "ends at its " + keys.open + " face: rim is for spheres and meshes; move the face instead";
     if (free_rim && !keys.rim) return "has no flat face at the " + keys.open + ": give the height of its rim";
     if (keys.kind == "sphere" && !(std::abs(*keys.rim) < keys.radius))
-        return fmt::format("has a radius of {:g} m, so it has no rim there", keys.radius);
+        return fmt::format("has a radius of {:g} m, so it has no rim at {:g} m: rim counts from its centre", keys.radius, *keys.rim);
     return key = "", "";
 }
 

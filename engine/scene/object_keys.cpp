@@ -164,8 +164,8 @@ KeyTable solid_keys() {
         .above(0)
         .only_with("open", sides);
     t.key("rim", shape(&ShapeKeys::rim), "m",
-          "height of an open sphere's or mesh's rim along the axis of the opening, without `position`; boxes and cylinders end at their "
-          "face")
+          "height of the rim along the axis of the opening: of an open sphere from its centre, of an open mesh in the axes of its file; "
+          "boxes and cylinders end at their face")
         .only_with("open", sides);
     t.key("slip", &SolidKeys::slip, "", "whether the fluid sticks (no), slides freely, or slips by slip_length (navier)").live();
     t.key("slip_length", &SolidKeys::slip_length, "m",

@@ -119,7 +119,7 @@ TEST_CASE("an open container that cannot be right is refused by its key with the
     has(message_of(open, text::box({0.1, 0, 0}, {0.2, 0.1, 0.1})), "solid[0].open is for containers; set container = true");
     const std::string ball = text::ball({0, 0, 0}, 0.2, "container = true\n");
     has(message_of(open, ball), "solid[0] has no flat face at the top: give the height of its rim");
-    has(message_of(open + "rim = 0.2", ball), "solid[0] has a radius of 0.2 m, so it has no rim there");
+    has(message_of(open + "rim = 0.2", ball), "solid[0] has a radius of 0.2 m, so it has no rim at 0.2 m: rim counts from its centre");
     CHECK(message_of(open + "rim = 0.15", ball) == "no error");
     has(message_of(open, text::plane({0, 0, 0}, {0, 1, 0}, "container = true\n")), "solid[0] is a plane, which has no cavity: use a box");
     has(message_of(open, "[[solid]]\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 0, 0.1]\nradius = 0.1\ncontainer = true\n"),
