@@ -6,12 +6,14 @@
 
 #include "engine/core/parallel.h"
 #include "render/gl/setup.h"
+#include "render/surface/rounded_mesh.h"
 #include "render/surface/surface.h"
 
 namespace whorl {
 namespace {
 
 constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64, glass_voxels = 128;
+constexpr float off_glass = 1.0f / 150;  // of a mesh of glass [voxels]: with wider facets, outlines seen through the glass have teeth
 
 /// Edge of a voxel: `usual` voxels along the longest side, and at least four across the thinnest body, as far as `most`^3 voxels in all
 /// allow.
@@ -46,11 +48,13 @@ float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {
 }
 
 /// Signed distance in the mesh's own coordinates; the band covers the whole volume.
-Volume own_field(const TriangleMesh& mesh, int voxels) {
+/// @param off distance from the surface that its normals describe, above which the mesh is refined [voxels]; 0: not refined
+Volume own_field(const TriangleMesh& mesh, int voxels, float off) {
     const Bounds bounds = bounds_of(mesh.position);
     const Vec3f size = bounds.high - bounds.low;
     const float voxel = voxel_edge(size, size.minCoeff(), voxels, std::max(voxels, world_voxels));
-    return distance_volume(mesh, voxel, static_cast<int>(4 * size.maxCoeff() / voxel) + 1);
+    const int band = static_cast<int>(4 * size.maxCoeff() / voxel) + 1;
+    return off > 0 ? distance_volume(rounded(mesh, off * voxel), voxel, band) : distance_volume(mesh, voxel, band);
 }
 
 }  // namespace
@@ -105,7 +109,7 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     });
     for (const Placed& p : placed_)
         if (const auto [own, is_new] = own_.try_emplace(p.mesh); is_new)
-            own->second = own_field(*p.mesh, glass_ ? glass_voxels : own_voxels);
+            own->second = own_field(*p.mesh, glass_ ? glass_voxels : own_voxels, glass_ ? off_glass : 0);
     const Vec3f size = bounds.high - bounds.low;
     const float voxel = voxel_edge(size, thinnest, voxels_ - 5, voxels_);
     const Volume all = all_placed(bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
