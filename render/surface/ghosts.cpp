@@ -68,7 +68,8 @@ Cut::Cut(const Frame& frame) {
                 sides_.push_back({way * Vec3f::Unit(a), way > 0 ? frame.domain_min[a] : -frame.domain_max[a], false});
     for (const FrameSolid& solid : frame.solids) {
         if (!solid.mesh) continue;
-        if (!solid.container && !solid.ground && solid.appearance.material == "glass" && !solid.mesh->triangle.empty())
+        const bool is_clear = solid.appearance.material == "glass" || solid.appearance.material == "ice";
+        if (!solid.container && !solid.ground && is_clear && !solid.mesh->triangle.empty())
             glass_.push_back(std::make_shared<WallField>(solid, frame.spacing));
         if (!solid.container) continue;
         for (Side side : walls_of(*solid.mesh, 0.03f * static_cast<float>(frame.spacing))) {

@@ -16,8 +16,8 @@ struct Ghosted {
 };
 Ghosted with_ghosts(const Frame& frame, float margin);
 
-/// Surfaces at which the fluid is cut off: the sides of a periodic domain, the walls of convex containers and those of solids of glass,
-/// such as open vessels. A container that is not convex has no planes; in it the surface is that of the particles alone.
+/// Surfaces at which the fluid is cut off: the sides of a periodic domain, the walls of convex containers and those of solids of glass or
+/// ice, such as open vessels. A container that is not convex has no planes; in it the surface is that of the particles alone.
 class Cut {
 public:
     using Side = CutSide;

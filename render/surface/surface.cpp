@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "engine/core/errors.h"
@@ -30,6 +31,48 @@ bool set_wall_normal(const Cut& cut, const Vec3f& x, float voxel, Vec3f& normal)
     const float kept = std::clamp((outward.dot(normal) - 0.95f) / 0.04f, 0.0f, 1.0f);  // from 18 to 8 degrees
     normal = (kept * normal + (1 - kept) * outward).normalized();
     return true;
+}
+
+/// Moves vertices on a line where the free surface meets glass along the wall to the height of the free surface next to them, because the
+/// fluid is the same along the wall's normal there (LocalField::wetting()). Marching cubes finds them up to a voxel too deep, since
+/// the colour at a wall is limited, and smoothing would spread this dip.
+/// @param sides per vertex, number of sides that it is on
+void raise_to_surface(const Cut& cut, float voxel, const std::vector<char>& sides, TriangleMesh& mesh) {
+    struct Free {
+        Vec3f place = Vec3f::Zero(), normal = Vec3f::Zero();  // sums over the vertices next to one on a line
+        float count = 0;
+    };
+    std::map<std::uint32_t, Free> lines;
+    for (const auto& t : mesh.triangle)
+        for (const std::uint32_t v : t)
+            for (const std::uint32_t w : t)
+                if (sides[v] > 0 && sides[w] == 0) {
+                    Free& next = lines[v];
+                    next.place += mesh.position[w], next.normal += mesh.normal[w], ++next.count;
+                }
+    for (const auto& [v, next] : lines) {
+        Vec3f& x = mesh.position[v];
+        const Cut::Side side = cut.at(x);
+        const Vec3f normal = next.normal.normalized(), along = normal - side.inward.dot(normal) * side.inward;
+        if (!side.is_wall || along.norm() < 0.7f) continue;  // or a film along the wall
+        const float rise = along.normalized().dot(next.place / next.count - x);
+        x = cut.onto_walls(x + std::clamp(rise, -0.5f * voxel, voxel) * along.normalized(), 0.5f * voxel);
+    }
+}
+
+/// Flattens triangles on a wall that face into the fluid, such as one of three vertices on a line that smoothing has moved. A folded
+/// triangle would put voxels of the distance volume on the wrong side, which look like drops on the wall.
+void flatten_folds(const std::vector<char>& sides, TriangleMesh& mesh) {
+    for (const auto& t : mesh.triangle) {
+        if (sides[t[0]] == 0 || sides[t[1]] == 0 || sides[t[2]] == 0) continue;
+        const Vec3f &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+        if ((b - a).cross(c - a).dot(mesh.normal[t[0]] + mesh.normal[t[1]] + mesh.normal[t[2]]) >= 0) continue;
+        const std::array<float, 3> opposite{(c - b).norm(), (a - c).norm(), (b - a).norm()};
+        const auto k = static_cast<std::size_t>(std::max_element(opposite.begin(), opposite.end()) - opposite.begin());
+        const Vec3f &from = mesh.position[t[(k + 1) % 3]], along = mesh.position[t[(k + 2) % 3]] - from;
+        Vec3f& x = mesh.position[t[k]];
+        x = from + (x - from).dot(along) / along.squaredNorm() * along;
+    }
 }
 
 /// Vertices on edges between walls, and on lines where the free surface meets a wall. Their triangles lie on both faces.
@@ -103,13 +146,14 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
     Surface surface;
     surface.mesh = std::move(marched.mesh);
     if (options.smoothing > 0) {
-        const std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
+        std::vector<Vec3f> sharp = cut.any() ? surface.mesh.position : std::vector<Vec3f>();
         const int steps = static_cast<int>(std::lround(2.5 / (options.voxel * options.voxel)));
         std::vector<char> sides(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             sides[v] = static_cast<char>(near.count_at(sharp[v], touch * voxel));
             if (sides[v] > 0) marched.bulk[v] = 0;  // one round is enough along walls
         });
+        if (cut.any_glass()) raise_to_surface(cut, voxel, sides, surface.mesh), sharp = surface.mesh.position;
         smooth(surface.mesh, options.smoothing, steps, marched.bulk, sides);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             Vec3f& x = surface.mesh.position[v];
@@ -122,6 +166,7 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;
         });
+        if (cut.any_glass()) flatten_folds(sides, surface.mesh);
         if (cut.any()) surface.edge = wall_edges(surface.mesh, on_wall, sides);
     }
     const auto temperature = frame.scalar.find("temperature");
