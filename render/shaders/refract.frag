@@ -89,7 +89,11 @@ float way_to_opaque(vec3 x, vec3 d, float limit) {
     limit = min(limit, box.y);
     for (int i = 0; i < 48 && t < limit; ++i) {
         float off = distance_of_solid(from + t * way);
-        if (off < 0.25 * solid_voxel && off < before) return step > 0.0 ? t + min(off * step / max(before - off, 1e-9), solid_voxel) : t;
+        if (off < 0.25 * solid_voxel && off < before) {
+            if (step == 0.0) return t;
+            float more = min(off * step / max(before - off, 1e-9), solid_voxel), left = distance_of_solid(from + (t + more) * way);
+            return t + more + clamp(left * more / max(off - left, 1e-9), -solid_voxel, solid_voxel);   // two steps of the secant method
+        }
         before = off;
         step = max(off, 0.5 * solid_voxel);
         t += step;
@@ -119,6 +123,15 @@ bool in_image(vec4 clip, out vec2 at) {
     return clip.w > 0.0 && at == clamp(at, 0.0, 1.0);
 }
 
+// solid_at(q), averaged over two pixels: the image of the solids has one sample per pixel, and highlights in it have teeth.
+vec4 soft_solid(vec3 q) {
+    vec3 v = normalize(q - eye), right = normalize(cross(v, vec3(0.0, 1.0, 1e-6))), up = cross(right, v);
+    float pixel = 2.0 * distance(q, eye) / (float(textureSize(solid_buffer, 0).y) * length(vec3(to_clip[0][1], to_clip[1][1], to_clip[2][1])));
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) sum += 0.25 * solid_at(q + pixel * (float(i & 1) * 2.0 - 1.0) * right + pixel * (float(i >> 1) * 2.0 - 1.0) * up);
+    return sum.a > 0.5 ? sum / sum.a : vec4(0.0);
+}
+
 // Colour of a ray from x along d that meets an object of this kind after `way` [m].
 vec3 light_from(vec3 x, vec3 d, float way, int kind) {
     vec3 q = x + way * d;
@@ -126,11 +139,18 @@ vec3 light_from(vec3 x, vec3 d, float way, int kind) {
     bool inside = in_image(to_clip * (kind == background ? vec4(d, 0.0) : vec4(q, 1.0)), at), shown = inside;
     float of_fluid = textureLod(fluid_distance, at, 0.0).a, front = of_fluid > 0.0 ? of_fluid : textureLod(solid_buffer, at, 0.0).a;
     float off = abs(distance(q, eye) - front);
-    if (kind <= ground) shown = shown && front == 0.0;
+    if (kind <= ground && shown) {   // not next to an outline either, or a faint one of what is in front would appear
+        vec2 pixel = 1.0 / vec2(textureSize(solid_buffer, 0));
+        for (int i = 0; i < 4; ++i) {
+            vec2 next = at + vec2(i & 1, i >> 1) * 2.0 * pixel - pixel;
+            front += textureLod(fluid_distance, next, 0.0).a + textureLod(solid_buffer, next, 0.0).a;
+        }
+        shown = front == 0.0;
+    }
     if (kind == opaque) shown = shown && front > 0.0 && off < 3.0 * solid_voxel;
     if (kind == fluid) shown = shown && (of_fluid > 0.0 || behind > 0.0);
     if (shown) return textureLod(seen, at, 0.0).rgb;
-    vec4 solid = kind == opaque ? solid_at(q) : vec4(0.0);   // behind the fluid
+    vec4 solid = kind == opaque ? soft_solid(q) : vec4(0.0);   // behind the fluid
     if (solid.a > 0.5) return solid.rgb;
     if (inside && kind == ground) return ground_seen(q, normalize(q - eye), light_on_ground(q.xz));
     if (inside && kind == background) return backdrop(d);
@@ -157,13 +177,29 @@ bool meets_glass(inout vec3 x, vec3 d, out float way, out int kind) {
     return to_glass >= 0.0;
 }
 
+// Distance from x along d through the fluid [m]. The fluid keeps a gap to opaque solids that it wets: rays that enter it cross it.
+float way_in_fluid(vec3 x, vec3 d, float limit) {
+    float way = voxel * way_out(place_of(x), d, limit / voxel);
+    for (int gap = 0; gap < 2 && has_solid_field && way < limit; ++gap) {
+        float over = way;
+        bool wet = false;
+        for (int i = 0; i < 24 && !wet && solid_distance(x + over * d) < 2.0 * voxel; ++i) {
+            over += 0.5 * voxel;
+            wet = near_distance(place_of(x + over * d)) < -0.3;
+        }
+        if (!wet) break;
+        way = over + voxel * way_out(place_of(x + over * d), d, (limit - over) / voxel);
+    }
+    return way;
+}
+
 // Moves x along d through the fluid to its surface. @return light that the fluid scatters back, as through_body()
 // @param kind output: ground or opaque, if the fluid lies on it there
 vec3 cross_fluid(inout vec3 x, vec3 d, vec3 lamp, inout vec3 through, out int kind) {
-    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6, way = voxel * way_out(place_of(x), d, to_floor / voxel);
+    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6, way = way_in_fluid(x, d, to_floor);
     kind = way >= to_floor ? ground : background;
     float to_opaque = has_solid_field ? way_to_opaque(x, d, way + 1.5 * voxel) : -1.0;
-    if (to_opaque >= 0.0) way = min(way, to_opaque), kind = opaque;
+    if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
     vec3 light = through_body(place_of(x), d, way / voxel, lamp, through);
     x += way * d;
     return light;
@@ -216,9 +252,12 @@ void main() {
             light += cross_fluid(x, d, lamp, through, kind);
             way = 0.0;
             if (kind != background || max(through.r, max(through.g, through.b)) < 0.003) break;
-            bool at_glass = glass_distance(glass_turn * x + glass_move) < 0.5 * voxel + 0.1 * glass_voxel;
+            float off = glass_distance(glass_turn * x + glass_move);
+            bool at_glass = off < 0.5 * voxel + 0.1 * glass_voxel;
             if (at_glass) beyond = in_glass;
-            n = at_glass ? -glass_normal(x, sharp) : field_normal(place_of(x));
+            // Next to glass the field has an edge, and its slope is found at a distance.
+            vec3 from_glass = off < 3.0 * voxel ? glass_normal(x, sharp) : vec3(0.0);
+            n = at_glass ? -from_glass : field_normal(place_of(x) + max(3.0 - off / voxel, 0.0) * from_glass);
             sharp = 0.0;
         }
         float ratio = index_of(medium) / index_of(beyond), leaving = dot(d, n), square = 1.0 - ratio * ratio * (1.0 - leaving * leaving);
