@@ -12,7 +12,7 @@
 namespace whorl {
 namespace {
 
-constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64, glass_voxels = 128;
+constexpr int own_voxels = 64, world_voxels = 96, small_world_voxels = 64, glass_voxels = 128, most_glass_voxels = 192;
 constexpr float off_glass = 1.0f / 150;  // of a mesh of glass [voxels]: with wider facets, outlines seen through the glass have teeth
 
 /// Edge of a voxel: `usual` voxels along the longest side, and at least four across the thinnest body, as far as `most`^3 voxels in all
@@ -87,7 +87,7 @@ Volume SolidField::all_placed(const Vec3f& low, const Vec3f& high, int most) con
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Placed> now;
     Bounds bounds;
-    float thinnest = std::numeric_limits<float>::max();
+    float thinnest = std::numeric_limits<float>::max(), longest = 0;
     for (const FrameSolid& solid : solids) {
         if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid) || is_glass(solid) != glass_) continue;
         if (now.empty()) turn_ = solid.rotation, move_ = solid.translation;
@@ -97,7 +97,7 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
         now.push_back({seen.mesh, seen.rotation, seen.translation});
         bounds.add(bounds_of(seen));
         const Bounds own = bounds_of(solid.mesh->position);
-        thinnest = std::min(thinnest, (own.high - own.low).minCoeff());
+        thinnest = std::min(thinnest, (own.high - own.low).minCoeff()), longest = std::max(longest, (own.high - own.low).maxCoeff());
     }
     if (now == placed_) return;
     placed_ = std::move(now);
@@ -111,7 +111,9 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
         if (const auto [own, is_new] = own_.try_emplace(p.mesh); is_new)
             own->second = own_field(*p.mesh, glass_ ? glass_voxels : own_voxels, glass_ ? off_glass : 0);
     const Vec3f size = bounds.high - bounds.low;
-    const float voxel = voxel_edge(size, thinnest, voxels_ - 5, voxels_);
+    // Among others a glass keeps the resolution that it has alone, since its walls are thinner than its bounds.
+    const float fine = glass_ ? 4 * longest / static_cast<float>(voxels_ - 5) : thinnest;
+    const float voxel = voxel_edge(size, fine, voxels_ - 5, glass_ ? most_glass_voxels : voxels_);
     const Volume all = all_placed(bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
     origin_ = all.origin, voxel_ = all.voxel;
     size_ = Vec3f(static_cast<float>(all.nx), static_cast<float>(all.ny), static_cast<float>(all.nz));

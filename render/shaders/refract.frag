@@ -177,26 +177,10 @@ bool meets_glass(inout vec3 x, vec3 d, out float way, out int kind) {
     return to_glass >= 0.0;
 }
 
-// Distance from x along d through the fluid [m]. The fluid keeps a gap to opaque solids that it wets: rays that enter it cross it.
-float way_in_fluid(vec3 x, vec3 d, float limit) {
-    float way = voxel * way_out(place_of(x), d, limit / voxel);
-    for (int gap = 0; gap < 2 && has_solid_field && way < limit; ++gap) {
-        float over = way;
-        bool wet = false;
-        for (int i = 0; i < 24 && !wet && solid_distance(x + over * d) < 2.0 * voxel; ++i) {
-            over += 0.5 * voxel;
-            wet = near_distance(place_of(x + over * d)) < -0.3;
-        }
-        if (!wet) break;
-        way = over + voxel * way_out(place_of(x + over * d), d, (limit - over) / voxel);
-    }
-    return way;
-}
-
 // Moves x along d through the fluid to its surface. @return light that the fluid scatters back, as through_body()
 // @param kind output: ground or opaque, if the fluid lies on it there
 vec3 cross_fluid(inout vec3 x, vec3 d, vec3 lamp, inout vec3 through, out int kind) {
-    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6, way = way_in_fluid(x, d, to_floor);
+    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6, way = voxel * way_out(place_of(x), d, to_floor / voxel);
     kind = way >= to_floor ? ground : background;
     float to_opaque = has_solid_field ? way_to_opaque(x, d, way + 1.5 * voxel) : -1.0;
     if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
@@ -215,7 +199,7 @@ void main() {
     float mirror = fresnel(-dot(n, v), glass_refraction);
     vec3 r = reflect(v, n), d = refract(v, n, 1.0 / glass_refraction);
     vec3 mirrored = min(surroundings(world, r, 0.02) + strip_light(r, 0.02), vec3(1.5));
-    int medium = in_glass, kind = background;
+    int medium = in_glass, kind = background, mirrors = 0;
     float way = 0.0, sharp;
     glass_normal(x, sharp);
     for (int turn = 0; turn < 12; ++turn) {
@@ -271,11 +255,13 @@ void main() {
             d = normalize(ratio * d + (sqrt(square) - ratio * leaving) * n);
             medium = beyond;
         }
-        if (square < 0.0) n = -n;
+        if (square < 0.0) n = -n, ++mirrors;
         // Into the medium, or a grazing ray would leave it at once.
         if (medium == in_fluid) x += (near_distance(place_of(x)) + 0.4) * voxel * n;
         if (medium == in_glass) x += (glass_distance(glass_turn * x + glass_move) + 0.4 * glass_voxel) * n;
     }
     if (behind > 0.0 && kind <= ground) kind = fluid, way = min(way, behind);
-    glass = weight * vec4(mix(light + through * light_from(x, d, way, kind), mirrored, mirror), 1.0);
+    // After many reflections the rays of one pixel go everywhere, and their light would glitter.
+    vec3 last = mirrors > 3 && kind <= ground ? surroundings(x, d, 0.5, 1.0) : light_from(x, d, way, kind);
+    glass = weight * vec4(mix(light + through * last, mirrored, mirror), 1.0);
 }
