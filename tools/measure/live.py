@@ -37,12 +37,23 @@ class Viewer(threading.Thread):
 
     def __init__(self, port):
         super().__init__(daemon=True)
-        self.port, self.pictures = port, []
+        self.port, self.pictures, self.leaving, self.interrupted = port, [], False, []
 
     def run(self):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port)
+        while not self.leaving:  # a stream that the server ends is opened again, as browsers do
+            try:
+                self.receive()
+                self.interrupted.append("the stream ended")
+            except (OSError, http.client.HTTPException) as error:
+                self.interrupted.append(repr(error))
+            time.sleep(0.05)
+
+    def receive(self):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
         connection.request("GET", "/stream?once=1")
         stream, head = connection.getresponse(), {}
+        if stream.status != 200:
+            raise http.client.HTTPException(f"status {stream.status}: {stream.read().decode()}")
         while line := stream.readline():
             name, colon, value = line.decode().strip().partition(":")
             if colon:
@@ -116,6 +127,7 @@ class Session:
         return self
 
     def __exit__(self, *_):
+        self.viewer.leaving = True
         for process in filter(None, (self.page, self.program)):
             process.send_signal(signal.SIGINT)
         self.program.wait(30)
@@ -147,10 +159,18 @@ class Session:
         raise MeasureError(f"no image showed {key} = {value} within 10 s")
 
 
-def row_of(count, rows, pictures):
-    near = [row for row in rows if 0.8 * count <= row[2]["particles"] <= 1.2 * count]
+def row_of(count, rows, viewer):
+    low, high = 0.8 * count, 1.2 * count
+    near = [row for row in rows if low <= row[2]["particles"] <= high]
+    if len(near) < 2:
+        raise MeasureError(f"the run reported {len(near)} states with {low:.0f} to {high:.0f} particles; two are needed. Run it again on an idle machine")
     (began, cpu, first), (ended, cpu_after, last) = near[0], near[-1]
-    seen = [p for p in pictures if began <= p.came <= ended]
+    seen = [p for p in viewer.pictures if began <= p.came <= ended]
+    if len(seen) < 2:
+        came = ", ".join(f"{p.came - rows[0][0]:.1f}" for p in viewer.pictures[-3:]) or "never"
+        raise MeasureError(f"{len(seen)} images came from {began - rows[0][0]:.1f} to {ended - rows[0][0]:.1f} s, while the run had {low:.0f} to "
+                           f"{high:.0f} particles; two are needed. Of {len(viewer.pictures)} images the last came at {came} s; "
+                           f"{'; '.join(viewer.interrupted) or 'the stream was not interrupted'}. Run it again on an idle machine")
     gaps, wall = 1e3 * np.diff([p.came for p in seen]), ended - began
     return [count, f"{(last['time'] - first['time']) / wall:.2f}", f"{len(seen) / wall:.1f}",
             f"{np.median(gaps):.0f}", f"{np.percentile(gaps, 95):.0f}", *(f"{1e3 * c / wall:.0f}" for c in cpu_after - cpu)]
@@ -181,7 +201,7 @@ def live(m):
     with Session(m, growing) as session:
         rows = session.states(1.2 * counts[-1])
         m.say(f"pace reported at the end: {rows[-1][2].get('pace') or 'none'}")
-    pace = markdown(columns, [row_of(count, rows, session.viewer.pictures) for count in counts])
+    pace = markdown(columns, [row_of(count, rows, session.viewer) for count in counts])
     shutil.rmtree(folder, ignore_errors=True)
     with Session(m, changing) as session:
         session.states(0.95 * counts[0])
