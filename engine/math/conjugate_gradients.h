@@ -110,7 +110,8 @@ SolveReport conjugate_gradients_from(const Operator& A, const Preconditioner& M,
 /// zero in b and x, and A and M must leave them zero.
 /// @param A called as A(Span<const T> x, Span<T> y): sets y = A x; may return x.y
 /// @param M called as M(Span<const T> r, Span<T> z): sets z to an approximation of A^-1 r; may return r.z
-/// @param x the first guess on entry; on return the solution, or the last iterate if the solver stops early
+/// @param x the first guess on entry, which costs a product unless it is zero; on return the solution, or the last iterate if the solver
+/// stops early
 /// @param reference scale of the residual in the chosen norm; 0: the norm of b
 /// @returns iterations and relative residuals; converged is false, with a reason, if a limit was reached or A or M is not definite
 template <class T, class Operator, class Preconditioner>
@@ -132,8 +133,12 @@ SolveReport conjugate_gradients(const Operator& A, const Preconditioner& M, Span
         report.why_not = "the right-hand side is not finite";
         return report;
     }
-    A(Span<const T>(x), Span<T>(r));
-    parallel_for(static_cast<Index>(n), [&](Index i) { r[i] = b[i] - r[i]; });
+    const T zero = zero_entry<T>();
+    if (std::all_of(x.begin(), x.end(), [&](const T& entry) { return entry == zero; })) std::copy(b.begin(), b.end(), r.begin());
+    else {
+        A(Span<const T>(x), Span<T>(r));
+        parallel_for(static_cast<Index>(n), [&](Index i) { r[i] = b[i] - r[i]; });
+    }
     return conjugate_gradients_from<T>(A, M, Span<T>(r), x, limits, norm, reference);
 }
 

@@ -13,7 +13,17 @@ inline constexpr Index most_lanes = 16;
 
 /// out[l] = values[index[l]] for l < count, a multiple of `most_lanes`.
 inline void gather(const Real* values, const Index* index, Index count, Real* out) {
+#if defined(__AVX512F__) && !defined(WHORL_DOUBLE)
+    // Faster than the processor's own gather.
+    for (Index l = 0; l < count; l += 4) {
+        __m128 four = _mm_load_ss(values + index[l]);
+        four = _mm_insert_ps(four, _mm_load_ss(values + index[l + 1]), 0x10);
+        four = _mm_insert_ps(four, _mm_load_ss(values + index[l + 2]), 0x20);
+        _mm_storeu_ps(out + l, _mm_insert_ps(four, _mm_load_ss(values + index[l + 3]), 0x30));
+    }
+#else
     for (Index l = 0; l < count; ++l) out[l] = values[index[l]];
+#endif
 }
 
 /// out[a][l] = vectors[index[l]][a] for l < count, a multiple of `most_lanes`.

@@ -20,7 +20,15 @@ void PressureMatrix::lay_out(const FluidPairs& of, Real d) {
 void PressureMatrix::multiply(Span<const Real> p, Span<Real> Ap) const {
     parallel_for(size(), [&](Index i) {
         Real sum = diagonal[i] * p[i];
-        for (std::size_t k = pairs->first[i], end = pairs->first[i + 1]; unknown[i] && k < end; ++k) sum -= c[k] * p[pairs->other[k]];
+        std::size_t k = pairs->first[i];
+        const std::size_t end = unknown[i] ? pairs->first[i + 1] : k;
+        Real part[most_lanes] = {}, other[most_lanes];
+        for (; k + most_lanes <= end; k += most_lanes) {
+            gather(p.data(), &pairs->other[k], most_lanes, other);
+            for (Index l = 0; l < most_lanes; ++l) part[l] += c[k + l] * other[l];
+        }
+        for (Index l = 0; l < most_lanes; ++l) sum -= part[l];
+        for (; k < end; ++k) sum -= c[k] * p[pairs->other[k]];
         Ap[i] = sum;
     });
 }

@@ -27,6 +27,7 @@ void Projection::build(const Kernel& W, const Fields& f) {
     // each solve overshoot.
     Column<Real> excess(s.narrow ? n : 0);
     parallel_for(static_cast<Index>(excess.size()), [&](Index i) { excess[i] = std::max(Real(1), s.whole.correction[i].trace() / 2); });
+    const bool all_unknown = std::all_of(matrix_.unknown.begin(), matrix_.unknown.end(), [](char unknown) { return unknown != 0; });
     parallel_for(n, [&](Index i) {
         if (!matrix_.unknown[i]) return;
         std::size_t k = pairs.first[i];
@@ -36,6 +37,12 @@ void Projection::build(const Kernel& W, const Fields& f) {
             for (Index l = 0; l < group.padded(); ++l) c[l] = -2 * V * V * W.slope(group.distance[l]);
             if (s.narrow)
                 for (Index l = 0; l < group.count; ++l) c[l] *= (excess[i] + excess[group.other[l]]) / 2;
+            if (all_unknown) {
+                std::copy(c, c + group.count, matrix_.c.data() + k);
+                k += static_cast<std::size_t>(group.count);
+                for (Index l = 0; l < group.padded(); ++l) row += c[l];
+                return;
+            }
             for (Index l = 0; l < group.count; ++l) {
                 const Index j = group.other[l];
                 matrix_.c[k++] = matrix_.unknown[j] ? c[l] : Real(0);
