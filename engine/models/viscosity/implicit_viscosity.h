@@ -30,7 +30,7 @@ public:
     virtual void force(Span<const Vec3> u, Span<Vec3> y) const = 0;
     /// Sets z to an approximation of A^-1 r that is linear in r, symmetric and positive definite on the free particles; z = 0 for others.
     virtual void precondition(Span<const Vec3> r, Span<Vec3> z) const = 0;
-    /// z = B^-1 r with the true 3x3 diagonal blocks B of A, for the norm of the residual.
+    /// z = B^-1 r with the true 3x3 diagonal blocks B of A, or another B that is as good for the norm of the residual.
     virtual void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const = 0;
     virtual bool touches_wall() const = 0;
     /// false: A is not symmetric, so BiCGSTAB replaces conjugate gradients.

@@ -43,7 +43,8 @@ public:
 
     void multiply(Span<const Vec3> u, Span<Vec3> y) const override;
     void force(Span<const Vec3> u, Span<Vec3> y) const override;
-    /// z = B^-1 r, plus R Ac^-1 R^T r after use_coarse(). B: the 3x3 diagonal blocks; R: the rigid motions of the groups; Ac = R^T A R.
+    /// z = B^-1 r, plus R Ac^-1 R^T r after use_coarse(). B: the 3x3 diagonal blocks, or 1 if dt nu/d^2 is small and no wall acts; R: the
+    /// rigid motions of the groups; Ac = R^T A R.
     void precondition(Span<const Vec3> r, Span<Vec3> z) const override;
     void divide_by_diagonal(Span<const Vec3> r, Span<Vec3> z) const override;
     bool touches_wall() const override { return touches_wall_; }
@@ -101,7 +102,7 @@ private:
                         Span<const Real> density);
     void set_up_wall(const ViscosityOptions& options, const InteractionContext& context);
     void set_up_curvature(Span<const Mat3> before, Real dt);
-    void set_up_blocks(const ViscosityOptions& options);
+    void set_up_blocks(const ViscosityOptions& options, double d);
     void spread(Span<const Vec3> u, bool free_only) const;
     template <class F>
     void each_strain(Span<const Vec3> u, bool with_known, const F& f) const;
