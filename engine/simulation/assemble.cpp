@@ -353,6 +353,7 @@ private:
         options.curl_spin = keys.curl_spin.value_or(options.curl_spin);
         options.co_rotating = keys.co_rotating;
         options.implicit_exchange = n.implicit_exchange;
+        options.one_stage = traits_.viscosity.implicit;
         options.printed = scene_.models.printed();
         options.smoothing_velocity = options.printed ? 0 : keys.xsph_velocity;
         options.smoothing_spin = options.printed ? 0 : keys.xsph_spin;

@@ -45,6 +45,8 @@ struct MicropolarOptions {
     /// true: sums as in the notes, without lattice factors, with the weights m/rho_j in the Laplacians. This stage then leaves out the
     /// smoothing, which follows the kick (XsphViscosity, XsphSpin).
     bool printed = false;
+    /// true: one stage per step where the rates allow it, if an implicit viscosity of first order is part of the step (CorrectedMicropolar)
+    bool one_stage = false;
     bool free_spin_walls = false;  ///< no couple stress at walls; false: the fluid's spin at a wall is the solid's rotation
     VectorExpression torque;       ///< tau, of t, x, y, z [m^2/s^2]
     Real solid_factor = 1;         ///< factor on the volumes of boundary particles, see models/boundary/wall.h

@@ -26,6 +26,7 @@ private:
         std::vector<char> slip;  ///< by solid
     };
     Terms terms(const InteractionContext& context) const;
+    Real fastest_rate(const Terms& terms, Real spacing) const;
     template <class Kernel>
     Rates rates(const Kernel& W, const Kernel& whole, const InteractionContext& context, const Terms& terms, Index i, Span<const Vec3> u,
                 Span<const Vec3> w, Span<const Vec3> of_images) const;
