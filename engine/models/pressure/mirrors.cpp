@@ -6,17 +6,6 @@
 #include "engine/core/parallel.h"
 
 namespace whorl {
-namespace {
-
-/// x_i - x_j [m], to the nearest periodic image.
-Vec3 apart(const Pairs& pairs, Index i, Index j) {
-    Vec3 r = pairs.x_own[i] - pairs.x_other[j];
-    for (int a = 0; a < 3; ++a)
-        if (const Real length = pairs.period[a]; length > 0) r[a] -= length * std::nearbyint(r[a] / length);
-    return r;
-}
-
-}  // namespace
 
 void Mirrors::find(const InteractionContext& context, bool none) {
     images_.clear(), part_.clear();
@@ -98,6 +87,42 @@ void Mirrors::place(Span<const Vec3> x) {
     pairs_.x_own = x, pairs_.x_other = places_;
 }
 
+/// Lists the images of i and of its neighbours that are within the support of i. The loops avoid branches, which the processor could not
+/// predict.
+/// @returns their number; `list` is longer
+std::size_t Mirrors::list_images_near(const FluidPairs& fluid, Index i, std::vector<Index>& list) const {
+    constexpr Index most_of_one = 8;  // three walls make seven images
+    std::size_t all = 0, near = 0;
+    list.resize((static_cast<std::size_t>(fluid.count(i)) + 1) * most_of_one + most_lanes);
+    const auto add = [&](Index j) {
+        const Index first = first_[j], count = first_[j + 1] - first;
+        for (Index g = 0; g < most_of_one; ++g) list[all + g] = first + g;
+        all += static_cast<std::size_t>(count);
+    };
+    add(i);
+    for (std::size_t k = fluid.first[i]; k < fluid.first[i + 1]; ++k) add(fluid.other[k]);
+    std::fill_n(list.begin() + static_cast<std::ptrdiff_t>(all), all > 0 ? most_lanes : 0, list[0]);
+    const Vec3 x = pairs_.x_own[i];
+    for (std::size_t k = 0; k < all; k += most_lanes) {
+        Real r[3][most_lanes], square[most_lanes] = {};
+        gather(places_.data(), &list[k], most_lanes, r);
+        for (int a = 0; a < 3; ++a) {
+            const Real length = pairs_.period[a], inverse = length > 0 ? 1 / length : 0;
+            for (Index l = 0; l < most_lanes; ++l) {
+                Real apart = x[a] - r[a][l];
+                apart -= length * std::nearbyint(apart * inverse);
+                square[l] += apart * apart;
+            }
+        }
+        const auto here = static_cast<Index>(std::min<std::size_t>(most_lanes, all - k));
+        for (Index l = 0; l < here; ++l) {  // near <= k + l
+            list[near] = list[k + l];
+            near += square[l] < fluid.support * fluid.support;
+        }
+    }
+    return near;
+}
+
 void Mirrors::find_pairs(const FluidPairs& fluid) {
     constexpr Index block = 256;
     const Index n = fluid.size();
@@ -107,20 +132,17 @@ void Mirrors::find_pairs(const FluidPairs& fluid) {
     if (images_.empty()) return;
     parallel_blocks(n, block, [&](Index begin, Index end) {
         auto& all = found[static_cast<std::size_t>(begin / block)];
+        std::vector<Index> images;
         for (Index i = begin; i < end; ++i) {
             const Seen& seen = seen_[i];
-            const auto add = [&](Index j) {
-                for (Index g = first_[j]; g < first_[j + 1]; ++g) {
-                    if (!(apart(pairs_, i, g).squaredNorm() < fluid.support * fluid.support)) continue;
-                    const Image& image = images_[g];
+            if (seen.count > 0) {
+                const std::size_t near = list_images_near(fluid, i, images);
+                for (std::size_t k = 0; k < near; ++k) {
+                    const Image& image = images_[images[k]];
                     bool known = true;
                     for (int m = 0; m < image.count; ++m) known &= seen.knows(image.wall[m].normal);
-                    if (known) all.emplace_back(g, (part_[i] + part_[j]) / 2);
+                    if (known) all.emplace_back(images[k], (part_[i] + part_[image.owner]) / 2);
                 }
-            };
-            if (seen.count > 0) {
-                add(i);
-                for (std::size_t k = fluid.first[i]; k < fluid.first[i + 1]; ++k) add(fluid.other[k]);
             }
             pairs_.first[i + 1] = all.size();
         }

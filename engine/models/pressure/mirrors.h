@@ -97,6 +97,7 @@ private:
     static Column<Real> flat_now(const InteractionContext& context);
     void look(const InteractionContext& context, Span<const Real> flat, Index i);
     void find_images(Index particles);
+    std::size_t list_images_near(const FluidPairs& fluid, Index i, std::vector<Index>& list) const;
     void find_pairs(const FluidPairs& fluid);
 
     Pairs pairs_;
