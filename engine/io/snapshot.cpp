@@ -99,6 +99,13 @@ Snapshots::Snapshots(const Simulation& simulation, std::vector<std::string> fiel
     }
 }
 
+void Snapshots::share_meshes(const Snapshots& earlier) {
+    for (std::size_t k = 0; k < std::min(solids_.size(), earlier.solids_.size()); ++k) {
+        const std::shared_ptr<const TriangleMesh> before = earlier.solids_[k].mesh, now = solids_[k].mesh;
+        if (before->position == now->position && before->triangle == now->triangle) solids_[k].mesh = before;
+    }
+}
+
 Frame Snapshots::take(const Simulation& simulation, int number) const {
     const World& world = simulation.world();
     Frame frame = particles_of(world, fields_);

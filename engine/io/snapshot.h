@@ -32,6 +32,8 @@ public:
     /// (add_derived_fields()). Fields that the run does not have are left out
     Snapshots(const Simulation& simulation, std::vector<std::string> fields);
 
+    /// Keeps those meshes of the same run's earlier snapshots that did not change, because a renderer prepares every new mesh.
+    void share_meshes(const Snapshots& earlier);
     /// A frame of all particles, with solids and nozzles in their current poses. It includes particles inside nozzles, so that the fluid's
     /// surface reaches into the nozzle.
     Frame take(const Simulation& simulation, int number) const;

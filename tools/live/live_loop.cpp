@@ -95,7 +95,11 @@ void LiveLoop::follow(const Orders& orders) {
     const double time = simulation_->time();
     if (physics) simulation_->change(wanted.file.scene, wanted.plan);
     const bool other_fields = shown_fields(before->file.look) != shown_fields(wanted.file.look);
-    if (physics || other_fields) snapshots_.emplace(*simulation_, shown_fields(wanted.file.look));
+    if (physics || other_fields) {
+        Snapshots now(*simulation_, shown_fields(wanted.file.look));
+        now.share_meshes(*snapshots_);
+        snapshots_ = std::move(now);
+    }
     if (other_fields) show_state();
     {
         const std::lock_guard lock(recording_mutex_);
