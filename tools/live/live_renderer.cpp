@@ -134,7 +134,7 @@ void LiveRenderer::draw(std::optional<Renderer>& renderer, std::shared_ptr<const
 
     const std::lock_guard lock(mutex_);
     drawn_ = state;
-    look_is_drawn_ = look == look_;
+    look_is_drawn_ = look->revision == look_->revision;
     newest_ = std::make_shared<const Picture>(++pictures_, frame.number, frame.time, Revisions{state->revision, look->revision},
                                               std::move(image));
     times_["surface"] = {surfaced - began, 0, 1};
