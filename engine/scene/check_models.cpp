@@ -62,7 +62,7 @@ void check_pressure(const Scene& scene, const Plan& plan, const SceneScales& num
         report("models.viscosity", chosen + " solves for the viscosity itself",
                "leave " + setting("models.viscosity", name_of(plan.viscosity)) + " out, or choose another pressure",
                "allowed: auto or none");
-    if (numbers.least_viscous_number < pressure.least_viscous_number)
+    if (numbers.least_viscous_number < pressure.least_viscous_number && !scene.fluid.flow_law().yields())
         report(numbers.least_viscosity_key,
                fmt::format("{} is {:.3g} Pa s at the start, too thin for {}: the viscous number nu dt/d^2 is {:.2g} (in a step dt the "
                            "fastest fluid moves by 0.4 spacings), and {} needs at least {:g}",

@@ -48,7 +48,7 @@ PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool 
                                                                                                          : PressureModel::ppe;
     const PressureTraits& coupled = traits_of(PressureModel::coupled);
     const bool viscous =
-        (n.viscous_number > coupled_above || scene.fluid.flow_law().yields()) && n.least_viscous_number >= coupled.least_viscous_number;
+        scene.fluid.flow_law().yields() || (n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number);
     const bool fits = n.free_surface && (coupled.moves_bodies || !scene.any_free_solid()) && !misses_angle(coupled, scene);
     return viscous && fits ? PressureModel::coupled : PressureModel::ppe;
 }
@@ -122,13 +122,15 @@ private:
 
     /// The projection preserves vortices, but cannot handle fluid that splashes.
     PressureForm automatic_pressure_form() const {
-        return plan_.free_surface || scene_.any_free_solid() || smoothed() ? PressureForm::constraint : PressureForm::projection;
+        return plan_.free_surface || moves_bodies() || smoothed() ? PressureForm::constraint : PressureForm::projection;
     }
+    /// In viscous fluid the projection moves bodies, because the constraint holds them back (docs/physics.md, section 7).
+    bool moves_bodies() const { return scene_.any_free_solid() && n_.viscous_number <= coupled_above; }
     /// XSPH smooths per step, not per time, and the projection has not been measured with it.
     bool smoothed() const { return scene_.models.viscosity == ViscosityModel::xsph; }
     std::string form_reason() const {
         if (plan_.free_surface) return "a free surface may splash; waves that do not break keep their height with projection";
-        if (scene_.any_free_solid()) return "it moves the free bodies in the same solve";
+        if (moves_bodies()) return "it moves the free bodies in the same solve";
         if (smoothed()) return "the projection cannot be combined with XSPH";
         return "the fluid fills its space, so nothing splashes, and the projection preserves vortices";
     }

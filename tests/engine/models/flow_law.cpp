@@ -104,3 +104,14 @@ TEST_CASE("a yield stress is refused with other viscosities, spin, or without a 
     CHECK(message_of(bingham, "") == "no error");
     CHECK(message_of("yield_stress = 30\nconsistency = 2\nflow_index = 0.5\n", ppe) == "no error");
 }
+
+TEST_CASE("fluid with a yield stress has the coupled pressure however thin it flows, and the plan warns of \"ppe\"", "[plan][yield]") {
+    // Ketchup that falls by .3 m: nu dt/d^2 is 0.03 at a shear rate of speed over spacing.
+    const std::string ketchup = text::time(1) + text::domain({-0.2, 0}, {0.6, 0.6}) +
+                                text::fluid(5e-3, 0, "density = 1150\nyield_stress = 30\nconsistency = 5\nflow_index = 0.3") +
+                                text::block({0, 0.3}, {0.1, 0.4}) + text::plane({0, 0}, {0, 1});
+    CHECK(make_plan(scene_with({}, ketchup)).pressure == PressureModel::coupled);
+    CHECK(messages_with({}, ketchup + text::models("coupled")) == "no error");
+    const Plan apart = make_plan(scene_with({}, ketchup + text::models("ppe", "full")));
+    CHECK(warnings_with(apart, "near its yield stress") == 1);
+}
