@@ -33,6 +33,11 @@ std::string renamed(const std::string& where, const std::string& old) {
         std::string where, old, now;
     };
     static const std::vector<Row> rows{{"solid", "inside", "container"},
+                                       {"solid", "spin", "rotation"},
+                                       {"solid", "centre", "position"},
+                                       {"block", "centre", "position"},
+                                       {"heat", "specific_heat", "capacity"},
+                                       {"heat", "ambient", "air"},
                                        {"drain", "after", "delay"},
                                        {"output", "frames", "images"},
                                        {"models.micropolar", "seed", "notes"}};
