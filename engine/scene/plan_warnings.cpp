@@ -117,7 +117,8 @@ private:
                 "high; \"coupled\" is right there, but moves no free bodies");
         if (plan_.traits.pressure.form == PressureForm::constraint && plan_.traits.viscosity.implicit && scene_.any_free_solid())
             add_warning(
-                "pressure.form = \"constraint\" holds back bodies in viscous fluid: after a way of about their own size they sink or rise at "
+                "pressure.form = \"constraint\" holds back bodies in viscous fluid: after a way of about their own size they sink or rise "
+                "at "
                 "a half to a fifth of their speed, the more so the deeper they are; \"projection\" moves them right, if the surface moves "
                 "gently");
         if (!plan_.traits.pressure.has_sound) return;

@@ -32,15 +32,10 @@ std::string renamed(const std::string& where, const std::string& old) {
     struct Row {
         std::string where, old, now;
     };
-    static const std::vector<Row> rows{{"solid", "inside", "container"},
-                                       {"solid", "spin", "rotation"},
-                                       {"solid", "centre", "position"},
-                                       {"block", "centre", "position"},
-                                       {"heat", "specific_heat", "capacity"},
-                                       {"heat", "ambient", "air"},
-                                       {"drain", "after", "delay"},
-                                       {"output", "frames", "images"},
-                                       {"models.micropolar", "seed", "notes"}};
+    static const std::vector<Row> rows{
+        {"solid", "inside", "container"}, {"solid", "spin", "rotation"},         {"solid", "centre", "position"},
+        {"block", "centre", "position"},  {"heat", "specific_heat", "capacity"}, {"heat", "ambient", "air"},
+        {"drain", "after", "delay"},      {"output", "frames", "images"},        {"models.micropolar", "seed", "notes"}};
     for (const Row& row : rows)
         if (row.where == where && row.old == old) return row.now;
     return "";

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "engine/io/diagnostics.h"
@@ -215,6 +216,45 @@ TEST_CASE("a heavy plate squeezes honey out at the rate of lubrication theory wi
 
 TEST_CASE("a heavy plate squeezes honey of 100 Pa s out at the rate of lubrication theory within 20 %", "[validation][bodies][long]") {
     sinks_as_lubrication_says(100);
+}
+
+namespace {
+
+/// Speed at which a cylinder of 24 mm sinks in honey of 10 Pa s between plates 120 mm apart, divided by Faxen's (Happel and Brenner 1965,
+/// section 7-7): force 4 pi mu v/(ln(1/k) - 0.9157 + 1.7244 k^2 - 1.7302 k^4) per length, k = diameter over gap.
+/// @param top height of the honey; 0.18 fills the tank
+double sinking_speed(double spacing, double top, double density, double longest_step) {
+    constexpr double R = 0.012, mu = 10, honey = 1400, k = 0.2;
+    Simulation simulation = simulation_of(
+        text::time(1, fmt::format("max_step = {}", longest_step)) + text::domain({-0.07, -0.01}, {0.07, 0.2}) +
+        text::fluid(spacing, mu, fmt::format("density = {}", honey)) + text::models("ppe", "full") + "[pressure]\nform = \"projection\"\n" +
+        text::block({-0.06, 0}, {0.06, top}) + text::tank({-0.06, 0}, {0.06, 0.18}) +
+        fmt::format(
+            "[[solid]]\nshape = \"cylinder\"\nfrom = [0, 0, -1]\nto = [0, 0, 1]\nposition = [0, 0.11, 0]\nradius = {}\ndensity = {}\n", R,
+            density));
+    const auto height = [&](double time) {
+        run_until(simulation, time);
+        return last_body(simulation).centre.y();
+    };
+    const double start = height(0.1), speed = (start - height(0.2)) / 0.1;
+    const double weight = std::numbers::pi * R * R * 1000 * 9.81;
+    return speed * 4 * std::numbers::pi * mu / (std::log(1 / k) - 0.9157 + 1.7244 * k * k - 1.7302 * k * k * k * k) / weight;
+}
+
+}  // namespace
+
+// The surface of a body acts about 0.6 spacings too far inside, so the speed is too high by 0.6 spacings over the radius.
+TEST_CASE("in honey a cylinder sinks at Faxen's speed with any step, under a surface and in a full room", "[validation][bodies]") {
+    const double open = sinking_speed(0.004, 0.16, 2400, 1), full = sinking_speed(0.004, 0.18, 2400, 1);
+    CHECK(open == Approx(1.22).margin(0.08));
+    CHECK(full == Approx(open).epsilon(0.05));
+    CHECK(sinking_speed(0.004, 0.16, 2400, 3e-4) == Approx(open).epsilon(0.05));
+    CHECK(std::abs(sinking_speed(0.004, 0.16, 1400, 1)) < 0.01);
+}
+
+TEST_CASE("the speed of a cylinder in honey converges to Faxen's", "[validation][bodies][long]") {
+    CHECK(sinking_speed(0.0024, 0.16, 2400, 1) == Approx(1.13).margin(0.06));
+    CHECK(sinking_speed(0.0015, 0.16, 2400, 1) == Approx(1.07).margin(0.04));
 }
 
 TEST_CASE("a loaded raft, a sluice's plate and a wedged body are at rest after two seconds", "[validation][bodies]") {
