@@ -117,10 +117,9 @@ private:
                 "high; \"coupled\" is right there, but moves no free bodies");
         if (plan_.traits.pressure.form == PressureForm::constraint && plan_.traits.viscosity.implicit && scene_.any_free_solid())
             add_warning(
-                "pressure.form = \"constraint\" holds back bodies in viscous fluid: after a way of about their own size they sink or rise "
-                "at "
-                "a half to a fifth of their speed, the more so the deeper they are; \"projection\" moves them right, if the surface moves "
-                "gently");
+                "pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own diameter sinks at "
+                "a "
+                "quarter of its speed; \"projection\" moves bodies right, if the surface of the fluid moves gently");
         if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
             add_warning("pressure.background_pressure pushes particles away from the free surface; use 0");
