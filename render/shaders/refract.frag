@@ -157,10 +157,10 @@ vec3 light_from(vec3 x, vec3 d, float way, int kind) {
     return kind == fluid && !clear_fluid ? body_colour * ambient(-d) : surroundings(x, d, 0.02, 1.8);
 }
 
-// Whether the fluid touches the glass at x, on its surface.
-bool touches_fluid(vec3 x) {
-    vec3 p = place_of(x), outside = max(abs(p - 0.5 * field_size) - 0.5 * field_size, 0.0);
-    return has_fluid && near_distance(p) + length(outside) < 0.5 + 0.1 * glass_voxel / voxel;
+// Whether the fluid touches the glass of normal n at x, on its surface: found a little in front of it, where the fluid's field has no edge.
+bool touches_fluid(vec3 x, vec3 n) {
+    vec3 p = place_of(x) + (0.7 + 0.1 * glass_voxel / voxel) * n, outside = max(abs(p - 0.5 * field_size) - 0.5 * field_size, 0.0);
+    return has_fluid && near_distance(p) + length(outside) < 0.0;
 }
 
 // Moves x to the glass that a ray from x along d through air meets, and returns whether it meets any.
@@ -222,7 +222,7 @@ void main() {
             through *= exp(-glass_absorption * way);
             x += way * d;
             n = wandering(glass_normal(x, sharp), x);
-            if (touches_fluid(x)) {
+            if (touches_fluid(x, n)) {
                 sharp = 0.0;
                 beyond = in_fluid;
                 if (!clear_fluid) {
