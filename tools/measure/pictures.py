@@ -89,7 +89,7 @@ gallery_scenes = {
     "toothpaste": ("Paste on a moving roll. It stiffens as it lies.", 3.9, "standard"),
     "chocolate_cake": ("Chocolate over a ring cake on a turning plate.", 2.46, "standard"),
     "honey_dipper": ("Honey runs off a dipper.", 2.04, "standard"),
-    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.2, "draft --set look.samples=16"),
+    "honey_jar": ("A spoon lifts honey out of a jar and lets it run back.", 2.21, "draft --set look.samples=6"),
     "toothpaste_writing": ("A nozzle writes a word in toothpaste.", 6.46, "draft --set look.samples=16"),
     "whipped_cream": ("A nozzle lays a rosette of whipped cream on a cake.", 4.2, "standard"),
     "melting_chocolate": ("One cube of chocolate melts on a warm plate, the other keeps its edges on a cold one.", 4.0, "standard"),
