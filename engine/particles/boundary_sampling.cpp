@@ -189,6 +189,39 @@ BoundaryParticles sample_solids(const Solids& solids, Real spacing, const Domain
     return particles;
 }
 
+void join_surfaces(BoundaryParticles& particles, const Solids& solids, const StepContext& step) {
+    const Real d = step.spacing;
+    std::vector<char> block;  // bounded, with the fluid outside
+    for (const Solid& solid : solids.all) block.push_back(solid.shape->bounded() && !solid.inside);
+    std::vector<char> hidden(static_cast<std::size_t>(particles.size()));
+    parallel_for(particles.size(), [&](Index s) {
+        const std::size_t own = static_cast<std::size_t>(particles.solid[s]);
+        Vec3 n = particles.normal[s];
+        const auto ahead = [&] { return Vec3(particles.position[s] + Real(0.75) * d * n); };
+        const auto each_other = [&](auto&& f) {
+            for (std::size_t k = 0; k < solids.all.size() && !hidden[s]; ++k)
+                if (k != own && (block[k] || block[own]) && !solids.all[k].moves()) f(solids.all[k]);
+        };
+        if (solids.all[own].moves()) return;
+        for (int face = 0; face < 2; ++face)
+            each_other([&](const Solid& other) {
+                if (!(other.distance(ahead()) < d / 10)) return;
+                const Vec3 m = other.normal(ahead());
+                n -= std::min(Real(0), n.dot(m)) * m;
+                hidden[s] = n.norm() < Real(0.3);
+                n.normalize();
+            });
+        each_other([&](const Solid& other) { hidden[s] |= other.distance(ahead()) < -d / 8; });
+        if (hidden[s] || n == particles.normal[s]) return;
+        particles.normal[s] = n, particles.own_normal[s] = solids.all[own].pose.rotation.transpose() * n;
+        const bool face = std::abs(solids.all[own].distance(particles.position[s] + d / 2 * n)) < d / 20;
+        particles.flat[s] = particles.behind[s] = face ? 1 : 0;
+    });
+    if (std::find(hidden.begin(), hidden.end(), 1) == hidden.end()) return;
+    particles.remove(hidden);
+    set_solid_volumes(particles, solids, step.domain, step.kernel, step.support);
+}
+
 void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const StepContext& step) {
     // Whether solids cover particle s or the way from s along the vector `to`. For example, a wall on a floor covers the floor below the
     // wall and hides the end of the floor from particles on the other side.

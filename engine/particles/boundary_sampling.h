@@ -33,6 +33,11 @@ PlanePatch patch_of_moving_plane(const Solid& plane, Real spacing, const Domain&
 /// itself. For a solid that moves it includes only particles of that solid, so that its volumes stay constant.
 void set_solid_volumes(BoundaryParticles& particles, const Solids& solids, const Domain& domain, KernelForm kernel, Real support);
 
+/// Joins the surfaces of solids at rest that touch or overlap, of which one at least is bounded with the fluid outside: removes the newly
+/// sampled particles that another solid covers, takes the components into another solid out of the normals of edges that lie against it,
+/// and sets the volumes.
+void join_surfaces(BoundaryParticles& particles, const Solids& solids, const StepContext& step);
+
 /// Fills BoundaryParticles::flat of newly sampled particles, or leaves it empty if no wall is flat.
 void find_flat_walls(BoundaryParticles& particles, const Solids& solids, const StepContext& step);
 

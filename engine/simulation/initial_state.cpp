@@ -36,6 +36,8 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     world.boundary_particles = sample_solids(
         world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
         [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);
+    if (plan.traits.pressure.source == PressureSource::velocity && !plan.free_surface)
+        join_surfaces(world.boundary_particles, world.solids, world.step);
     if (plan.wall_images) find_flat_walls(world.boundary_particles, world.solids, world.step);
     else world.boundary_particles.flat.clear();
     if (gauged) world.boundary_particles.pressed.assign(static_cast<std::size_t>(world.boundary_particles.size()), Vec3d::Zero());

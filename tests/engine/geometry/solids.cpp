@@ -205,6 +205,30 @@ TEST_CASE("on a plane the volumes are those of an infinite lattice, and periodic
     CHECK(sample_solids(solids, d, domain).size() == 0);
 }
 
+TEST_CASE("where a box stands on a wall, joined surfaces have no particle between them and no normal into the wall", "[geometry]") {
+    const Real d = Real(0.1);
+    StepContext step;
+    step.spacing = d, step.support = 2 * d, step.domain = cube(2);
+    Solids solids = solids_of(make_box({-1, -1, -1}, {1, 1, 1}));
+    solids.all[0].inside = true;
+    solids.all.push_back(solid_of(make_box({0, -1, -1}, {0.5, -0.5, -0.5})));
+    solids.set_time(0, 1e-3);
+    BoundaryParticles particles = sample_solids(solids, d, step.domain, step.kernel, step.support);
+    join_surfaces(particles, solids, step);
+    int on_faces = 0;
+    for (Index s = 0; s < particles.size(); ++s) {
+        const Vec3 x = particles.position[s], ahead = x + Real(0.75) * d * particles.normal[s];
+        for (std::size_t k = 0; k < 2; ++k)
+            if (static_cast<Index>(k) != particles.solid[s]) CHECK(solids.all[k].distance(ahead) > -d / 8);
+        if (particles.solid[s] == 0) continue;
+        CHECK(particles.normal[s].y() >= 0);  // it stands on y = -1, against z = -1
+        CHECK(particles.normal[s].z() >= 0);
+        on_faces += particles.normal[s].cwiseAbs().maxCoeff() > Real(0.99);
+    }
+    // 5 by 5 particles on each of the four free faces, without the five edges and corners at which two or three of them meet.
+    CHECK(on_faces > 40);
+}
+
 TEST_CASE("a box through a periodic domain has no ends and no seam there", "[geometry]") {
     const Real d = Real(0.1);
     const Domain domain = cube(1, {true, false, false});

@@ -311,6 +311,27 @@ void ProjectionShift::level_surface(const InteractionContext& context, Read<fiel
     });
 }
 
+namespace {
+
+/// Removes the part of a change of velocity at i that would increase the velocity relative to the neighbours' mean, if that is more than
+/// three times the neighbours' own scatter. Gradients that are extrapolated towards a wall would otherwise accelerate a single particle
+/// beside the wall from step to step, the faster the faster it is.
+template <class Kernel>
+void limit_outlier(const Kernel& W, const FluidPairs& pairs, Index i, Span<const Vec3> u, Vec3& change) {
+    Real weights = 0, square = 0;
+    Vec3 sum = Vec3::Zero();
+    pairs.of(i, [&](Index j, const Vec3&, Real distance) {
+        const Real w = W.value(distance);
+        weights += w, sum += w * (u[j] - u[i]), square += w * (u[j] - u[i]).squaredNorm();
+    });
+    if (!(weights > 0)) return;
+    const Vec3 ahead = -sum / weights;
+    const Real apart = ahead.squaredNorm(), more = change.dot(ahead);
+    if (more > 0 && apart > 9 * (square / weights - apart)) change -= more / apart * ahead;
+}
+
+}  // namespace
+
 void ProjectionShift::operator()(const InteractionContext& context, Read<field::role> role, Update<field::position> x,
                                  Update<field::velocity> u) const {
     ProjectionSystem& s = *system;
@@ -345,7 +366,10 @@ void ProjectionShift::operator()(const InteractionContext& context, Read<field::
     lift_nothing(step.gravity, s.shift);
     with_kernel(step.kernel, step.support, [&](const auto& W) {
         parallel_for(n, [&](Index i) {
-            if (s.shift[i] != Vec3::Zero()) change[i] = carried(W, s.whole, context.pairs, i, step.volume, u.data(), s.shift[i]);
+            if (s.shift[i] == Vec3::Zero()) return;
+            change[i] = carried(W, s.whole, context.pairs, i, step.volume, u.data(), s.shift[i]);
+            if (!s.options.free_surface && s.any_walls && context.solid_pairs.count(i) > 0)
+                limit_outlier(W, context.pairs, i, u.values, change[i]);
         });
     });
     parallel_for(n, [&](Index i) { x[i] += s.shift[i], u[i] += change[i], s.start_velocity[i] += change[i]; });

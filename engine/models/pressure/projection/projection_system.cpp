@@ -123,6 +123,15 @@ void each_site_behind(const NearWalls& walls, const StepContext& step, F&& f) {
             }
 }
 
+/// Whether the fluid continues behind one of the walls, as beyond a convex edge.
+bool ends_near(const NearWalls& walls, const InteractionContext& context, Index i) {
+    bool ends = false;
+    context.pairs.of(i, [&](Index, const Vec3& r, Real) {
+        for (std::size_t k = 0; k < walls.count; ++k) ends = ends || walls.above(k, -r) < -context.step.spacing / 4;
+    });
+    return ends;
+}
+
 /// Whether a boundary particle lies behind another wall than its own, as where two planes cross. @param to from the particle to it
 bool covered(const NearWalls& walls, const Vec3& normal, const Vec3& to, Real spacing) {
     for (std::size_t k = 0; k < walls.count; ++k) {
@@ -267,14 +276,22 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
             if (s.any_walls && context.solid_pairs.count(i) > 0) {
                 s.gate[i] = s.options.gate.weight(W, i, context.solid_pairs, boundary.volume, 1);
                 const NearWalls walls = s.options.free_surface ? NearWalls{} : walls_near(context, i, step.support);
-                const bool meet = walls.meet(step.support);
+                const bool meet = walls.meet(step.support), ends = meet && ends_near(walls, context, i);
+                const auto in_solid = [&](const Vec3& x) {
+                    Real distance = 0;
+                    return context.solids.nearest(x, distance) >= 0 && distance < 0;
+                };
+                Vec3 x = Vec3::Zero();
                 s.near_edge[i] = meet && walls.meet(Real(1.5) * d);
-                if (step.dimensions() == 3 && walls.least_gap() < Real(5.5) * d) narrow.store(true, std::memory_order_relaxed);
+                if (step.dimensions() == 3 && (ends || walls.least_gap() < Real(5.5) * d)) narrow.store(true, std::memory_order_relaxed);
                 std::size_t k = s.first_touch[i];
                 context.solid_pairs.of(i, [&](Index q, const Vec3& r, Real) {
                     const Vec3& normal = boundary.normal[q];
                     const Real volume = s.gate[i] * of_layer * boundary.volume[q], above = r.dot(normal);
-                    const bool open = above > 0 && !(meet && covered(walls, normal, -r, d));
+                    x = boundary.position[q] + r;
+                    const bool open = above > 0 && !(ends   ? in_solid(boundary.position[q] + Real(0.6) * d * normal)
+                                                     : meet ? covered(walls, normal, -r, d)
+                                                            : false);
                     Real flux = 0;
                     each_layer(r, normal, d, step.support, [&](const Vec3& to, Real distance, Real) {
                         if (open) flux += 2 * volume * W.slope(distance) * to.dot(normal);
@@ -282,7 +299,10 @@ void ProjectionGeometry::operator()(const InteractionContext& context, Read<fiel
                     });
                     s.touches[k++] = {q, flux, above - d / 2};
                 });
-                if (meet) each_site_behind(walls, step, [&](const Vec3& to, Real distance) { add_wall(s.gate[i] * V, to, distance); });
+                if (meet)
+                    each_site_behind(walls, step, [&](const Vec3& to, Real distance) {
+                        if (!ends || in_solid(x - to)) add_wall(s.gate[i] * V, to, distance);
+                    });
                 match_fluxes(context, i, own.imbalance, s);
             }
             s.spread[i] = own.spread + wall_spread;
