@@ -72,3 +72,23 @@ def growth(m):
     return (sizes + "\n\nTen million particles, from the slope of the last three sizes and the speed-up by a second thread:\n\n" +
             markdown("flow | exponent of the cost | us per particle-step | memory, GB | steps a second | speed-up by two threads | hours per simulated "
                      "second, 2 cores | 16 cores", films))
+
+
+@table("law_costs", "cost of a cube of honey with a yield stress, a flow index and heat, beside the same cube without them", "10 minutes, an idle machine")
+def law_costs(m):
+    base = {"name": "cube", "time": {"end": 0.1, "fps": 10}, "domain": {"min": [-0.1, -0.02, -0.1], "max": [0.1, 0.12, 0.1]},
+            "fluid": {"spacing": 2.4e-3, "viscosity": 50, "density": 1400},
+            "block": [{"shape": "box", "min": [-0.03, 0, -0.03], "max": [0.03, 0.06, 0.03]}], "solid": [{"shape": "plane"}]}
+    power = {"spacing": 2.4e-3, "density": 1400, "yield_stress": 20, "consistency": 50, "flow_index": 0.5}
+    cases = {"50 Pa s": {}, "yield stress of 20 Pa": {"fluid": {**base["fluid"], "yield_stress": 20}},
+             "the same with flow index 0.5": {"fluid": power},
+             "50 Pa s at 300 K on a plate of 350 K": {"block": [{**base["block"][0], "temperature": 300}], "heat": {"conductivity": 0.4, "capacity": 2000},
+                                                     "solid": [{"shape": "plane", "temperature": 350}]}}
+    rows = []
+    for k, (name, parts) in enumerate(cases.items()):
+        runs = [m.render(m.toml_file(f"law_costs/{k}", {**base, **parts}), f"law_costs/{k}-{again}", threads=1) for again in range(3)]
+        r = min(runs, key=lambda run: run.microseconds)
+        cost = r.microseconds
+        first = cost if k == 0 else first
+        rows.append([name, f"{r.report['steps']:.0f}", f"{r.iterations_per_step:.0f}", f"{cost:.1f}", f"{cost / first:.2f}"])
+    return markdown("fluid | steps | iterations per step | us per particle-step | ratio", rows)
