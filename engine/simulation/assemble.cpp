@@ -137,7 +137,7 @@ private:
         options.limits = scene_.pressure.limits;
         options.free_surface = plan_.free_surface;
         options.sharp = !traits_.micropolar.spins;
-        options.solves = bounded() && !frictionless() ? 3 : 2;
+        options.solves = bounded() ? 3 : 2;
         options.tension = plan_.free_surface ? scene_.fluid.surface_tension : 0;
         options.bare_surface = weightless() && options.tension == 0;
         options.theta = bounded() ? 0.55 : 0.5;
@@ -148,14 +148,6 @@ private:
         return options;
     }
     bool bounded() const { return plan_.free_surface || !scene_.solids.empty(); }
-    /// Whether no load acts, and the fluid slides freely along all walls, which rest. Then a third solve changes the energy by .1 %.
-    bool frictionless() const {
-        const auto smooth = [](const SolidKeys& s) {
-            return s.slip == Slip::free && s.density == 0 && !s.position.depends_on_time() && s.rotation.is_zero();
-        };
-        return !plan_.free_surface && scene_.domain.gravity.is_zero() && scene_.fluid.force.is_zero() &&
-               std::all_of(scene_.solids.begin(), scene_.solids.end(), smooth);
-    }
     bool weightless() const { return plan_.free_surface && scene_.domain.gravity.is_zero(); }
 
     /// Projection: forces and pressure are computed at the positions to which the flow carries the particles in this step.
