@@ -133,10 +133,12 @@ private:
 
 }  // namespace
 
-std::string ClosedRoom::text() const {
+std::string ClosedRoom::text() const { return "the closed room " + place(); }
+
+std::string ClosedRoom::place() const {
     const double rounding = 1e-6 * box.sizes().maxCoeff();
     const auto point = [&](const Vec3d& x) { return point_text((x.array().abs() > rounding).select(x, 0)); };
-    return fmt::format("the closed room from {} to {} m", point(box.min()), point(box.max()));
+    return fmt::format("from {} to {} m", point(box.min()), point(box.max()));
 }
 
 std::string ClosedRoom::names() const {

@@ -75,6 +75,7 @@ struct ClosedRoom {
     double coming = 0;        ///< volume that emitters add until the end of the run
     std::vector<std::size_t> emitters;
     std::string text() const;   ///< "the closed room from (0, 0, 0) to (1, 1, 1) m"
+    std::string place() const;  ///< "from (0, 0, 0) to (1, 1, 1) m"
     std::string names() const;  ///< "emitter[0] and emitter[1]"
 };
 
