@@ -120,6 +120,10 @@ class Session:
                                           f"--user-data-dir={m.out / 'live_browser'}", address], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         else:
             m.say("no chromium: only the script's viewer receives the images")
+        # The run waits for its first viewer. If the script were the first, the browser would start during the measurement.
+        began = time.monotonic()
+        while self.page and ask(self.port, "/state")["time"] == 0 and time.monotonic() - began < 30:
+            time.sleep(0.1)
         self.viewer = Viewer(self.port)
         self.viewer.start()
 
