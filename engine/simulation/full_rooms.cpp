@@ -57,8 +57,8 @@ std::string Simulation::State::overfull() const {
     const Vec3d half = Vec3d(1, 1, plan.dimensions() - 2) * plan.spacing / 2;
     for (Index i = 0; i < world.fluid.size(); ++i)
         if (dense(i)) room.box.extend(x[i].cast<double>() - half), room.box.extend(x[i].cast<double>() + half);
-    return fmt::format("more fluid than fits at {:.4g} s {}: it is {:.2g} % too dense there, {:.3g} m^{} ({:.0f} particles) too much",
-                       time, room.place(), 100 * more / count, more * plan.particle_volume(), plan.dimensions(), more);
+    return fmt::format("more fluid than fits at {:.4g} s {}: it is {:.2g} % too dense there, {:.3g} m^{} ({:.0f} particles) too much", time,
+                       room.place(), 100 * more / count, more * plan.particle_volume(), plan.dimensions(), more);
 }
 
 }  // namespace whorl
