@@ -461,16 +461,14 @@ TEST_CASE("weakly compressible honey in a spinning bucket stays .4 spacings off 
     check_paraboloid(simulation, spacing, 0.03, spacing / 2);
 }
 
-TEST_CASE("weakly compressible honey spun for 20 s keeps its energy from 2 s on within .7 %", "[wcsph][boundary][long]") {
-    // .33 to .56 %. If particles could lie on the wall: 2.4 % after 8 s, and rising.
+TEST_CASE("weakly compressible honey spun for 20 s has the energy of rigid rotation within .7 %", "[wcsph][boundary][long]") {
+    // The packing yields slowly: the energy is .6 % below the exact one at 2 s, and .15 % below at 14 s. If particles could lie on the
+    // wall, it would rise by 2.4 % in 8 s.
     constexpr double spacing = 8e-3;
     Simulation simulation = simulation_of(spun_bucket(spacing, 4, text::models("wcsph", "full")));
-    run_until(simulation, 2);
-    const double before = energy_of(simulation);
-    for (double t = 4; t <= 20; t += 4) {
+    for (const double t : {2, 4, 8, 12, 16, 20}) {
         run_until(simulation, t);
-        check_paraboloid(simulation, spacing, 0.01, spacing / 2);
-        CHECK(energy_of(simulation) == Approx(before).epsilon(0.007));
+        check_paraboloid(simulation, spacing, 0.007, spacing / 2);
     }
 }
 
