@@ -112,6 +112,8 @@ public:
         return {groups_.member.data() + groups_.first[g], static_cast<std::size_t>(groups_.first[g + 1] - groups_.first[g])};
     }
     Span<const Vec3d> centres() const { return centre_; }
+    /// For a group without members, such as a body.
+    void set_centre(int g, const Vec3d& centre) { centre_[static_cast<std::size_t>(g)] = centre; }
 
     /// Sets load = R^T r, six sums per group.
     void restrict_to_groups(Span<const Vec3> r, Span<Real> load) const;

@@ -178,7 +178,7 @@ void check_bodies(const Scene& scene, const Plan& plan, const KeyProblems& repor
         report("models.pressure",
                "models.pressure = " + described(plan.traits.pressure) + " does not move free bodies (solids with a density)",
                "use " + described(pressure_models(), &PressureTraits::moves_bodies));
-    else if (plan.boundary == BoundaryModel::none)
+    else if (plan.boundary == BoundaryModel::none && plan.traits.pressure.boundary != BoundaryModel::none)
         report("models.boundary", "the fluid acts on free bodies through their boundary particles, and models.boundary is none",
                "use \"auto\"");
     if (!plan.traits.viscosity.moves_bodies)

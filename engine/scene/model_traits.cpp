@@ -71,6 +71,7 @@ const std::vector<PressureTraits>& pressure_models() {
          .solves_viscosity = true,
          .least_viscous_number = 0.04,
          .has_micropolar = false,
+         .moves_bodies = true,
          .kernel = KernelKind::wendland_c2,
          .support = 2.4,
          .widest_support = 4,

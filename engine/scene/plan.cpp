@@ -27,7 +27,7 @@ std::string pressure_reason(PressureModel pressure, const Scene& scene, const Sc
     if (traits_of(scene.models.micropolar).spins && pressure == PressureModel::wcsph)
         return "usual with micropolar terms and a free surface; \"ppe\" also has them";
     if (!n.free_surface) return "every axis is periodic: no free surface";
-    if (scene.any_free_solid()) return "it moves the free bodies in the same solve";
+    if (scene.any_free_solid() && pressure == PressureModel::ppe) return "it moves the free bodies in the same solve";
     if (pressure == PressureModel::ppe && misses_angle(traits_of(PressureModel::coupled), scene))
         return "drops meet solids at the angle of their wetting";
     if (n.viscous_number > coupled_above && pressure == PressureModel::ppe)
@@ -49,7 +49,8 @@ PressureModel automatic_pressure(const Scene& scene, const SceneScales& n, bool 
     const PressureTraits& coupled = traits_of(PressureModel::coupled);
     const bool viscous =
         scene.fluid.flow_law().yields() || (n.viscous_number > coupled_above && n.least_viscous_number >= coupled.least_viscous_number);
-    const bool fits = n.free_surface && (coupled.moves_bodies || !scene.any_free_solid()) && !misses_angle(coupled, scene);
+    // In a room full of viscous fluid the projection moves bodies (automatic_pressure_form()).
+    const bool fits = n.free_surface && (open || !scene.any_free_solid()) && !misses_angle(coupled, scene);
     return viscous && fits ? PressureModel::coupled : PressureModel::ppe;
 }
 

@@ -114,15 +114,12 @@ private:
         if (scene_.fluid.flow_law().yields() && plan_.traits.pressure.form)
             add_warning(
                 "with models.pressure = \"ppe\" fluid near its yield stress flows at .5 to 1.3 times its speed and heaps stay a sixth too "
-                "high; \"coupled\" is right there, but moves no free bodies");
-        if (plan_.traits.pressure.form == PressureForm::constraint && plan_.traits.viscosity.implicit && scene_.any_free_solid()) {
-            const bool projects = !plan_.free_surface || scene_.domain.dimensions == 2;
-            add_warning(
-                fmt::format("pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own "
-                            "diameter sinks at a quarter of its speed; {}",
-                            projects ? "\"projection\" moves them right, if the surface of the fluid moves gently"
-                                     : "\"projection\" moves them right in a room full of fluid"));
-        }
+                "high; \"coupled\" is right there");
+        if (plan_.traits.pressure.form == PressureForm::constraint && plan_.traits.viscosity.implicit && scene_.any_free_solid())
+            add_warning(fmt::format(
+                "pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own "
+                "diameter sinks at a quarter of its speed; {}",
+                plan_.free_surface ? "models.pressure = \"coupled\" moves them right" : "pressure.form = \"projection\" moves them right"));
         if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
             add_warning("pressure.background_pressure pushes particles away from the free surface; use 0");

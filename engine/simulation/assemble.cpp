@@ -122,9 +122,11 @@ private:
         // Gravity, pressure and viscosity are one solve. Its work, the potential energy that the move releases, and the energy that the
         // contact removes therefore all count as work of viscosity.
         melting_yield_stress(law);
+        if (bodies_) stage("kick of bodies", "bodies", KickBodies{});
         if (law.acts()) stage("coupled solve", "pressure", CoupledYieldingSolve{system, law}, &EnergyBudget::viscosity);
         else stage("coupled solve", "pressure", CoupledSolve{system}, &EnergyBudget::viscosity);
         stage("coupled move", "move", CoupledMove{system}, &EnergyBudget::viscosity);
+        if (bodies_) stage("motion of bodies", "bodies", MoveBodies{false});
         stages_.push_back(move_solids());
         const bool shifts = plan_.shifting != ShiftingModel::none;
         if (shifts && law.acts()) stage("coupled shift", "shifting", CoupledYieldingShift{system}, &EnergyBudget::moves);

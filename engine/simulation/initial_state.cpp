@@ -32,7 +32,8 @@ void place_solids(const Scene& scene, const Plan& plan, World& world) {
     for (const SolidKeys& keys : scene.solids)
         world.solids.all.push_back(solid_of(keys, make_shape(shape_of(scene, keys)))), world.solids.all.back().probed = probed;
     world.solids.set_time(0, scene.time.look_ahead());
-    if (plan.boundary == BoundaryModel::none) return;
+    // Contact of bodies needs points on the surfaces, even if the fluid does not.
+    if (plan.boundary == BoundaryModel::none && !(plan.traits.pressure.solves_viscosity && scene.any_free_solid())) return;
     world.boundary_particles = sample_solids(
         world.solids, world.step.spacing, world.step.domain, plan.kernel, world.step.support,
         [&](std::size_t k) { return scene.place(entry_name("solid", k) + ".shape"); }, scene.time.end);

@@ -29,6 +29,14 @@ struct ViscousBodies {
         Mat3d turning = Mat3d::Zero();  ///< I/m [m^2]
         Vec3d centre = Vec3d::Zero();
         std::vector<std::size_t> touches;
+
+        /// Matrix of the body's energy. @param unit of length, by which the angular velocity is multiplied [m]
+        Eigen::Matrix<double, 6, 6> inertia(double unit = 1) const {
+            Eigen::Matrix<double, 6, 6> all = Eigen::Matrix<double, 6, 6>::Zero();
+            all.topLeftCorner<3, 3>() = mass * Mat3d::Identity();
+            all.bottomRightCorner<3, 3>() = turning / (unit * unit);
+            return all;
+        }
     };
     std::vector<Inertia> body;
     std::vector<BodyTouch> touch;

@@ -168,6 +168,7 @@ public:
 
 private:
     void find_springs();
+    Mat3 spring(std::size_t entry) const;  ///< sum of W over the pairs of a particle or wall
     void find_shares(const RowSlice& slice, Index lane);
     void add_coupling(Index row);
     void add_strains(const RowSlice& slice, Index lane);
@@ -177,6 +178,8 @@ private:
         return at < block_.touched.size() ? nullptr : &block_.walls[at - block_.touched.size()];
     }
     Mat3 sliding(const WallPoint& wall) const;
+    /// Arm of a wall's point from the centre of its body, in spacings.
+    Vec3 arm_of(const WallPoint& wall) const { return form_.rows().in_spacings(wall.arm); }
 
     const StrainForm& form_;
     const RigidAggregates& aggregates_;
@@ -184,8 +187,8 @@ private:
     const Vec4* at_;  ///< positions of the block's touched particles
     GroupSums<BlockSum>& sums_;
     Column<Lanes> pairs_;               ///< x, y and z of r, and w, of each pair of a slice
-    Column<Vec4> springs_;              ///< sum of W over the pairs of each particle that the block touches: xx yy zz, xy xz yz
-    std::vector<int> number_;           ///< number in sums_ of each particle's aggregate, -1: none
+    Column<Vec4> springs_;              ///< sum of W over the pairs of each entry of the block: xx yy zz, xy xz yz
+    std::vector<int> number_;           ///< number in sums_ of the aggregate of each entry (particle or wall), -1: none
     std::vector<Share> shares_;         ///< shares of one row, that of the row's own particle first
     std::vector<std::size_t> counted_;  ///< indices of the shares that belong to an aggregate
     Features features_;
@@ -193,11 +196,15 @@ private:
 
 CoarseRows::CoarseRows(const StrainForm& form, const RigidAggregates& aggregates, const RowBlock& block, GroupSums<BlockSum>& sums)
     : form_(form), aggregates_(aggregates), block_(block), at_(form.rows().positions(block)), sums_(sums),
-      springs_(2 * block.entries(), Vec4{}), number_(block.touched.size()) {
-    for (std::size_t place = 0; place < number_.size(); ++place) {
+      springs_(2 * block.entries(), Vec4{}), number_(block.entries(), -1) {
+    for (std::size_t place = 0; place < block.touched.size(); ++place) {
         const std::int32_t a = aggregates.of(block.touched[place]);
         number_[place] = a < 0 ? -1 : sums.number(a);
     }
+    if (form.bodies() == nullptr) return;
+    const int first_body = aggregates.groups() - static_cast<int>(form.bodies()->body.size());
+    for (std::size_t k = 0; k < block.walls.size(); ++k)
+        if (block.walls[k].body >= 0) number_[block.touched.size() + k] = sums.number(first_body + block.walls[k].body);
 }
 
 void CoarseRows::find_springs() {
@@ -262,18 +269,28 @@ void CoarseRows::find_shares(const RowSlice& slice, Index lane) {
         add_monomials(r[0], r[1], r[2], pair[3][lane], shares_[k].sums.v);
         pair += 4;
     });
-    // Walls do not belong to an aggregate. Those on which the fluid slides are in sliding().
+    // Walls do not belong to an aggregate, except those of free bodies. Those on which the fluid slides are in sliding().
     for (Index k = slice.plain(); slice.walls > 0 && k < slice.width; ++k) {
         const Lanes* wall = pairs_.data() + 4 * static_cast<std::size_t>(k);
         if (!(wall[3][lane] > 0)) continue;
         const auto entry = block_.other[slice.begin + static_cast<std::size_t>(k * lane_count + lane)];
         if (wall_of(entry)->slides()) continue;
-        const auto held = std::find_if(shares_.begin(), shares_.end(), [](const Share& s) { return s.aggregate < 0; });
+        const int number = number_[entry];
+        const Vec3 arm = number < 0 ? Vec3(Vec3::Zero()) : arm_of(*wall_of(entry)) - Vec3(wall[0][lane], wall[1][lane], wall[2][lane]);
+        const auto held = std::find_if(shares_.begin(), shares_.end(), [&](const Share& s) {
+            return number < 0 ? s.aggregate < 0 : s.aggregate == number && (s.arm - arm).squaredNorm() < Real(1e-4);
+        });
         const std::size_t at = static_cast<std::size_t>(held - shares_.begin());
-        if (held == shares_.end()) shares_.push_back(Share{-1, Vec3::Zero()});
+        if (held == shares_.end()) shares_.push_back(Share{number, arm});
         add_monomials(wall[0][lane], wall[1][lane], wall[2][lane], wall[3][lane], shares_[at].sums.v);
     }
     for (Share& share : shares_) share.unpack(c);
+}
+
+Mat3 CoarseRows::spring(std::size_t entry) const {
+    const Real *even = springs_[2 * entry].v, *mixed = springs_[2 * entry + 1].v;
+    const Real six[6] = {even[0], even[1], even[2], mixed[0], mixed[1], mixed[2]};
+    return symmetric_of(six);
 }
 
 /// Adds the contributions of the row's own particle i, which belongs to each pair of the row: the springs' mixed terms u_i u_j, and -u_i in
@@ -328,20 +345,28 @@ Mat3 CoarseRows::sliding(const WallPoint& wall) const {
 
 void CoarseRows::add_springs() {
     find_springs();
-    if (form_.rows().any_slip)
-        for (const WallPoint& wall : block_.walls) {
-            if (number_[wall.row] < 0 || !wall.slides()) continue;
-            const Mat36 E = motion(aggregates_.arm(block_.begin + wall.row));
-            add(number_[wall.row], number_[wall.row], Mat6(E.transpose().lazyProduct(Mat36(sliding(wall) * E))));
-        }
-    for (std::size_t place = 0; place < number_.size(); ++place) {
+    for (std::size_t k = 0; k < block_.walls.size(); ++k) {
+        const WallPoint& wall = block_.walls[k];
+        const int own = number_[wall.row], body = number_[block_.touched.size() + k];
+        if (!wall.slides() || (own < 0 && body < 0)) continue;
+        const Mat3 W = sliding(wall);
+        const Mat36 E = motion(aggregates_.arm(block_.begin + wall.row)), of_body = motion(arm_of(wall));
+        if (own >= 0) add(own, own, Mat6(E.transpose().lazyProduct(Mat36(W * E))));
+        if (body >= 0) add(body, body, Mat6(of_body.transpose().lazyProduct(Mat36(W * of_body))));
+        if (own >= 0 && body >= 0) add(own, body, Mat6(-E.transpose().lazyProduct(Mat36(W * of_body))));
+    }
+    for (std::size_t k = 0; k < block_.walls.size(); ++k) {
+        const int body = number_[block_.touched.size() + k];
+        if (body < 0 || block_.walls[k].slides()) continue;
+        const Mat36 E = motion(arm_of(block_.walls[k]));
+        add(body, body, Mat6(E.transpose().lazyProduct(Mat36(spring(block_.touched.size() + k) * E))));
+    }
+    for (std::size_t place = 0; place < block_.touched.size(); ++place) {
         const Index j = block_.touched[place];
         if (number_[place] < 0) continue;
         const Mat36 E = motion(aggregates_.arm(j));
         const bool own_row = static_cast<Index>(place) < block_.size();
-        const Real *even = springs_[2 * place].v, *mixed = springs_[2 * place + 1].v;
-        const Real six[6] = {even[0], even[1], even[2], mixed[0], mixed[1], mixed[2]};
-        const Mat3 W = symmetric_of(six) + (own_row ? Mat3(Mat3::Identity() + form_.friction(j)) : Mat3(Mat3::Zero()));
+        const Mat3 W = spring(place) + (own_row ? Mat3(Mat3::Identity() + form_.friction(j)) : Mat3(Mat3::Zero()));
         add(number_[place], number_[place], Mat6(E.transpose().lazyProduct(Mat36(W * E))));
     }
 }
@@ -356,8 +381,12 @@ SymmetricBlocks coarse_matrix(const StrainForm& form, const RigidAggregates& agg
         for (const RowSlice& slice : block.slices) coarse.add_rows(slice);
         coarse.add_springs();
     };
-    return coarse_blocks<BlockSum>(aggregates.groups(), static_cast<Index>(rows.blocks.size()), rows_of,
-                                   [](const BlockSum& sum) { return sum.value; });
+    SymmetricBlocks Ac = coarse_blocks<BlockSum>(aggregates.groups(), static_cast<Index>(rows.blocks.size()), rows_of,
+                                                 [](const BlockSum& sum) { return sum.value; });
+    if (form.bodies() == nullptr) return Ac;
+    int group = aggregates.groups() - static_cast<int>(form.bodies()->body.size());
+    for (const auto& body : form.bodies()->body) Ac.add(group, group, body.inertia(static_cast<double>(form.spacing()))), ++group;
+    return Ac;
 }
 
 }  // namespace whorl

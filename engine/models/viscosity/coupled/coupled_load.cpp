@@ -26,16 +26,16 @@ void CoupledStep::set_divergence() {
     divergence.resize(n);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
     const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
-    const auto loose = [&](const Neighbourhood& context, double lacking) {
-        if (options.vessel < 0) return meeting * lacking * std::clamp(2 - context.surface / options.no_surface, 0.0, 1.0);
-        const double surface = std::min(static_cast<double>(context.surface), options.even_surface);
+    const auto loose = [&](const Neighbourhood& around, double lacking) {
+        if (options.vessel < 0) return meeting * lacking * std::clamp(2 - around.surface / options.no_surface, 0.0, 1.0);
+        const double surface = std::min(static_cast<double>(around.surface), options.even_surface);
         return std::min(0.0, lacking + 0.85 * std::max(0.0, surface - options.no_surface));  // without the deficit of a surface
     };
     parallel_for(n, [&](Index i) {
-        const Neighbourhood& context = system.rows.neighbourhood[i];
-        double compressed = context.density - 1;
+        const Neighbourhood& around = system.rows.neighbourhood[i];
+        double compressed = around.density - 1;
         // Fluid under tension is never drawn together, because a thread would creep without end.
-        if (compressed < 0) compressed = p[i] > 0 ? loose(context, compressed) : 0;
+        if (compressed < 0) compressed = p[i] > 0 ? loose(around, compressed) : 0;
         const double most = last_rate.empty() ? fastest_push : std::min(fastest_push, options.push_of_shear * last_rate[i]);
         const double pushed = starts ? 0 : std::clamp(options.push * compressed / dt, -most, most);
         divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
@@ -85,18 +85,20 @@ void CoupledStep::balance() {
 /// hold their neighbours. It is at least 3 % of the norm with these forces, for a fluid at rest that only moving solids drag along
 double CoupledStep::set_load() {
     parallel_for(n, [&](Index i) { load[i] = loaded(i, u[i]); });
+    bodies.momenta(Span<Vec3>(load).subspan(static_cast<std::size_t>(n)));
     form.add_stress(pressure, curvature, load);
     unknowns.restrict_to(load);
     const double reference = preconditioned_norm(load);
     if (nothing_held) return reference;
     form.apply(known, work, true);
-    parallel_for(n, [&](Index i) { load[i] -= unknowns.part(i, work[i]); });
+    unknowns.restrict_to(work);
+    parallel_for(static_cast<Index>(entries), [&](Index i) { load[i] -= work[i]; });
     return std::max(reference, 0.03 * preconditioned_norm(load));
 }
 
 /// Frees the arrays that the load now includes, unless release_slipping() or a ledger needs them.
 void CoupledStep::let_go() {
-    if (!system.rows.any_slip && !solids.any_probed()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
+    if (!system.rows.any_slip && !writes_ledgers()) Column<Mat3>().swap(curvature), Column<Real>().swap(pressure);
 }
 
 }  // namespace whorl

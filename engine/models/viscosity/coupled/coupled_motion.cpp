@@ -243,8 +243,9 @@ void CoupledContact::operator()(Update<field::position> x, Update<field::velocit
     const Real closest = d * static_cast<Real>(s.options.closest), touch = d * static_cast<Real>(s.options.wall_touch),
                reach = d * static_cast<Real>(s.options.wall_reach);
     const KeepRotation rotation(s, role, x.values, u.values);
-    // By particle, if a probe or KeepRotation needs them: the solid that stopped the particle, and the velocity before the stop.
-    const auto recorded = static_cast<std::size_t>(solids.any_probed() || rotation.acts() ? x.size() : 0);
+    // By particle, if a probe, a free body or KeepRotation needs them: the solid that stopped the particle, and the velocity before the
+    // stop.
+    const auto recorded = static_cast<std::size_t>(solids.any_probed() || solids.any_free() || rotation.acts() ? x.size() : 0);
     std::vector<int> stopper(recorded, -1);
     Column<Vec3> before(u.values.begin(), u.values.begin() + static_cast<std::ptrdiff_t>(recorded));
     parallel_for(x.size(), [&](Index i) {

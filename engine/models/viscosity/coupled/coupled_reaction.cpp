@@ -9,10 +9,12 @@ namespace whorl {
 /// strain and by pressure, and the friction of slip. The residual of the solve is distributed over all of them. A rotating vessel also
 /// receives the opposite of balance(), which replaces forces between fluid and wall.
 void CoupledStep::write_ledgers() {
-    if (!solids.any_probed()) return;
+    if (!writes_ledgers()) return;
     const auto m = static_cast<double>(step.mass);
     const auto push = [&](Solid& solid, Push kind, const Vec3& at, const Vec3& velocity) {
-        solid.receive(kind, Wrench::at(solid.image(at).cast<double>() - solid.centre(), m * velocity.cast<double>()));
+        const Wrench impulse = Wrench::at(solid.image(at).cast<double>() - solid.centre(), m * velocity.cast<double>());
+        if (solid.body) solid.ledger[kind] += impulse;  // the solve has moved the body
+        else solid.receive(kind, impulse);
     };
     const auto walls_take = [&](Push kind, Real sign) {
         form.each_wall_force(

@@ -172,11 +172,13 @@ const Vec4* CoupledRows::take(const RowBlock& block, Span<const Vec3> u, bool mo
         quad(*to++) = (quad(x_[j]) - first) * of_spacing_;
         if constexpr (with) *to++ = with_spare(u[j]);
     }
+    const std::size_t bodies = x_.size();  // index of the bodies' first entry
     for (const WallPoint& wall : block.walls) {
         const Vec4 point = with_spare(wall.position);
         quad(*to++) = (quad(point) - first) * of_spacing_;
         if constexpr (with) {
             Vec3 velocity = moving ? wall.velocity : Vec3(Vec3::Zero());
+            if (wall.body >= 0 && u.size() > bodies) velocity = wall.carried_by(u.subspan(bodies));
             if (wall.slides()) velocity += wall.slipping(u[block.begin + wall.row] - velocity);
             *to++ = with_spare(velocity);
         }

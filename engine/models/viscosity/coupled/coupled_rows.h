@@ -50,6 +50,9 @@ struct WallPoint {
     Vec3 normal;              ///< into the fluid
     Index row = 0;            ///< row of the particle in its block
     Index solid = 0;
+    /// Number of the free body among all, whose velocity is an unknown of the solve; -1: the velocity is known
+    std::int32_t body = -1;
+    Vec3 arm = Vec3::Zero();  ///< vector from the body's centre to the point, the mean over this step [m]
     Real weight = 0;
     Mat3 lateral = Mat3::Zero();  ///< contribution to M along the wall
     /// Share s of the tangential velocity of the particle relative to the wall that the fluid between them has, h/(h + b) with the slip
@@ -58,6 +61,11 @@ struct WallPoint {
     Real friction = 0;  ///< b/(h + b)^2 times the covered part of the wall: friction per area over mu (u_wall - u_i)_t [1/m]
 
     bool slides() const { return stick < 1; }
+    /// Velocity of the point. @param bodies velocity and angular velocity of each free body [m/s, 1/s]
+    Vec3 carried_by(Span<const Vec3> bodies) const {
+        const Vec3* of = &bodies[2 * static_cast<std::size_t>(body)];
+        return of[0] + of[1].cross(arm);
+    }
     /// (1 - C) v
     Vec3 slipping(const Vec3& v) const { return (1 - stick) * (v - normal * normal.dot(v)); }
 };
@@ -221,8 +229,8 @@ public:
     Vec3 position(Index i) const { return Vec3(x_[i].v[0], x_[i].v[1], x_[i].v[2]); }
     Vec3 in_spacings(const Vec3& length) const { return of_spacing_ * length; }
     /// Positions of the particles that the block touches, in spacings relative to the block's first particle. They are in memory of the
-    /// calling thread, valid until its next call. @param u vectors to store with the positions @param moving true: walls have their
-    /// velocities; false: walls are at rest
+    /// calling thread, valid until its next call. @param u vectors to store with the positions; entries after those of the particles are
+    /// velocity and angular velocity of each free body @param moving true: walls have their velocities; false: walls are at rest
     const Vec4* positions(const RowBlock& block) const;
     const Vec4* positions(const RowBlock& block, Span<const Vec3> u, bool moving) const;
     SliceView<false> pairs_of(const RowBlock& block, const RowSlice& slice, const Vec4* at) const { return {period_, block, slice, at}; }

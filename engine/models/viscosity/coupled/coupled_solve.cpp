@@ -39,6 +39,7 @@ void CoupledStep::set_up_form() {
     system.friction.set(system.rows, mu.values, step);
     form.set(system.rows, mu.values, dt, step.rest_density, d, options);
     form.set_friction(system.friction.coefficient);
+    form.set_bodies(bodies.inertia);
 }
 
 void CoupledStep::find_unknowns() {
@@ -48,7 +49,7 @@ void CoupledStep::find_unknowns() {
 
 /// Sets the velocities of nozzles and solids.
 void CoupledStep::set_known_velocities() {
-    known.resize(n), solved.resize(n), load.resize(n), work.resize(n);
+    known.resize(entries, Vec3::Zero()), solved.resize(entries), load.resize(entries), work.resize(entries);
     parallel_for(n, [&](Index i) {
         known[i] = Vec3::Zero();
         if (role[i] > 0) u[i] = solids.all[role[i] - 1].velocity_at(x[i]);
@@ -57,6 +58,7 @@ void CoupledStep::set_known_velocities() {
 }
 
 void CoupledStep::prepare() {
+    entries = static_cast<std::size_t>(n) + bodies.begin(context);
     set_up_form();
     find_unknowns();
     set_known_velocities();
@@ -86,11 +88,15 @@ SolveLimits CoupledStep::limits() const {
 /// Solves by conjugate gradients, starting from the last velocity plus 0.9 times its last change. @param again start from `solved`
 SolveReport CoupledStep::solve(double reference, bool again) {
     const auto A = [this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); };
-    const TwoLevel& M = system.preconditioner;
-    if (!again) parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
+    const auto M = [this](Span<const Vec3> r, Span<Vec3> z) { return precondition(r, z); };
+    const auto all = static_cast<Index>(entries);
+    if (!again) {
+        parallel_for(n, [&](Index i) { solved[i] = unknowns.part(i, u[i] + Real(0.9) * change[i]); });
+        bodies.guess(dt * step.gravity, Span<Vec3>(solved).subspan(static_cast<std::size_t>(n)));
+    }
     if (!(reference > 0)) return conjugate_gradients<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned);
     multiply(solved, work);
-    parallel_for(n, [&](Index i) { load[i] -= work[i]; });  // the residual
+    parallel_for(all, [&](Index i) { load[i] -= work[i]; });  // the residual
     if (preconditioned_norm(load) > reference) {
         descend_along_last_change();
         M(load, work);
@@ -98,28 +104,50 @@ SolveReport CoupledStep::solve(double reference, bool again) {
     const SolveReport report = conjugate_gradients_from<Vec3>(A, M, load, solved, limits(), ResidualNorm::preconditioned, reference, work);
     if (!system.rows.any_slip) return report;
     // Removes the momentum of the residual. Otherwise the motion of sliding fluid as a whole would be too small by the tolerance.
-    Column<Vec3> rest(n);
-    parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, M.coarse(i)); });
-    if (!solids.any_probed()) return report;
+    Column<Vec3> rest(entries, Vec3::Zero());
+    parallel_for(n, [&](Index i) { rest[i] = unknowns.part(i, system.preconditioner.coarse(i)); });
+    parallel_for(n, [&](Index i) { solved[i] += rest[i]; });
+    if (!writes_ledgers()) return report;
     multiply(rest, work);
-    parallel_for(n, [&](Index i) { load[i] -= work[i]; });
+    parallel_for(all, [&](Index i) { load[i] -= work[i]; });
     return report;
 }
 
+/// Solves again if bodies in contact cannot move as solved: with the velocities after contact, and with the motions that contact leaves
+/// free.
+SolveReport CoupledStep::solve_with_contact(double reference) {
+    const auto first_body = static_cast<std::size_t>(n);
+    Column<Vec3> moved(entries, Vec3::Zero());
+    SolveReport report;
+    report.converged = true;
+    if (!bodies.touch(Span<const Vec3>(solved).subspan(first_body), Span<Vec3>(moved).subspan(first_body))) return report;
+    form.apply(moved, work, [this](Index i, const Vec3& of_i) { return unknowns.part(i, of_i); });
+    parallel_for(static_cast<Index>(entries), [&](Index i) { solved[i] += moved[i], load[i] -= work[i]; });
+    bodies.free_part_of_forces(Span<Vec3>(load).subspan(first_body));
+    if (!(reference > 0)) return report;
+    return conjugate_gradients_from<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); },
+                                          [this](Span<const Vec3> r, Span<Vec3> z) { return precondition(r, z); }, load, solved, limits(),
+                                          ResidualNorm::preconditioned, reference);
+}
+
 void CoupledStep::find_velocity(StepReport& report, bool again) {
+    bodies.release();
     set_pressure();
     balance();
     const double reference = set_load();
     report.solves.push_back({SolveKind::coupled, solve(reference, again)});
+    if (!bodies.any()) return;
+    const SolveReport with_contact = solve_with_contact(reference);
+    if (bodies.in_contact()) report.solves.push_back({SolveKind::coupled, with_contact});
 }
 
 /// Minimises the energy of the step along solved + far way, and updates the residual.
 void CoupledStep::descend(Span<const Vec3> way) {
-    Column<Vec3> bent(n);
+    Column<Vec3> bent(entries);
     const double stiffness = multiply(way, bent);
     if (!(stiffness > 0) || !std::isfinite(stiffness)) return;
     const Real far = static_cast<Real>(dot<Vec3>(way, load) / stiffness);
-    parallel_for(n, [&](Index i) {
+    parallel_for(static_cast<Index>(entries), [&](Index i) {
         solved[i] += far * way[i];
         load[i] -= far * bent[i];
     });
@@ -128,6 +156,7 @@ void CoupledStep::descend(Span<const Vec3> way) {
 /// Replaces a bad initial guess (after an abrupt change of velocity or a landing): descends along the last step's change of velocity.
 void CoupledStep::descend_along_last_change() {
     Column<Vec3> way(change.values.begin(), change.values.end());
+    way.resize(entries, Vec3::Zero());
     unknowns.restrict_to(way);
     descend(way);
 }
@@ -138,12 +167,13 @@ void CoupledStep::lose_energy() {
     if (!nothing_held) return;
     std::copy(solved.begin(), solved.end(), work.begin());
     RigidMotions(x.values, !step.domain.any_periodic()).remove(work);
+    std::fill(work.begin() + n, work.end(), Vec3::Zero());  // no fluid touches a body
     descend(work);
 }
 
 /// Sets the gradient of the solution; leaves the solution in `work`.
 void CoupledStep::find_gradient() {
-    parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i]; });
+    parallel_for(static_cast<Index>(entries), [&](Index i) { work[i] = known[i] + solved[i]; });
     form.gradient(work, G.values);
 }
 
@@ -183,10 +213,21 @@ void CoupledStep::take_over() {
     });
 }
 
+/// Gives the bodies their velocities, and the points on their surfaces too.
+void CoupledStep::move_bodies() {
+    if (!bodies.any()) return;
+    const Span<const Vec3> moving = Span<const Vec3>(work).subspan(static_cast<std::size_t>(n));
+    bodies.take_over(moving, solids);
+    for (RowBlock& block : system.rows.blocks)
+        for (WallPoint& wall : block.walls)
+            if (wall.body >= 0) wall.velocity = wall.carried_by(moving);
+}
+
 void CoupledStep::finish(StepReport& report) {
     keep_momentum();
     keep_volume(report.solves.back().report);
     take_over();
+    move_bodies();
     write_ledgers();
     count_pushes(report);
     release_slipping();
@@ -194,10 +235,10 @@ void CoupledStep::finish(StepReport& report) {
 
 void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
                               Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
-                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids,
-                              const StepContext& step, StepReport& report) const {
+                              Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const InteractionContext& context,
+                              StepReport& report) const {
     if (x.size() == 0) return;
-    CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, solids, step};
+    CoupledStep now{*system, x, role, mu, u, p, change, G, aggregate, slip, context};
     now.prepare();
     now.set_up_preconditioner(false);
     now.find_velocity(report);
@@ -208,12 +249,12 @@ void CoupledSolve::operator()(Read<field::position> x, Read<field::role> role, R
 void CoupledYieldingSolve::operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> K,
                                       Update<field::shear_rate> gamma, Write<field::apparent_viscosity> mu, Update<field::velocity> u,
                                       Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
-                                      Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids,
-                                      const StepContext& step, StepReport& report) const {
+                                      Update<field::aggregate> aggregate, Update<field::contact_normal> slip,
+                                      const InteractionContext& context, StepReport& report) const {
     if (x.size() == 0) return;
-    FlowViscosity flow(law, K, G.values, step, gamma, mu);
+    FlowViscosity flow(law, K, G.values, context.step, gamma, mu);
     system->form.limit_penalties(flow.soft);
-    CoupledStep now{*system, x, role, {mu.values}, u, p, change, G, aggregate, slip, solids, step, gamma.values};
+    CoupledStep now{*system, x, role, {mu.values}, u, p, change, G, aggregate, slip, context, gamma.values};
     now.prepare();
     now.looseness = law.looseness;
     for (int solves = 1;; ++solves) {

@@ -4,7 +4,7 @@
 #include "engine/models/viscosity/coupled/coupled_system.h"
 #include "engine/models/viscosity/flow_law.h"
 #include "engine/models/viscosity/strain/curvature.h"
-#include "engine/particles/step_context.h"
+#include "engine/particles/interaction_context.h"
 
 namespace whorl {
 
@@ -23,7 +23,7 @@ struct CoupledSolve {
     std::shared_ptr<CoupledSystem> system;
     void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> mu, Update<field::velocity> u,
                     Update<field::pressure> p, Update<field::velocity_change> change, Update<field::velocity_gradient> G,
-                    Update<field::aggregate> aggregate, Update<field::contact_normal> slip, Solids& solids, const StepContext& step,
+                    Update<field::aggregate> aggregate, Update<field::contact_normal> slip, const InteractionContext& context,
                     StepReport& report) const;
 };
 
@@ -34,7 +34,7 @@ struct CoupledYieldingSolve {
     void operator()(Read<field::position> x, Read<field::role> role, Read<field::viscosity> K, Update<field::shear_rate> gamma,
                     Write<field::apparent_viscosity> mu, Update<field::velocity> u, Update<field::pressure> p,
                     Update<field::velocity_change> change, Update<field::velocity_gradient> G, Update<field::aggregate> aggregate,
-                    Update<field::contact_normal> slip, Solids& solids, const StepContext& step, StepReport& report) const;
+                    Update<field::contact_normal> slip, const InteractionContext& context, StepReport& report) const;
 };
 
 struct CoupledMove {

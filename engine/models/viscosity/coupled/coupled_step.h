@@ -5,6 +5,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/geometry/solids.h"
+#include "engine/models/viscosity/coupled/body_solve.h"
 #include "engine/models/viscosity/coupled/coupled_system.h"
 #include "engine/models/viscosity/implicit_viscosity.h"
 #include "engine/models/viscosity/strain/curvature.h"
@@ -17,8 +18,9 @@ struct Unknowns {
     Span<const std::int16_t> role;
 
     Vec3 part(Index i, const Vec3& v) const { return role[i] != 0 ? Vec3(Vec3::Zero()) : v; }
+    /// Leaves the entries of bodies.
     void restrict_to(Span<Vec3> v) const {
-        parallel_for(static_cast<Index>(v.size()), [&](Index i) { v[i] = part(i, v[i]); });
+        parallel_for(static_cast<Index>(role.size()), [&](Index i) { v[i] = part(i, v[i]); });
     }
 };
 
@@ -33,11 +35,13 @@ struct CoupledStep {
     Update<field::velocity_gradient> G;
     Update<field::aggregate> aggregate;
     Update<field::contact_normal> slip;
-    Solids& solids;
-    const StepContext& step;
+    const InteractionContext& context;
 
     Span<const Real> last_rate{};  ///< shear rate in the last step [1/s]; empty: the viscosity does not depend on it
     double looseness = 1;          ///< factor on the tolerance
+
+    Solids& solids = context.solids;
+    const StepContext& step = context.step;
 
     const CoupledOptions& options = system.options;
     StrainForm& form = system.form;
@@ -46,6 +50,8 @@ struct CoupledStep {
     const double fastest = largest_speed(u.values);  ///< at the start of the step [m/s]
 
     Unknowns unknowns{role.values};
+    BodySolve bodies{};
+    std::size_t entries = 0;  ///< of the vectors of the solve: one per particle, then two per free body
     Index free_particles = 0;
     /// Whether fluid at rest starts to bear its weight. It has no multiplier, and particles are not pushed apart or together.
     const bool starts = step.time == 0 && fastest == 0 && step.gravity != Vec3::Zero();
@@ -81,16 +87,27 @@ struct CoupledStep {
         return v;
     }
     SolveReport solve(double reference, bool again);
+    SolveReport solve_with_contact(double reference);
     /// @returns v.y
     double multiply(Span<const Vec3> v, Span<Vec3> y) const {
-        return form.apply(v, y, [this](Index i, const Vec3& product) { return unknowns.part(i, product); });
+        const double product = form.apply(v, y, [this](Index i, const Vec3& of_i) { return unknowns.part(i, of_i); });
+        if (bodies.in_contact()) bodies.free_part_of_forces(y.subspan(static_cast<std::size_t>(n)));
+        return product;
+    }
+    /// z = M r @returns r.z
+    double precondition(Span<const Vec3> r, Span<Vec3> z) const {
+        const double product = system.preconditioner(r, z);
+        if (bodies.in_contact()) bodies.free_part(z.subspan(static_cast<std::size_t>(n)));
+        return product;
     }
     /// sqrt(r.M r); leaves M r in `work`.
-    double preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, system.preconditioner(r, work))); }
+    double preconditioned_norm(Span<const Vec3> r) { return std::sqrt(std::max(0.0, precondition(r, work))); }
     SolveLimits limits() const;
     void descend(Span<const Vec3> way);
     void descend_along_last_change();
     void let_go();
+    /// Whether the forces on solids are needed: for probes, and for the energy of free bodies.
+    bool writes_ledgers() const { return solids.any_probed() || bodies.any(); }
 
     void find_gradient();
     void find_shear_rates(Span<Real> gamma);
@@ -103,6 +120,7 @@ struct CoupledStep {
     Real missing_volume(Index i) const { return role[i] == 0 ? divergence[i] - form.divergence(i, G[i]) : Real(0); }
     void raise_multiplier(Column<Real>& more, Real kept, SolveReport& report);
     void take_over();
+    void move_bodies();
     void write_ledgers();
     void count_pushes(StepReport& report);
     void release_slipping();

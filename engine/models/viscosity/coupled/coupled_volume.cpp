@@ -23,6 +23,7 @@ void CoupledStep::keep_volume(SolveReport& report) {
     constexpr double tolerated = 5e-4;  // mean relative change of volume in a step
     constexpr double as_a_whole = 0.5;  // mean over root mean square; below it the error is local and decays without these iterations
     constexpr double at_start = 3e-4;   // root mean square change that the first step may leave
+    constexpr double borne = 0.05;      // the same, relative to the change in a free fall
     // Fluid that starts to bear its weight has no multiplier yet, and its iterations grow with its depth in spacings.
     const int most = starts ? 60 : 4;
     system.no_way_out &= !step.at_frame_time;
@@ -36,9 +37,13 @@ void CoupledStep::keep_volume(SolveReport& report) {
             const double m = missing_volume(i);
             return MissingVolume{m, m * m, static_cast<double>(form.coefficients(i).bulk * d) * m * m};
         });
-        const bool kept_it = starts ? dt * std::sqrt(all.squares / n) < at_start : dt * all.missing < tolerated * n;
+        bool kept_it = starts ? dt * std::sqrt(all.squares / n) < at_start : dt * all.missing < tolerated * n;
+        // Around bodies the weight is borne in steps of any length, because fluid that falls and stops again would carry them along.
+        const bool bears = starts && bodies.any();
+        if (bears) kept_it = kept_it && round > 0 && all.squares < borne * borne * first.squares;
         if (round == 0) {
-            if (kept_it || system.no_way_out || all.missing < (starts ? tolerated / 3 / dt * n : as_a_whole * std::sqrt(all.squares * n)))
+            if (kept_it || system.no_way_out ||
+                (!bears && all.missing < (starts ? tolerated / 3 / dt * n : as_a_whole * std::sqrt(all.squares * n))))
                 return;
             first = all, old_solved = solved, old_load = load, old_pressure = pressure;
             old_p.assign(p.values.begin(), p.values.end());
@@ -58,23 +63,28 @@ void CoupledStep::keep_volume(SolveReport& report) {
 /// @param kept share of the last direction in this one
 void CoupledStep::raise_multiplier(Column<Real>& more, Real kept, SolveReport& report) {
     more.resize(n, 0);
-    Column<Vec3> way(n, Vec3::Zero()), push(n, Vec3::Zero());
+    Column<Vec3> way(entries, Vec3::Zero()), push(entries, Vec3::Zero());
     parallel_for(n, [&](Index i) { more[i] = form.coefficients(i).bulk * d * missing_volume(i) + kept * more[i]; });
     const auto along = [&] { return parallel_sum(n, [&](Index i) { return static_cast<double>(more[i]) * missing_volume(i); }); };
     const double before = along();
     form.add_stress(more, {}, push);
     unknowns.restrict_to(push);
+    if (bodies.in_contact()) bodies.free_part_of_forces(Span<Vec3>(push).subspan(static_cast<std::size_t>(n)));
     if (const double size = preconditioned_norm(push); size > 0)  // push becomes the residual
         report.iterations += conjugate_gradients_from<Vec3>([this](Span<const Vec3> v, Span<Vec3> y) { return multiply(v, y); },
-                                                            system.preconditioner, push, way, limits(), ResidualNorm::preconditioned, size)
+                                                            [this](Span<const Vec3> r, Span<Vec3> z) { return precondition(r, z); }, push,
+                                                            way, limits(), ResidualNorm::preconditioned, size)
                                  .iterations;
-    parallel_for(n, [&](Index i) { work[i] = known[i] + solved[i] + way[i]; });
+    const auto all = static_cast<Index>(entries);
+    parallel_for(all, [&](Index i) { work[i] = known[i] + solved[i] + way[i]; });
     form.gradient(work, G.values);
     const double after = along();
     const Real far = before > after ? static_cast<Real>(before / (before - after)) : Real(0);
-    parallel_for(n, [&](Index i) {
+    parallel_for(all, [&](Index i) {
         solved[i] += far * way[i];
         load[i] += far * push[i];
+    });
+    parallel_for(n, [&](Index i) {
         p[i] += far * more[i] * step.rest_density * d / (dt * system.rows.neighbourhood[i].volume);
         if (!pressure.empty()) pressure[i] += far * more[i];
     });

@@ -110,6 +110,12 @@ void CoupledRows::Scratch::find_walls(RowBlock& block, Index i, const Vec3& at, 
         if (!(hold > 0)) return;
         wall.position = at - up * d * normal;
         wall.velocity = velocity_over(solid, wall.position, dt);
+        if (solid.body) {
+            wall.body = static_cast<std::int32_t>(
+                std::count_if(solids.all.begin(), solids.all.begin() + k, [](const Solid& other) { return other.body.has_value(); }));
+            const Vec3 arm = solid.image(wall.position) - solid.body->centre.cast<Real>();
+            wall.arm = arm + dt / 2 * solid.pose.angular_velocity.cross(arm);
+        }
         wall.weight = hold * 2 * half_moment / up;
         const Real lone = std::max(Real(0), 1 - std::accumulate(w.begin(), w.end(), Real(0)) / few);
         if (!solid.sticks()) {

@@ -18,6 +18,15 @@ KeptPair* room_for_pairs(const CoupledRows& rows) {
     return room.data();
 }
 
+/// Matrix E of a rigid motion at the arm a: E (v, w) = v + w x a.
+Eigen::Matrix<double, 3, 6> rigid_motion(const Vec3d& a) {
+    Eigen::Matrix<double, 3, 6> E;
+    E << 1, 0, 0, 0, a[2], -a[1],  //
+        0, 1, 0, -a[2], 0, a[0],   //
+        0, 0, 1, a[1], -a[0], 0;
+    return E;
+}
+
 /// Sums over a row's pairs.
 struct PairSums {
     Lanes33 A{};             ///< sum w (u_j - u_i) r^T
@@ -57,6 +66,7 @@ void return_sliding(const RowBlock& block, Vec4* out) {
 void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real dt, Real density, Real spacing, const CoupledOptions& o) {
     rows_ = &rows;
     friction_ = {};
+    bodies_ = nullptr;
     spacing_ = spacing;
     forces_.resize(rows.entries());
     by_slice_.resize(rows.slices);
@@ -122,6 +132,37 @@ void StrainForm::find_forces(Span<const Vec3> u, bool moving, bool at_walls) con
 void StrainForm::apply(Span<const Vec3> u, Span<Vec3> y, bool moving) const {
     find_forces(u, moving);
     parallel_for(rows_->size(), [&](Index i) { y[i] = applied(u, i); });
+    if (bodies_ != nullptr) apply_to_bodies(u, y);
+}
+
+void StrainForm::set_bodies(const ViscousBodies& bodies) {
+    bodies_ = bodies.body.empty() ? nullptr : &bodies;
+    body_points_.clear();
+    if (bodies_ == nullptr) return;
+    for (const RowBlock& block : rows_->blocks)
+        for (std::size_t k = 0; k < block.walls.size(); ++k)
+            if (const WallPoint& wall = block.walls[k]; wall.body >= 0)
+                body_points_.push_back({block.place + block.touched.size() + k, wall.body, wall.arm});
+}
+
+void StrainForm::add_wall_forces(Span<Vec3> y) const {
+    std::vector<Wrench> all(bodies_->body.size());
+    for (const BodyPoint& point : body_points_) {
+        const Vec4& f = forces_[point.place];
+        all[point.body] += Wrench::at(point.arm.cast<double>(), Vec3d(f.v[0], f.v[1], f.v[2]));
+    }
+    const Span<Vec3> of_bodies = y.subspan(static_cast<std::size_t>(rows_->size()));
+    for (std::size_t b = 0; b < all.size(); ++b)
+        of_bodies[2 * b] += all[b].force.cast<Real>(), of_bodies[2 * b + 1] += all[b].torque.cast<Real>();
+}
+
+double StrainForm::apply_to_bodies(Span<const Vec3> u, Span<Vec3> y) const {
+    const auto n = static_cast<std::size_t>(rows_->size());
+    bodies_->weigh(u.subspan(n), y.subspan(n));
+    add_wall_forces(y);
+    double product = 0;
+    for (std::size_t k = n; k < u.size(); ++k) product += dot_entry(u[k], y[k]);
+    return product;
 }
 
 /// P m of each lane.
@@ -171,6 +212,7 @@ void StrainForm::add_stress(Span<const Real> q, Span<const Mat3> T, Span<Vec3> y
         const Vec4 f = rows_->gathered(forces_, i)[0];
         y[i] += Vec3(f.v[0], f.v[1], f.v[2]);
     });
+    if (bodies_ != nullptr && y.size() > static_cast<std::size_t>(rows_->size())) add_wall_forces(y);
 }
 
 void velocity_gradients(const CoupledRows& rows, Real spacing, Span<const Vec3> u, Span<Mat3> G) {
@@ -197,7 +239,7 @@ Real StrainForm::divergence(Index i, const Mat3& G) const {
 // With g = M+ w r, row i adds to the block of j the strain's K (1 + Lambda) g g^T + K |g|^2 and the penalties' 2 w (1 - g.r)(c + c' r r^T /
 // r^2), in which the last r r^T approximates a fourth moment. To the block of i the row adds the strain's terms with g replaced by -h, h =
 // sum g, and the sum over its pairs of 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
-void StrainForm::diagonal(Span<Mat3> B) const {
+void StrainForm::diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>& of_bodies) const {
     const CoupledRows& rows = *rows_;
     Column<Vec4> parts(2 * rows.entries(), Vec4{});  // xx yy zz, xy xz yz
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
@@ -244,6 +286,16 @@ void StrainForm::diagonal(Span<Mat3> B) const {
         b << 1 + e[0], m[0], m[1], m[0], 1 + e[1], m[2], m[1], m[2], 1 + e[2];
         b += friction(i);
     });
+    of_bodies.clear();
+    if (bodies_ == nullptr) return;
+    for (const auto& body : bodies_->body) of_bodies.push_back(body.inertia());
+    for (const BodyPoint& point : body_points_) {
+        const Vec4 &even = parts[2 * point.place], &mixed = parts[2 * point.place + 1];
+        Mat3d W;
+        W << even.v[0], mixed.v[0], mixed.v[1], mixed.v[0], even.v[1], mixed.v[2], mixed.v[1], mixed.v[2], even.v[2];
+        const Eigen::Matrix<double, 3, 6> E = rigid_motion(point.arm.cast<double>());
+        of_bodies[static_cast<std::size_t>(point.body)] += E.transpose() * W * E;
+    }
 }
 
 }  // namespace whorl

@@ -14,8 +14,15 @@
 /// Lambda_i is the bulk viscosity; c_i and c'_i are penalties. D is exact if all directions are resolved, and zero for a rigid rotation
 /// even in a single file of particles. The forces are the exact derivative of E and opposite in each pair, so momentum is conserved to
 /// round-off.
+///
+/// Free bodies: velocity v and angular velocity w of each are two more entries of u after those of the particles. E also has the energy
+/// (M |v - v*|^2 + (w - w*).I (w - w*))/(2 m) of the body, with M and I its mass and tensor of inertia and m the mass of a particle. The
+/// points of its surface that hold particles (WallPoint) have the velocity v + w x arm. Their forces and torques are the derivative by v
+/// and w, so the momentum of fluid and bodies together is conserved.
+#include "engine/math/block_cholesky.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/viscosity/coupled/coupled_rows.h"
+#include "engine/models/viscosity/viscous_bodies.h"
 
 namespace whorl {
 
@@ -103,6 +110,10 @@ public:
 
     /// Adds sum_i u_i.F_i u_i/2 to E, with F the coefficients; empty: no friction. They must outlive the use.
     void set_friction(Span<const Mat3> coefficient) { friction_ = coefficient; }
+    /// Adds the bodies to the unknowns. It must outlive the use. @param bodies the inertia of all free bodies, empty: there are none
+    void set_bodies(const ViscousBodies& bodies);
+    const ViscousBodies* bodies() const { return bodies_; }  ///< null: there are none
+    Real spacing() const { return spacing_; }
     Mat3 friction(Index i) const { return friction_.empty() ? Mat3(Mat3::Zero()) : friction_[i]; }
 
     /// y = (1 + K) u: mass, strain and friction, per mass [m/s].
@@ -112,10 +123,11 @@ public:
     template <class F>
     double apply(Span<const Vec3> u, Span<Vec3> y, const F& free) const {
         find_forces(u);
-        return parallel_sum(rows_->size(), [&](Index i) {
+        const double product = parallel_sum(rows_->size(), [&](Index i) {
             y[i] = free(i, applied(u, i));
             return dot_entry(u[i], y[i]);
         });
+        return bodies_ == nullptr ? product : product + apply_to_bodies(u, y);
     }
     /// y_i += sum over rows of P (q + 2 K d T) M+ (w r): the forces of -q tr D - 2 K d T:D [m/s].
     /// @param T symmetric [1/s]; empty: none
@@ -134,8 +146,8 @@ public:
     }
     /// velocity_gradients() of these rows.
     void gradient(Span<const Vec3> u, Span<Mat3> G) const { velocity_gradients(*rows_, spacing_, u, G); }
-    /// 3x3 diagonal blocks of 1 + K (to a few per cent if directions are unresolved).
-    void diagonal(Span<Mat3> B) const;
+    /// 3x3 diagonal blocks of 1 + K (to a few per cent if directions are unresolved), and a 6x6 block for each body.
+    void diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>& of_bodies) const;
 
     /// tr D of a particle with the gradient G [1/s].
     Real divergence(Index i, const Mat3& G) const;
@@ -160,11 +172,24 @@ private:
         return y;
     }
     Lanes33 resolved_part(const RowBlock& block, const RowSlice& slice, const Lanes33& m) const;
+    /// y = M u + forces of the rows, for the entries of the bodies. @returns u.y of these entries
+    double apply_to_bodies(Span<const Vec3> u, Span<Vec3> y) const;
+    /// Adds the last forces on the bodies' surfaces to their entries of y.
+    void add_wall_forces(Span<Vec3> y) const;
+
+    /// A point on the surface of a body.
+    struct BodyPoint {
+        std::size_t place;  ///< in forces_
+        Index body;
+        Vec3 arm;
+    };
 
     const CoupledRows* rows_ = nullptr;
     Column<CoefficientLanes> by_slice_;
     Span<const Mat3> friction_;
     Span<const Real> soft_;
+    const ViscousBodies* bodies_ = nullptr;
+    std::vector<BodyPoint> body_points_;
     Real spacing_ = 1;
     mutable Column<Vec4> forces_;  ///< one per touched particle of each block
 };

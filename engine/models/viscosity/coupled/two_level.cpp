@@ -7,6 +7,16 @@
 #include "engine/math/conjugate_gradients.h"
 
 namespace whorl {
+namespace {
+
+std::vector<Vec3d> body_centres(const StrainForm& form) {
+    std::vector<Vec3d> all;
+    if (form.bodies() != nullptr)
+        for (const auto& body : form.bodies()->body) all.push_back(body.centre);
+    return all;
+}
+
+}  // namespace
 
 void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const CoupledOptions& options,
                        const Domain& domain, Real spacing, Span<std::int32_t> aggregate) {
@@ -22,15 +32,16 @@ void TwoLevel::refresh(const StrainForm& form, Span<const Vec3> x, Span<const st
     const int size = static_cast<int>(options.aggregate * std::max(1.0, std::sqrt(static_cast<double>(x.size()) / options.many)));
     aggregate_by(neighbours, x, role, domain, spacing / 2, size, aggregate);
     const int groups = split_unconnected(neighbours, aggregate);
-    coarse_.place(x, role, aggregate, groups, domain, spacing);
+    coarse_.place(x, role, aggregate, groups, domain, spacing, body_centres(form));
     if (groups > 0) coarse_.factor(coarse_matrix(form, coarse_.motions()));
 }
 
 void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::int16_t> role, const Domain& domain, Real spacing,
                    Span<const std::int32_t> aggregate) {
-    coarse_.place(x, role, aggregate, coarse_.groups(), domain, spacing);
+    coarse_.place(x, role, aggregate, coarse_.groups_of_particles(), domain, spacing, body_centres(form));
     inverse_diagonal_.resize(x.size());
-    form.diagonal(inverse_diagonal_);
+    form.diagonal(inverse_diagonal_, inverse_of_bodies_);
+    for (SymmetricBlocks::Block& B : inverse_of_bodies_) B = B.inverse().eval();
     parallel_for(static_cast<Index>(x.size()), [&](Index i) {
         Mat3& B = inverse_diagonal_[i];
         if (role[i] != 0) B.setZero();
@@ -44,10 +55,23 @@ void TwoLevel::factor(const StrainForm& form) {
 
 double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
     coarse_.solve(r);
-    return parallel_sum(static_cast<Index>(r.size()), [&](Index i) {
+    const auto n = static_cast<Index>(inverse_diagonal_.size());
+    double product = parallel_sum(n, [&](Index i) {
         z[i] = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
         return dot_entry(r[i], z[i]);
     });
+    const bool coarse = coarse_.groups() > 0;
+    for (std::size_t b = 0, k = static_cast<std::size_t>(n); b < inverse_of_bodies_.size(); ++b, k += 2) {
+        Eigen::Matrix<double, 6, 1> of_body;
+        of_body << r[k].cast<double>(), r[k + 1].cast<double>();
+        of_body = inverse_of_bodies_[b] * of_body;
+        for (int a = 0; a < 2; ++a) {
+            const std::size_t e = k + static_cast<std::size_t>(a);
+            z[e] = coarse ? coarse_.correction(static_cast<Index>(e)) : Vec3(of_body.segment<3>(3 * a).cast<Real>());
+            product += dot_entry(r[e], z[e]);
+        }
+    }
+    return product;
 }
 
 }  // namespace whorl

@@ -9,8 +9,9 @@ namespace whorl {
 
 class CoarseLevel {
 public:
-    void clear() { groups_ = 0; }
+    void clear() { groups_ = bodies_ = 0; }
     int groups() const { return groups_; }
+    int groups_of_particles() const { return groups_ - bodies_; }
     /// Whether this step forms new groups. It does if there are none, every `every` steps, and at a frame time, so that a resumed run has
     /// the same groups as an uninterrupted run. Call it once per step.
     bool due(bool at_frame_time, int every) {
@@ -18,9 +19,11 @@ public:
         steps_ = now ? 1 : steps_ + 1;
         return now;
     }
-    /// Updates the positions of the groups' members. @param group from aggregate_by()
+    /// Updates the positions of the groups' members. @param group from aggregate_by() @param bodies centres of free bodies [m]: each is a
+    /// group of its own after the others, and its velocity and angular velocity are two unknowns after the particles. No coarse level
+    /// without groups of particles
     void place(Span<const Vec3> x, Span<const std::int16_t> role, Span<const std::int32_t> group, int groups, const Domain& domain,
-               Real spacing);
+               Real spacing, Span<const Vec3d> bodies = {});
     const RigidAggregates& motions() const { return motions_; }
     /// Factors Ac. If it is not definite, there is no coarse level.
     void factor(const SymmetricBlocks& Ac);
@@ -28,11 +31,22 @@ public:
     void add(Span<const Vec3> r, Span<Vec3> z) const;
     /// Solves Ac m = R^T r for correction().
     void solve(Span<const Vec3> r) const;
-    /// R m of particle i.
-    Vec3 correction(Index i) const { return groups_ > 0 ? motions_.motion_of(load_, i) : Vec3(Vec3::Zero()); }
+    /// R m of particle i, or of an entry of a body.
+    Vec3 correction(Index i) const {
+        if (groups_ == 0) return Vec3::Zero();
+        return i < motions_.size() ? motions_.motion_of(load_, i) : of_body(i - motions_.size());
+    }
 
 private:
+    /// @param entry of all bodies: 2 b for the velocity of body b, 2 b + 1 for its angular velocity
+    Vec3 of_body(Index entry) const {
+        const Real* m = load_.data() + 6 * static_cast<std::size_t>(groups_of_particles()) + 3 * static_cast<std::size_t>(entry);
+        return (entry % 2 == 0 ? 1 : 1 / spacing_) * Vec3(m[0], m[1], m[2]);
+    }
+
     int groups_ = 0, steps_ = 0;  ///< steps_: number of steps since the groups were formed
+    int bodies_ = 0;              ///< number of groups that are bodies
+    Real spacing_ = 1;
     RigidAggregates motions_;
     BlockCholesky factor_;
     mutable std::vector<Real> load_;
