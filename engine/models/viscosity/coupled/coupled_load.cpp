@@ -1,5 +1,6 @@
 // Right-hand side of the coupled solve: the volume that the step requests, known pressures, loads.
 #include <algorithm>
+#include <numbers>
 
 #include "engine/core/parallel.h"
 #include "engine/models/viscosity/coupled/coupled_step.h"
@@ -20,11 +21,25 @@ void CoupledStep::set_curvature() {
     });
 }
 
+/// Rate at which compressed particles separate [1/s]. The push changes the multiplier too. In steps shorter than those of a fluid's own
+/// motion the sum of both drives the fluid up and down as a whole: with the depth H, k = pi/(2 H) and B = lambda + 2 mu, the amplitude
+/// grows if the rate exceeds B k^2/rho. Bodies would follow it, so around bodies the rate is at most half of that. H follows from the
+/// largest pressure.
+double CoupledStep::push_rate() const {
+    const double usual = options.push / dt, weight = static_cast<double>(step.rest_density) * static_cast<double>(step.gravity.norm());
+    if (!bodies.any() || !(weight > 0)) return usual;
+    const double depth = parallel_max(n, 0.0, [&](Index i) { return static_cast<double>(p[i]); }) / weight + static_cast<double>(d);
+    const double thinness = parallel_sum(n, [&](Index i) { return 1 / static_cast<double>(mu[i]); }) / static_cast<double>(n);
+    const double k = std::numbers::pi / (2 * depth);
+    return std::min(usual, (options.bulk + 2) / thinness * k * k / (2 * static_cast<double>(step.rest_density)));
+}
+
 /// Sets the requested rate of volume change, s_i. Compressed particles separate. Loose particles under pressure approach, as far as the
 /// options allow. Otherwise s_i = tr T keeps the volume, because the rate of volume change in the middle of the move is tr D - tr T.
 void CoupledStep::set_divergence() {
     divergence.resize(n);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
+    const double rate = push_rate();
     const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
     const auto loose = [&](const Neighbourhood& around, double lacking) {
         if (options.vessel < 0) return meeting * lacking * std::clamp(2 - around.surface / options.no_surface, 0.0, 1.0);
@@ -37,7 +52,7 @@ void CoupledStep::set_divergence() {
         // Fluid under tension is never drawn together, because a thread would creep without end.
         if (compressed < 0) compressed = p[i] > 0 ? loose(around, compressed) : 0;
         const double most = last_rate.empty() ? fastest_push : std::min(fastest_push, options.push_of_shear * last_rate[i]);
-        const double pushed = starts ? 0 : std::clamp(options.push * compressed / dt, -most, most);
+        const double pushed = starts ? 0 : std::clamp(rate * compressed, -most, most);
         divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
     });
 }

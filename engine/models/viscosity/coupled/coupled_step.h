@@ -72,6 +72,7 @@ struct CoupledStep {
     void set_known_velocities();
     void set_curvature();
     void set_divergence();
+    double push_rate() const;
     void set_up_preconditioner(bool changed);
 
     /// Second phase, which a flow law repeats with other viscosities. @param again start from `solved`
