@@ -92,6 +92,13 @@ private:
                             stiff.stretching, stiff.shear, plan_.support / d_));
     }
 
+    /// The part of the warning about bodies under the constraint that names a model without this fault, empty if there is none.
+    std::string way_to_move_bodies() const {
+        if (!plan_.free_surface) return "; pressure.form = \"projection\" moves them right";
+        if (n_.least_viscous_number >= traits_of(PressureModel::coupled).least_viscous_number)
+            return "; models.pressure = \"coupled\" moves them right";
+        return scene_.domain.dimensions == 2 ? "; \"projection\" moves them right, if the surface of the fluid moves gently" : "";
+    }
     void warn_of_pressure() {
         if (plan_.pressure == PressureModel::none) add_warning("models.pressure is none: nothing keeps the particles apart");
         if (plan_.traits.pressure.source == PressureSource::density && scene_.pressure.damping == 0)
@@ -116,10 +123,11 @@ private:
                 "with models.pressure = \"ppe\" fluid near its yield stress flows at .5 to 1.3 times its speed and heaps stay a sixth too "
                 "high; \"coupled\" is right there");
         if (plan_.traits.pressure.form == PressureForm::constraint && plan_.traits.viscosity.implicit && scene_.any_free_solid())
-            add_warning(fmt::format(
-                "pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own "
-                "diameter sinks at a quarter of its speed; {}",
-                plan_.free_surface ? "models.pressure = \"coupled\" moves them right" : "pressure.form = \"projection\" moves them right"));
+            add_warning(
+                "pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own diameter sinks at "
+                "a "
+                "quarter of its speed" +
+                way_to_move_bodies());
         if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
             add_warning("pressure.background_pressure pushes particles away from the free surface; use 0");

@@ -63,9 +63,18 @@ TEST_CASE("a solid larger than the domain is reported with the emitter inside it
 TEST_CASE("a light body may be hollow, or given in g/cm^3", "[plan]") {
     const std::vector<std::string> all =
         plan_with({"solid[1]={shape=\"sphere\", radius=0.02, position=[0.06,0.04,0.06], density=3}"}).warnings;
-    REQUIRE(all.size() == 2);
-    CHECK_THAT(all[0], Catch::Contains("\"constraint\" holds back bodies in viscous fluid"));
-    CHECK(all[1] == "solid[1].density = 3: solids have 10 to 25000 kg/m^3 (cork 200, steel 7800)");
+    REQUIRE(all.size() == 1);
+    CHECK(all[0] == "solid[1].density = 3: solids have 10 to 25000 kg/m^3 (cork 200, steel 7800)");
+}
+
+TEST_CASE("bodies in honey get the coupled pressure, and the constraint is warned of", "[plan]") {
+    const std::string body = "solid[1]={shape=\"sphere\", radius=0.02, position=[0.06,0.04,0.06], density=2000}";
+    const Plan automatic = plan_with({body});
+    CHECK(automatic.pressure == PressureModel::coupled);
+    CHECK(automatic.warnings.empty());
+    const std::vector<std::string> all = plan_with({body, "models.pressure=ppe"}).warnings;
+    REQUIRE(all.size() == 1);
+    CHECK_THAT(all[0], Catch::Contains("holds back bodies in viscous fluid") && Catch::Contains("\"coupled\" moves them right"));
 }
 
 TEST_CASE("a wrong unit is reported next to the mistake that it causes", "[plan]") {

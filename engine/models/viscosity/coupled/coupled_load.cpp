@@ -21,17 +21,16 @@ void CoupledStep::set_curvature() {
     });
 }
 
-/// Rate at which compressed particles separate [1/s]. The push changes the multiplier too. In steps shorter than those of a fluid's own
-/// motion the sum of both drives the fluid up and down as a whole: with the depth H, k = pi/(2 H) and B = lambda + 2 mu, the amplitude
-/// grows if the rate exceeds B k^2/rho. Bodies would follow it, so around bodies the rate is at most half of that. H follows from the
-/// largest pressure.
-double CoupledStep::push_rate() const {
-    const double usual = options.push / dt, weight = static_cast<double>(step.rest_density) * static_cast<double>(step.gravity.norm());
-    if (!bodies.any() || !(weight > 0)) return usual;
+/// Factor on the rate c = push/dt at which compressed particles separate. The push changes the multiplier too. In short steps the sum of
+/// both drives the fluid up and down as a whole: with the depth H, k = pi/(2 H) and B = lambda + 2 mu, the amplitude grows if c exceeds B
+/// k^2/rho. Solids in the fluid would feel it, so where solids move c is at most half of that. H follows from the largest pressure.
+double CoupledStep::share_of_push() const {
+    const double density = static_cast<double>(step.rest_density), weight = density * static_cast<double>(step.gravity.norm());
+    if (!solids_move || !(weight > 0)) return 1;
     const double depth = parallel_max(n, 0.0, [&](Index i) { return static_cast<double>(p[i]); }) / weight + static_cast<double>(d);
     const double thinness = parallel_sum(n, [&](Index i) { return 1 / static_cast<double>(mu[i]); }) / static_cast<double>(n);
-    const double k = std::numbers::pi / (2 * depth);
-    return std::min(usual, (options.bulk + 2) / thinness * k * k / (2 * static_cast<double>(step.rest_density)));
+    const double k = std::numbers::pi / (2 * depth), stable = (options.bulk + 2) / thinness * k * k / density;
+    return std::min(1.0, stable / 2 / (options.push / static_cast<double>(dt)));
 }
 
 /// Sets the requested rate of volume change, s_i. Compressed particles separate. Loose particles under pressure approach, as far as the
@@ -39,7 +38,7 @@ double CoupledStep::push_rate() const {
 void CoupledStep::set_divergence() {
     divergence.resize(n);
     const double fastest_push = options.fastest_push * (fastest / d + std::sqrt(step.gravity.norm() / d));
-    const double rate = push_rate();
+    const double share = share_of_push();
     const double meeting = system.rows.dimensions() == 2 ? 1 : options.meeting_in_space;
     const auto loose = [&](const Neighbourhood& around, double lacking) {
         if (options.vessel < 0) return meeting * lacking * std::clamp(2 - around.surface / options.no_surface, 0.0, 1.0);
@@ -52,7 +51,7 @@ void CoupledStep::set_divergence() {
         // Fluid under tension is never drawn together, because a thread would creep without end.
         if (compressed < 0) compressed = p[i] > 0 ? loose(around, compressed) : 0;
         const double most = last_rate.empty() ? fastest_push : std::min(fastest_push, options.push_of_shear * last_rate[i]);
-        const double pushed = starts ? 0 : std::clamp(rate * compressed, -most, most);
+        const double pushed = starts ? 0 : std::clamp(share * (options.push * compressed / dt), -most, most);
         divergence[i] = static_cast<Real>(pushed) + curvature[i].trace();
     });
 }

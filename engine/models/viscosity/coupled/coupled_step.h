@@ -55,6 +55,7 @@ struct CoupledStep {
     Index free_particles = 0;
     /// Whether fluid at rest starts to bear its weight. It has no multiplier, and particles are not pushed apart or together.
     const bool starts = step.time == 0 && fastest == 0 && step.gravity != Vec3::Zero();
+    const bool solids_move = solids.any_moving();
     bool nothing_held = false;  ///< no solid and no nozzle acts, so momentum is conserved
     Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
     Column<Vec3> solved{};      ///< the unknown part: first the initial guess, then the solution [m/s]
@@ -72,7 +73,7 @@ struct CoupledStep {
     void set_known_velocities();
     void set_curvature();
     void set_divergence();
-    double push_rate() const;
+    double share_of_push() const;
     void set_up_preconditioner(bool changed);
 
     /// Second phase, which a flow law repeats with other viscosities. @param again start from `solved`

@@ -239,7 +239,7 @@ Real StrainForm::divergence(Index i, const Mat3& G) const {
 // With g = M+ w r, row i adds to the block of j the strain's K (1 + Lambda) g g^T + K |g|^2 and the penalties' 2 w (1 - g.r)(c + c' r r^T /
 // r^2), in which the last r r^T approximates a fourth moment. To the block of i the row adds the strain's terms with g replaced by -h, h =
 // sum g, and the sum over its pairs of 2 w ((1 - h.r) c + (1 - h.r)^2 c' r r^T / r^2).
-void StrainForm::diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>& of_bodies) const {
+void StrainForm::diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>* of_bodies) const {
     const CoupledRows& rows = *rows_;
     Column<Vec4> parts(2 * rows.entries(), Vec4{});  // xx yy zz, xy xz yz
     parallel_blocks(rows.size(), CoupledRows::block_size, [&](Index begin, Index) {
@@ -286,15 +286,16 @@ void StrainForm::diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>& of_
         b << 1 + e[0], m[0], m[1], m[0], 1 + e[1], m[2], m[1], m[2], 1 + e[2];
         b += friction(i);
     });
-    of_bodies.clear();
+    if (of_bodies == nullptr) return;
+    of_bodies->clear();
     if (bodies_ == nullptr) return;
-    for (const auto& body : bodies_->body) of_bodies.push_back(body.inertia());
+    for (const auto& body : bodies_->body) of_bodies->push_back(body.inertia());
     for (const BodyPoint& point : body_points_) {
         const Vec4 &even = parts[2 * point.place], &mixed = parts[2 * point.place + 1];
         Mat3d W;
         W << even.v[0], mixed.v[0], mixed.v[1], mixed.v[0], even.v[1], mixed.v[2], mixed.v[1], mixed.v[2], even.v[2];
         const Eigen::Matrix<double, 3, 6> E = rigid_motion(point.arm.cast<double>());
-        of_bodies[static_cast<std::size_t>(point.body)] += E.transpose() * W * E;
+        (*of_bodies)[static_cast<std::size_t>(point.body)] += E.transpose() * W * E;
     }
 }
 

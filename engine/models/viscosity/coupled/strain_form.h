@@ -147,7 +147,7 @@ public:
     /// velocity_gradients() of these rows.
     void gradient(Span<const Vec3> u, Span<Mat3> G) const { velocity_gradients(*rows_, spacing_, u, G); }
     /// 3x3 diagonal blocks of 1 + K (to a few per cent if directions are unresolved), and a 6x6 block for each body.
-    void diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>& of_bodies) const;
+    void diagonal(Span<Mat3> B, std::vector<SymmetricBlocks::Block>* of_bodies = nullptr) const;
 
     /// tr D of a particle with the gradient G [1/s].
     Real divergence(Index i, const Mat3& G) const;

@@ -40,7 +40,7 @@ void TwoLevel::set(const StrainForm& form, Span<const Vec3> x, Span<const std::i
                    Span<const std::int32_t> aggregate) {
     coarse_.place(x, role, aggregate, coarse_.groups_of_particles(), domain, spacing, body_centres(form));
     inverse_diagonal_.resize(x.size());
-    form.diagonal(inverse_diagonal_, inverse_of_bodies_);
+    form.diagonal(inverse_diagonal_, &inverse_of_bodies_);
     for (SymmetricBlocks::Block& B : inverse_of_bodies_) B = B.inverse().eval();
     parallel_for(static_cast<Index>(x.size()), [&](Index i) {
         Mat3& B = inverse_diagonal_[i];
