@@ -118,15 +118,10 @@ private:
                         fmt::format("solid[{}] is lighter than the fluid: pressed against another solid it is not stable with "
                                     "pressure.form = \"projection\"; use \"constraint\"",
                                     k));
-        if (scene_.fluid.flow_law().yields() && plan_.traits.pressure.form)
-            add_warning(
-                "with models.pressure = \"ppe\" fluid near its yield stress flows at .5 to 1.3 times its speed and heaps stay a sixth too "
-                "high; \"coupled\" is right there");
         if (plan_.traits.pressure.form == PressureForm::constraint && plan_.traits.viscosity.implicit && scene_.any_free_solid())
             add_warning(
                 "pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own diameter sinks at "
-                "a "
-                "quarter of its speed" +
+                "a quarter of its speed" +
                 way_to_move_bodies());
         if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)

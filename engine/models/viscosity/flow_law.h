@@ -48,7 +48,7 @@ struct FlowLaw {
     double tolerance = 0.02;                          ///< change of the dissipated power at which a step accepts its viscosities
     double rigid_rate = 1e-3;                         ///< largest g_0 [1/s]
     double contrast = 1e4;                            ///< least ratio of (tau_y/K)^(1/n) to g_0
-    double penalised = 3;                             ///< limit of the penalties, over d tau/d gamma
+    double penalised = 2;                             ///< limit of the penalties, over d tau/d gamma
     double looseness = 30;                            ///< factor on the tolerance of solves whose viscosities may change again
     std::shared_ptr<Column<Real>> of_particles = {};  ///< tau_y of each particle [Pa], if it depends on temperature
 

@@ -76,15 +76,18 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real d
             for (Index lane = 0; lane < lane_count; ++lane) {
                 const Index i = block.begin + block.slices[k].row[lane];
                 const Neighbourhood& n = rows.neighbourhood[i];
-                const double K = n.volume * double(viscosity[i]) * dt / (double(density) * spacing * spacing);
+                const double of_mu = n.volume * dt / (double(density) * spacing * spacing);
                 const double base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
-                double penalised = K, pressed = K;
+                double K = of_mu * double(viscosity[i]), penalised = K, pressed = K;
                 if (!soft_.empty()) {
-                    pressed = std::min(K, o.rigid_bulk);
-                    Real softest = soft_[i];
-                    block.each_pair(i - block.begin,
-                                    [&](RowBlock::LocalIndex at) { softest = std::min(softest, soft_[block.touched[at]]); });
+                    Real softest = soft_[i], thinnest = viscosity[i];
+                    block.each_pair(i - block.begin, [&](RowBlock::LocalIndex at) {
+                        softest = std::min(softest, soft_[block.touched[at]]);
+                        thinnest = std::min(thinnest, viscosity[block.touched[at]]);
+                    });
                     penalised *= std::min(1.0, static_cast<double>(softest / viscosity[i]));
+                    K = std::min(K, o.steepest_jump * of_mu * thinnest);
+                    pressed = std::min(K, o.rigid_bulk);
                 }
                 StrainCoefficients c;
                 c.shear = static_cast<Real>(2 * K);
