@@ -43,10 +43,11 @@ struct EvenRing {
         std::uint32_t neighbour;
     };
     std::vector<Further> further;
+    std::vector<char> is_line;  // whether the surface meets walls at a vertex; empty without walls
 
-    EvenRing(const Ring& ring, const std::vector<char>& sides) : neighbour(usual * (ring.begin.size() - 1)), share(ring.begin.size() - 1) {
+    EvenRing(const Ring& ring, const std::vector<char>& sides)
+        : neighbour(usual * (ring.begin.size() - 1)), share(ring.begin.size() - 1), is_line(sides.size(), 0) {
         const auto nowhere = static_cast<std::uint32_t>(share.size());
-        std::vector<char> is_line(sides.size(), 0);  // vertices where the surface meets walls
         for (std::size_t v = 0; v < sides.size(); ++v)
             for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) is_line[v] |= sides[v] > 0 && sides[ring.neighbour[n]] == 0 ? 1 : 0;
         std::vector<std::uint32_t> with;
@@ -76,7 +77,8 @@ std::vector<float> lambdas(std::size_t vertices, const std::vector<float>& bulk)
     return each;
 }
 
-// Positions with an unused fourth component, so that one instruction reads or adds all. An extra position at the end stays 0.
+// Positions with a fourth component, 0 or a value to blur with them, so that one instruction reads or adds all. An extra position at the
+// end stays 0.
 using Padded = Eigen::Vector4f;
 using PaddedPlaces = std::vector<Padded>;
 
@@ -107,31 +109,53 @@ void blur(const EvenRing& ring, const std::vector<float>& each, PaddedPlaces& po
     }
 }
 
-}  // namespace
-
 // With S the blur, x <- S x + S (1 - S) x + S (1 - S)^2 x = (1 - (1 - S)^3) x. A blur alone shrinks a sphere by the share
 // 1 - S, which is proportional to its curvature. Adding the blurred loss back twice leaves the third power of that share, and still removes
 // the bumps that the blur removes well.
-void smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk, const std::vector<char>& sides) {
+void blur_restored(const EvenRing& ring, const std::vector<float>& each, PaddedPlaces& position, int steps) {
     constexpr int order = 3;
-    const EvenRing ring{Ring(mesh), sides};
-    const auto n = static_cast<Index>(mesh.position.size());
-    PaddedPlaces position = padded(mesh.position), blurred, scratch(position.size()), lost;
-    for (const auto& [each, blurs] : {std::pair(lambdas(mesh.position.size(), {}), steps),
-                                      std::pair(lambdas(mesh.position.size(), bulk), blur_as_rounds(rounds, steps))}) {
-        if (blurs == 0) continue;
-        lost = position;
-        std::fill(position.begin(), position.end(), Padded::Zero());
-        for (int pass = 0; pass < order; ++pass) {
-            blurred = lost;
-            blur(ring, each, blurred, scratch, blurs);
-            parallel_for(n, [&](Index v) {
-                position[v] += blurred[v];
-                lost[v] -= blurred[v];
-            });
-        }
+    PaddedPlaces blurred, scratch(position.size()), lost = position;
+    std::fill(position.begin(), position.end(), Padded::Zero());
+    for (int pass = 0; pass < order; ++pass) {
+        blurred = lost;
+        blur(ring, each, blurred, scratch, steps);
+        parallel_for(static_cast<Index>(position.size() - 1), [&](Index v) {
+            position[v] += blurred[v];
+            lost[v] -= blurred[v];
+        });
     }
-    for (std::size_t v = 0; v < mesh.position.size(); ++v) mesh.position[v] = position[v].head<3>();
+}
+
+// Around a vertex with few or unequal triangles the area-weighted normal is off by up to a degree, which shows as a notch in a reflection.
+constexpr int normal_steps = 3;
+
+// Replaces each normal by the mean of its neighbours' and its own. Normals on walls stay, and count for no other.
+void average_normals(const Ring& ring, const std::vector<char>& sides, std::vector<Vec3f>& normal) {
+    const std::vector<Vec3f> before = normal;
+    parallel_for(static_cast<Index>(normal.size()), [&](Index v) {
+        if (!sides.empty() && sides[v] > 0) return;
+        Vec3f sum = Vec3f::Zero();
+        float count = 0;
+        for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n)
+            if (const std::uint32_t other = ring.neighbour[n]; sides.empty() || sides[other] == 0) sum += before[other], ++count;
+        if (count > 0) normal[v] = (before[v] + 2 / count * sum).normalized();
+    });
+}
+
+}  // namespace
+
+std::vector<float> smooth(TriangleMesh& mesh, int rounds, int steps, const std::vector<float>& bulk, const std::vector<char>& sides) {
+    const EvenRing ring{Ring(mesh), sides};
+    const std::size_t n = mesh.position.size();
+    PaddedPlaces position = padded(mesh.position);
+    // Along walls one round is enough, except where the surface ends.
+    for (std::size_t v = 0; v < bulk.size(); ++v) position[v].w() = sides.empty() || sides[v] == 0 || ring.is_line[v] != 0 ? bulk[v] : 0;
+    blur_restored(ring, lambdas(n, {}), position, steps);
+    std::vector<float> each(bulk.size());
+    for (std::size_t v = 0; v < each.size(); ++v) each[v] = std::clamp(position[v].w(), 0.0f, 1.0f);
+    if (rounds > 1) blur_restored(ring, lambdas(n, each), position, blur_as_rounds(rounds, steps));
+    for (std::size_t v = 0; v < n; ++v) mesh.position[v] = position[v].head<3>();
+    return each;
 }
 
 void set_smooth_normals(TriangleMesh& mesh, int steps, int further, const std::vector<float>& bulk, const std::vector<char>& sides) {
@@ -150,9 +174,9 @@ void set_smooth_normals(TriangleMesh& mesh, int steps, int further, const std::v
     parallel_for(static_cast<Index>(mesh.position.size()), [&](Index v) {
         Vec3f sum = Vec3f::Zero();
         for (Index n = ring.begin[v]; n < ring.begin[v + 1]; ++n) sum += area[ring.triangle[n]];
-        const float length = sum.norm();
-        if (length > 0) mesh.normal[v] = sum / length;
+        if (sum.norm() > 0) mesh.normal[v] = sum.normalized();
     });
+    for (int s = 0; s < normal_steps; ++s) average_normals(ring, sides, mesh.normal);
 }
 
 std::vector<std::pair<Vec3f, Vec3f>> sharp_edges(const TriangleMesh& mesh) {

@@ -151,17 +151,17 @@ Surface build_surface(const Frame& frame, const SurfaceOptions& options) {
         std::vector<char> sides(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             sides[v] = static_cast<char>(near.count_at(sharp[v], touch * voxel));
-            if (sides[v] > 0) marched.bulk[v] = 0;  // one round is enough along walls
+            if (sides[v] > 0 && !near.at(sharp[v]).is_wall) marched.bulk[v] = 0;  // it returns to its place anyway
         });
         if (cut.any_glass()) raise_to_surface(cut, voxel, sides, surface.mesh), sharp = surface.mesh.position;
-        smooth(surface.mesh, options.smoothing, steps, marched.bulk, sides);
+        const std::vector<float> bulk = smooth(surface.mesh, options.smoothing, steps, marched.bulk, sides);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             Vec3f& x = surface.mesh.position[v];
             x = near.held(sharp[v], x, touch * voxel);
             // A vertex that slid along a facet of a round wall may be beyond the next facet.
             if (const Cut::Side side = near.at(x); side.is_wall && side.inside(x) < 0) x -= side.inside(x) * side.inward;
         });
-        set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, marched.bulk, sides);
+        set_smooth_normals(surface.mesh, steps, (options.smoothing - 1) * steps, bulk, sides);
         std::vector<char> on_wall(sharp.size(), 0);
         for_vertices_at(cut, grid, marched, [&](Index v, const Cut& near) {
             on_wall[v] = set_wall_normal(near, surface.mesh.position[v], voxel, surface.mesh.normal[v]) ? 1 : 0;
