@@ -1,30 +1,24 @@
 #include "render/gl/glass_pass.h"
 
-#include <algorithm>
-
-#include "render/look/material.h"
-
 namespace whorl {
-namespace {
-
-constexpr float polished = 0.05f;  // roughness up to which the surface of glass is smooth
-
-}  // namespace
-
 GlassPass::GlassPass(int width, int height, GLuint glass)
     : width_(width), height_(height), seen_(gl::texture_2d(GL_RGBA16F, width, height, true)),
       depth_(gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false)), seen_target_(gl::framebuffer({seen_.id()}, 0)),
-      target_(gl::framebuffer({glass}, depth_.id())), field_(height, true) {}
+      target_(gl::framebuffer({glass}, depth_.id())), glasses_(height) {}
 
 void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& solids, const GlassView& view, const std::string& constants,
                      const std::function<void(gl::Program&)>& prepare) {
-    field_.fill(solids);
-    gl::Program& program = program_.with(constants);
+    // In the order in which scene draws them.
+    std::vector<FrameSolid> drawn;
+    for (const FrameSolid& solid : solids)
+        if (solid.mesh && !is_level_ground(solid) && is_glass(solid)) drawn.push_back(solid);
+    glasses_.fill(drawn);
+    gl::Program& program = program_.with(constants + glasses_.constants());
     prepare(program);
     program.texture("seen", 0, GL_TEXTURE_2D, seen_.id());
     program.texture("fluid_distance", 1, GL_TEXTURE_2D, view.fluid);
     program.texture("solid_buffer", 2, GL_TEXTURE_2D, view.solids);
-    field_.bind(program, 3);
+    glasses_.bind(program, 3);
     program.set("to_clip", view.camera);
     program.set("has_fluid", view.has_fluid ? 1 : 0);
     program.set("behind", view.behind);
@@ -53,12 +47,8 @@ void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& 
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         begin(program, matrix);
-        scene.draw_glass(program, [&](const FrameSolid& solid) {
-            const SolidMaterial material = solid_material(solid.appearance);
-            program.set("glass_refraction", material.refraction);
-            program.set("glass_absorption", material.absorption);
-            program.set("uneven", std::max(material.roughness - polished, 0.0f));
-        });
+        std::size_t next = 0;
+        scene.draw_glass(program, [&](const FrameSolid&) { program.set("drawn", glasses_.numbers()[next++]); });
         glDisable(GL_BLEND);
         glDepthFunc(GL_LESS);
     }

@@ -2,9 +2,9 @@
 /// Solids of glass, drawn in front of the finished image without them.
 #include <functional>
 
+#include "render/gl/glass_solids.h"
 #include "render/gl/objects.h"
 #include "render/gl/scene_geometry.h"
-#include "render/gl/solid_field.h"
 
 namespace whorl {
 
@@ -31,13 +31,13 @@ public:
 
 private:
     int width_, height_;
-    gl::Programs program_{
-        {"mesh.vert"},
-        {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "body.glsl", "refract.frag"}};
+    gl::Programs program_{{"mesh.vert"},
+                          {"studio.glsl", "textures.glsl", "table.glsl", "field.glsl", "solids.glsl", "inks.glsl", "body.glsl",
+                           "solids_of_glass.glsl", "refract.frag"}};
     gl::Program depth_only_{{"mesh.vert"}, {"depth.frag"}};
     gl::Texture seen_, depth_;
     gl::Framebuffer seen_target_, target_;
-    SolidField field_;
+    GlassSolids glasses_;
 };
 
 }  // namespace whorl

@@ -48,13 +48,33 @@ float voxel_edge(const Vec3f& size, float thinnest, int usual, int most) {
 }
 
 /// Signed distance in the mesh's own coordinates; the band covers the whole volume.
-/// @param off distance from the surface that its normals describe, above which the mesh is refined [voxels]; 0: not refined
-Volume own_field(const TriangleMesh& mesh, int voxels, float off) {
+Volume own_field(const TriangleMesh& mesh, float voxel) {
+    const Bounds bounds = bounds_of(mesh.position);
+    return distance_volume(mesh, voxel, static_cast<int>(4 * (bounds.high - bounds.low).maxCoeff() / voxel) + 1);
+}
+
+/// Twice the volume over the area: the thickness of walls [m].
+float mean_thickness(const TriangleMesh& mesh) {
+    double volume = 0, area = 0;
+    for (const auto& t : mesh.triangle) {
+        const auto x = [&](std::size_t k) { return Vec3d((mesh.position[t[k]] - mesh.position[mesh.triangle[0][0]]).cast<double>()); };
+        volume += x(0).dot(x(1).cross(x(2))) / 6, area += (x(1) - x(0)).cross(x(2) - x(0)).norm() / 2;
+    }
+    return static_cast<float>(2 * std::abs(volume) / std::max(area, 1e-30));
+}
+
+Volume own_solid_field(const TriangleMesh& mesh) {
     const Bounds bounds = bounds_of(mesh.position);
     const Vec3f size = bounds.high - bounds.low;
-    const float voxel = voxel_edge(size, size.minCoeff(), voxels, std::max(voxels, world_voxels));
-    const int band = static_cast<int>(4 * size.maxCoeff() / voxel) + 1;
-    return off > 0 ? distance_volume(rounded(mesh, off * voxel), voxel, band) : distance_volume(mesh, voxel, band);
+    return own_field(mesh, voxel_edge(size, size.minCoeff(), own_voxels, world_voxels));
+}
+
+/// Of glass: its walls are four voxels thick if they can be, or their two sides would disturb each other.
+Volume own_glass_field(const TriangleMesh& mesh) {
+    const Bounds bounds = bounds_of(mesh.position);
+    const Vec3f size = bounds.high - bounds.low;
+    const float voxel = voxel_edge(size, std::min(mean_thickness(mesh), size.minCoeff()), glass_voxels, most_glass_voxels);
+    return own_field(rounded(mesh, off_glass * voxel), voxel);
 }
 
 }  // namespace
@@ -70,35 +90,46 @@ Volume SolidField::all_placed(const Vec3f& low, const Vec3f& high, int most) con
     all.origin = low - Vec3f::Constant(2 * all.voxel);
     const Eigen::Vector3i count = ((high - low) / all.voxel).array().ceil().cast<int>() + 5;
     all.nx = count.x(), all.ny = count.y(), all.nz = count.z();
-    all.value.resize(all.count());
+    const auto channels = static_cast<std::size_t>(channels_), count_x = static_cast<std::size_t>(all.nx);
+    all.value.resize(all.count() * channels);
     parallel_for(all.ny * all.nz, [&](Index r) {
-        std::vector<float> row(all.nx, 1e6f);
+        std::vector<float> rows(channels * count_x, 1e4f);  // half precision has no 1e6
         const Vec3f first = all.origin + all.voxel * Vec3f(0, static_cast<float>(r % all.ny), static_cast<float>(r / all.ny));
         for (const Placed& p : placed_) {
             const Volume& v = own_.at(p.mesh);
             const Mat3f into = p.rotation.transpose() / v.voxel;
-            lower_row(v, into * (first - p.translation) - v.origin / v.voxel, into.col(0) * all.voxel, row.data(), all.nx);
+            lower_row(v, into * (first - p.translation) - v.origin / v.voxel, into.col(0) * all.voxel,
+                      rows.data() + static_cast<std::size_t>(p.channel) * count_x, all.nx);
         }
-        std::copy(row.begin(), row.end(), all.value.begin() + static_cast<std::ptrdiff_t>(r) * all.nx);
+        for (std::size_t c = 0; c < channels; ++c)
+            for (std::size_t i = 0; i < count_x; ++i) all.value[(r * count_x + i) * channels + c] = rows[c * count_x + i];
     });
     return all;
 }
 
 void SolidField::fill(const std::vector<FrameSolid>& solids) {
+    std::vector<const FrameSolid*> opaque;
+    for (const FrameSolid& solid : solids)
+        if (solid.mesh && !solid.mesh->triangle.empty() && !solid.container && !is_level_ground(solid) && !is_glass(solid))
+            opaque.push_back(&solid);
+    fill(opaque, std::vector<int>(opaque.size(), 0), 1);
+}
+
+void SolidField::fill(const std::vector<const FrameSolid*>& solids, const std::vector<int>& channel, int channels) {
     std::vector<Placed> now;
     Bounds bounds;
-    float thinnest = std::numeric_limits<float>::max(), longest = 0;
-    for (const FrameSolid& solid : solids) {
-        if (!solid.mesh || solid.mesh->triangle.empty() || solid.container || is_level_ground(solid) || is_glass(solid) != glass_) continue;
-        if (now.empty()) turn_ = solid.rotation, move_ = solid.translation;
-        FrameSolid seen = solid;  // relative to the first solid
+    float thinnest = std::numeric_limits<float>::max();
+    for (const FrameSolid* solid : solids) {
+        if (now.empty()) turn_ = solid->rotation, move_ = solid->translation;
+        FrameSolid seen = *solid;  // relative to the first solid
         if (now.empty()) seen.rotation = Mat3f::Identity(), seen.translation = Vec3f::Zero();
-        else seen.rotation = turn_.transpose() * solid.rotation, seen.translation = turn_.transpose() * (solid.translation - move_);
-        now.push_back({seen.mesh, seen.rotation, seen.translation});
+        else seen.rotation = turn_.transpose() * solid->rotation, seen.translation = turn_.transpose() * (solid->translation - move_);
+        now.push_back({seen.mesh, seen.rotation, seen.translation, channel[now.size()]});
         bounds.add(bounds_of(seen));
-        const Bounds own = bounds_of(solid.mesh->position);
-        thinnest = std::min(thinnest, (own.high - own.low).minCoeff()), longest = std::max(longest, (own.high - own.low).maxCoeff());
+        const Bounds own = bounds_of(solid->mesh->position);
+        thinnest = std::min(thinnest, (own.high - own.low).minCoeff());
     }
+    channels_ = channels;
     if (now == placed_) return;
     placed_ = std::move(now);
     empty_ = placed_.empty();
@@ -109,15 +140,17 @@ void SolidField::fill(const std::vector<FrameSolid>& solids) {
     });
     for (const Placed& p : placed_)
         if (const auto [own, is_new] = own_.try_emplace(p.mesh); is_new)
-            own->second = own_field(*p.mesh, glass_ ? glass_voxels : own_voxels, glass_ ? off_glass : 0);
+            own->second = glass_ ? own_glass_field(*p.mesh) : own_solid_field(*p.mesh);
     const Vec3f size = bounds.high - bounds.low;
     // Among others a glass keeps the resolution that it has alone, since its walls are thinner than its bounds.
-    const float fine = glass_ ? 4 * longest / static_cast<float>(voxels_ - 5) : thinnest;
+    float fine = thinnest;
+    if (glass_)
+        for (const auto& [mesh, own] : own_) fine = std::min(fine, 4 * own.voxel);
     const float voxel = voxel_edge(size, fine, voxels_ - 5, glass_ ? most_glass_voxels : voxels_);
     const Volume all = all_placed(bounds.low, bounds.high, static_cast<int>(std::lround(size.maxCoeff() / voxel)) + 5);
     origin_ = all.origin, voxel_ = all.voxel;
     size_ = Vec3f(static_cast<float>(all.nx), static_cast<float>(all.ny), static_cast<float>(all.nz));
-    gl::fill_3d(texture_, all.nx, all.ny, all.nz, all.value.data());
+    gl::fill_3d(texture_, all.nx, all.ny, all.nz, all.value.data(), channels_);
 }
 
 void SolidField::bind(gl::Program& program, int unit) const {

@@ -1,84 +1,27 @@
-// A solid of glass: the ray is refracted into it, through its distance field, and out again, also through fluid that touches the glass and
-// through further walls of glass. What it meets in the air (fluid, opaque solid, ground) has the colour that the image without glass shows
+// A solid of glass: the ray is refracted into it and out again, also through fluid that touches the glass and through further solids of
+// glass, each with its own index and tint. What it meets in the air (fluid, opaque solid, ground) has the colour that the image without glass shows
 // there.
 // constant: bool clear_fluid: light passes through the fluid
 in vec3 world;
 in vec3 world_normal;
 uniform sampler2D seen;             // image without glass, linear light
 uniform sampler2D fluid_distance;   // a: distance of the fluid from the eye [m]; 0: none
-uniform sampler3D glass_field;      // signed distance of all glass [m], as in solids.glsl
-uniform mat3 glass_turn;            // 1/m
-uniform vec3 glass_move;
-uniform float glass_voxel;          // m
-uniform vec3 glass_size;            // voxels
 uniform bool has_fluid;             // the fluid has a distance field
 uniform vec3 body_colour;           // of an opaque fluid
 uniform float behind;               // distance behind the glass at which a flow without a distance field is assumed [m]; 0: none
-uniform float glass_refraction;     // refractive index
-uniform vec3 glass_absorption;      // 1/m
-uniform float uneven;               // how far the surface's normals wander; 0: polished
+uniform int drawn;                  // number of the solid that is drawn
 uniform float weight;
 layout(location = 0) out vec4 glass;
 
 const int background = 0, ground = 1, opaque = 2, fluid = 3;
 
-float glass_distance(vec3 place) {
-    vec3 half_size = 0.5 * (glass_size - 1.0);
-    return textureLod(glass_field, (place + 0.5) / glass_size, 0.0).r + glass_voxel * length(max(abs(place - half_size) - half_size, 0.0));
-}
-
-// Normal of the glass at x. @param sharp output: 1 on a sharp edge, where the normal is that of a bevel a voxel wide, 0 on faces
-vec3 glass_normal(vec3 x, out float sharp) {
-    vec3 p = glass_turn * x + glass_move;
-    const vec2 h = vec2(1.0, 0.0);
-    vec3 slope = vec3(glass_distance(p + h.xyy) - glass_distance(p - h.xyy), glass_distance(p + h.yxy) - glass_distance(p - h.yxy),
-                      glass_distance(p + h.yyx) - glass_distance(p - h.yyx)) / (2.0 * glass_voxel);
-    sharp = 1.0 - smoothstep(0.75, 0.92, length(slope));
-    return normalize(slope * glass_turn + vec3(0.0, 1e-9, 0.0));
-}
-
-// Normal n of the surface at x, which wanders over some millimetres where the surface is uneven.
-vec3 wandering(vec3 n, vec3 x) {
+// Normal n of a solid's surface at x, which wanders over some millimetres where the surface is uneven.
+vec3 wandering(vec3 n, vec3 x, int solid) {
+    float uneven = glass_look[2 * solid + 1].x;
     if (uneven <= 0.0) return n;
     vec3 p = 150.0 * x, q = 600.0 * x;
     vec3 off = vec3(noise(p, 0.0), noise(p + 17.0, 0.0), noise(p + 31.0, 0.0)) + 0.5 * vec3(noise(q, 0.0), noise(q + 17.0, 0.0), noise(q + 31.0, 0.0));
     return normalize(n + uneven * (off - 0.75));
-}
-
-// Distance from x, on the surface, along d through the glass to its surface [m].
-float way_in_glass(vec3 x, vec3 d) {
-    vec3 from = glass_turn * x + glass_move, way = glass_turn * d;
-    float t = 0.6 * glass_voxel, last_t = 0.0, last_f = 0.3 * glass_voxel;
-    for (int i = 0; i < 48; ++i) {
-        float f = -glass_distance(from + t * way);
-        if (f < 0.0) return mix(last_t, t, last_f / (last_f - f));
-        last_t = t;
-        last_f = f;
-        t += max(f, 0.35 * glass_voxel);
-    }
-    return t;
-}
-
-// Interval of the ray in the box from 0 to size - 1, in its units.
-vec2 in_box(vec3 from, vec3 way, vec3 size) {
-    vec3 one = -from / (way + vec3(1e-9)), other = (size - 1.0 - from) / (way + vec3(1e-9)), near = min(one, other), far = max(one, other);
-    return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
-}
-
-// Distance from x, outside the glass, along d to the next glass [m]; -1: none.
-float way_to_glass(vec3 x, vec3 d, float limit) {
-    vec3 from = glass_turn * x + glass_move, way = glass_turn * d;
-    vec2 box = in_box(from, way, glass_size);
-    float t = max(1.5 * glass_voxel, box.x), last_t = t, last_f = 0.0;
-    limit = min(limit, box.y);
-    for (int i = 0; i < 48 && t < limit; ++i) {
-        float f = glass_distance(from + t * way);
-        if (f < 0.0) return last_f > 0.0 ? mix(last_t, t, last_f / (last_f - f)) : t;
-        last_t = t;
-        last_f = f;
-        t += max(f, 0.35 * glass_voxel);
-    }
-    return -1.0;
 }
 
 // Distance from x along d to an opaque solid [m]; -1: none. As in liquid.frag.
@@ -163,102 +106,113 @@ bool touches_fluid(vec3 x, vec3 n) {
     return has_fluid && near_distance(p) + length(outside) < 0.0;
 }
 
-// Moves x to the glass that a ray from x along d through air meets, and returns whether it meets any.
-// @param way output: distance to the object that the ray meets without glass [m] @param kind output: that object
-bool meets_glass(inout vec3 x, vec3 d, out float way, out int kind) {
-    way = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6;
-    kind = way < 1e6 ? ground : background;
+// Distance from x along d through air to the object that the ray meets without glass [m]. @param kind output: that object
+float way_in_air(vec3 x, vec3 d, out int kind) {
+    float way = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : nothing;
+    kind = way < nothing ? ground : background;
     float to_opaque = has_solid_field ? way_to_opaque(x, d, way) : -1.0;
     if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
     float to_fluid = has_fluid ? way_to_fluid(x, d, way) : -1.0;
     if (to_fluid >= 0.0) way = to_fluid, kind = fluid;
-    float to_glass = way_to_glass(x, d, way);
-    x += max(to_glass, 0.0) * d;
-    return to_glass >= 0.0;
+    return way;
 }
 
-// Moves x along d through the fluid to its surface. @return light that the fluid scatters back, as through_body()
-// @param kind output: ground or opaque, if the fluid lies on it there
-vec3 cross_fluid(inout vec3 x, vec3 d, vec3 lamp, inout vec3 through, out int kind) {
-    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : 1e6, way = voxel * way_out(place_of(x), d, to_floor / voxel);
+// Distance from x along d through the fluid to its surface [m]. @param kind output: ground or opaque, if the fluid lies on it there
+float way_in_fluid(vec3 x, vec3 d, out int kind) {
+    float to_floor = d.y < -1e-3 && x.y > ground_height ? (ground_height - x.y) / d.y : nothing;
+    float way = voxel * way_out(place_of(x), d, to_floor / voxel);
     kind = way >= to_floor ? ground : background;
     float to_opaque = has_solid_field ? way_to_opaque(x, d, way + 1.5 * voxel) : -1.0;
     if (to_opaque >= 0.0) way = to_opaque, kind = opaque;
-    vec3 light = through_body(place_of(x), d, way / voxel, lamp, through);
-    x += way * d;
-    return light;
+    return way;
 }
 
-const int in_air = 0, in_glass = 1, in_fluid = 2;
+const int air = -1, in_fluid = -2;   // media; 0, 1, ...: the solid of glass with this number
 
-float index_of(int medium) { return medium == in_air ? 1.0 : medium == in_glass ? glass_refraction : refraction; }
+float index_of(int medium) { return medium == air ? 1.0 : medium == in_fluid ? refraction : glass_index(medium); }
+
+// Medium behind the surface that a ray in this medium meets at x. @param n normal towards it
+int medium_behind(GlassHit hit, int medium, vec3 x, vec3 n) {
+    bool inside = medium >= 0;
+    if (hit.enters) return inside ? min(hit.solid, medium) : hit.solid;
+    if (hit.solid != medium) return medium;
+    int next = glasses > 1 ? glass_at(x + max(0.1 * glass_voxel, 1e-5 * distance(x, eye)) * n, medium) : -1;
+    return next >= 0 ? next : touches_fluid(x, n) ? in_fluid : air;
+}
 
 void main() {
-    vec3 v = normalize(world - eye), n = wandering(normalize(world_normal), world), x = world, through = vec3(1.0), light = vec3(0.0), lamp = vec3(0.0);
+    vec3 v = normalize(world - eye), n = wandering(normalize(world_normal), world, drawn), x = world, through = vec3(1.0), light = vec3(0.0), lamp = vec3(0.0);
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
-    float mirror = fresnel(-dot(n, v), glass_refraction);
-    vec3 r = reflect(v, n), d = refract(v, n, 1.0 / glass_refraction);
+    float mirror = fresnel(-dot(n, v), glass_index(drawn)), least_way = 1e-5 * distance(world, eye);
+    vec3 r = reflect(v, n), d = refract(v, n, 1.0 / glass_index(drawn));
     vec3 mirrored = min(surroundings(world, r, 0.02) + strip_light(r, 0.02), vec3(1.5));
-    int medium = in_glass, kind = background, mirrors = 0;
-    float way = 0.0, sharp;
-    glass_normal(x, sharp);
+    int medium = drawn, kind = background, mirrors = 0;
+    float way = 0.0, sharp = 0.0;
+    if (glass_channels > 0 && channel_of(drawn) >= 0) channel_normal(channel_of(drawn), x, sharp);
     for (int turn = 0; turn < 12; ++turn) {
         // Rays that meet an edge scatter in all directions, and the pixels of an edge would glitter. So an edge shows what is behind it.
         light += sharp * through * surroundings(x, v, 0.3, 0.8);
         through *= 1.0 - sharp;
-        int beyond = in_air;   // medium on the other side of the surface that the ray meets, of normal n
-        if (medium == in_air) {
-            if (!meets_glass(x, d, way, kind)) break;
-            kind = background;
-            n = wandering(glass_normal(x, sharp), x);
-            if (dot(n, d) > 0.0) n = -n;
-            through *= 1.0 - fresnel(-dot(n, d), glass_refraction);
-            d = refract(d, n, 1.0 / glass_refraction);
-            medium = in_glass;
-            continue;
-        }
-        if (medium == in_glass) {
-            way = way_in_glass(x, d);
-            through *= exp(-glass_absorption * way);
+        way = medium == air ? way_in_air(x, d, kind) : medium == in_fluid ? way_in_fluid(x, d, kind) : nothing;
+        // In fluid, glass that the ray meets a little behind its surface touches it.
+        GlassHit hit = next_glass(x, d, medium, least_way, way + (medium == in_fluid && kind == background ? 0.5 * voxel : 0.0));
+        if (medium == air && hit.solid < 0) break;
+        int beyond = air, surface = hit.solid;   // medium on the other side of the surface that the ray meets, of normal n
+        sharp = hit.sharp;
+        if (medium == in_fluid) {
+            if (hit.solid >= 0) way = hit.way, kind = background;
+            light += through_body(place_of(x), d, way / voxel, lamp, through);
             x += way * d;
-            n = wandering(glass_normal(x, sharp), x);
-            if (touches_fluid(x, n)) {
+            way = 0.0;
+            if (kind != background || max(through.r, max(through.g, through.b)) < 0.003) break;
+            int solid;
+            vec3 from_glass;
+            float off = nearest_glass(x, solid, from_glass);
+            bool at_glass = off < 0.5 * voxel + 0.1 * glass_voxel;
+            if (hit.solid < 0) surface = solid;
+            if (at_glass) beyond = surface;
+            // Next to glass the field has an edge, and its slope is found at a distance.
+            n = hit.solid >= 0 ? -hit.n : at_glass ? -from_glass : field_normal(place_of(x) + max(3.0 - off / voxel, 0.0) * from_glass);
+            sharp = 0.0;
+        } else {
+            way = hit.way;
+            kind = background;
+            x += way * d;
+            n = wandering(hit.n, x, hit.solid);
+            if (dot(n, d) < 0.0) n = -n;
+            if (medium >= 0) through *= exp(-glass_look[2 * medium].rgb * way);
+            way = 0.0;
+            beyond = medium_behind(hit, medium, x, n);
+            if (beyond == medium) continue;
+            if (beyond == in_fluid) {
                 sharp = 0.0;
-                beyond = in_fluid;
                 if (!clear_fluid) {
                     kind = fluid;
-                    way = 0.0;
                     break;
                 }
                 lamp = light_on_body(x, -n);
             }
-        } else {
-            light += cross_fluid(x, d, lamp, through, kind);
-            way = 0.0;
-            if (kind != background || max(through.r, max(through.g, through.b)) < 0.003) break;
-            float off = glass_distance(glass_turn * x + glass_move);
-            bool at_glass = off < 0.5 * voxel + 0.1 * glass_voxel;
-            if (at_glass) beyond = in_glass;
-            // Next to glass the field has an edge, and its slope is found at a distance.
-            vec3 from_glass = off < 3.0 * voxel ? glass_normal(x, sharp) : vec3(0.0);
-            n = at_glass ? -from_glass : field_normal(place_of(x) + max(3.0 - off / voxel, 0.0) * from_glass);
-            sharp = 0.0;
         }
         float ratio = index_of(medium) / index_of(beyond), leaving = dot(d, n), square = 1.0 - ratio * ratio * (1.0 - leaving * leaving);
         float inner = square > 0.0 ? fresnel(ratio > 1.0 ? sqrt(square) : leaving, ratio) : 0.0;
-        if (medium == in_fluid && beyond == in_air) inner = inner_light(square);
+        if (medium == in_fluid && beyond == air) inner = inner_light(square);
         if (medium == in_fluid) light += inner * through * lamp * scatter * 0.7;
         through *= 1.0 - inner;
+        bool entered = medium == air;
         if (square < 0.0) {   // total reflection
             d = reflect(d, n);
+            n = -n;
+            ++mirrors;
         } else {
             d = normalize(ratio * d + (sqrt(square) - ratio * leaving) * n);
             medium = beyond;
         }
-        if (square < 0.0) n = -n, ++mirrors;
         // Into the medium, or a grazing ray would leave it at once.
         if (medium == in_fluid) x += (near_distance(place_of(x)) + 0.4) * voxel * n;
-        if (medium == in_glass) x += (glass_distance(glass_turn * x + glass_move) + 0.4 * glass_voxel) * n;
+        if (glass_channels > 0 && medium >= 0 && !entered && channel_of(surface) >= 0) {
+            float off = channel_distance(channel_of(surface), x);
+            x += ((medium == surface ? off : -off) + 0.4 * glass_voxel) * n;
+        }
     }
     if (behind > 0.0 && kind <= ground) kind = fluid, way = min(way, behind);
     // After many reflections the rays of one pixel go everywhere, and their light would glitter.

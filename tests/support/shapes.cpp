@@ -249,4 +249,23 @@ TriangleMesh cylinder_mesh(const Vec3f& base, float radius, float height) {
     return mesh;
 }
 
+std::vector<FrameSolid> chequered_board(float tile) {
+    std::vector<FrameSolid> board;
+    for (const int white : {0, 1}) {
+        TriangleMesh tiles;
+        for (int i = -10; i < 10; ++i)
+            for (int k = -10; k < 10; ++k) {
+                if (((i + k) & 1) != white) continue;
+                const float x = tile * static_cast<float>(i), z = tile * static_cast<float>(k);
+                const TriangleMesh one = box_mesh(Vec3f(x, -0.01f, z), Vec3f(x + tile, 0, z + tile));
+                const auto first = static_cast<std::uint32_t>(tiles.position.size());
+                tiles.position.insert(tiles.position.end(), one.position.begin(), one.position.end());
+                tiles.normal.insert(tiles.normal.end(), one.normal.begin(), one.normal.end());
+                for (const auto& t : one.triangle) tiles.triangle.push_back({first + t[0], first + t[1], first + t[2]});
+            }
+        board.push_back(solid_of(std::move(tiles), white != 0 ? "white" : "dark"));
+    }
+    return board;
+}
+
 }  // namespace whorl::test

@@ -36,6 +36,9 @@ std::vector<Vec3f> lattice(int nx, int ny, int nz, float d);
 /// A solid with this mesh. @param material "": the look's default
 FrameSolid solid_of(TriangleMesh mesh, const std::string& material = "", bool container = false);
 
+/// A board of dark and white tiles, 20 times 20, whose top is at y = 0. The tile from (0, 0) to (tile, tile) [m] in x and z is dark.
+std::vector<FrameSolid> chequered_board(float tile);
+
 /// A closed box, cylinder (with its axis along y) and tube as solids for drawing.
 TriangleMesh box_mesh(const Vec3f& low, const Vec3f& high);
 TriangleMesh cylinder_mesh(const Vec3f& base, float radius, float height);

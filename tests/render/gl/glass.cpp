@@ -21,20 +21,7 @@ Frame board() {
     Frame frame;
     frame.spacing = 0.005f;
     frame.domain_min = Vec3f(-0.2f, -0.01f, -0.2f), frame.domain_max = Vec3f(0.2f, 0.2f, 0.2f);
-    for (const int white : {0, 1}) {
-        TriangleMesh tiles;
-        for (int i = -10; i < 10; ++i)
-            for (int k = -10; k < 10; ++k) {
-                if (((i + k) & 1) != white) continue;
-                const float x = tile * static_cast<float>(i), z = tile * static_cast<float>(k);
-                const TriangleMesh one = test::box_mesh(Vec3f(x, -0.01f, z), Vec3f(x + tile, 0, z + tile));
-                const auto first = static_cast<std::uint32_t>(tiles.position.size());
-                tiles.position.insert(tiles.position.end(), one.position.begin(), one.position.end());
-                tiles.normal.insert(tiles.normal.end(), one.normal.begin(), one.normal.end());
-                for (const auto& t : one.triangle) tiles.triangle.push_back({first + t[0], first + t[1], first + t[2]});
-            }
-        frame.solids.push_back(test::solid_of(std::move(tiles), white != 0 ? "white" : "dark"));
-    }
+    frame.solids = test::chequered_board(tile);
     frame.solids.push_back(test::solid_of(make_sphere(centre.cast<double>(), static_cast<double>(radius))->mesh(Real(0.001), 0), "glass"));
     return frame;
 }
