@@ -55,21 +55,24 @@ void TwoLevel::factor(const StrainForm& form) {
 
 double TwoLevel::operator()(Span<const Vec3> r, Span<Vec3> z) const {
     coarse_.solve(r);
-    const auto n = static_cast<Index>(inverse_diagonal_.size());
-    double product = parallel_sum(n, [&](Index i) {
+    const double product = parallel_sum(static_cast<Index>(inverse_diagonal_.size()), [&](Index i) {
         z[i] = inverse_diagonal_[i] * r[i] + coarse_.correction(i);
         return dot_entry(r[i], z[i]);
     });
-    const bool coarse = coarse_.groups() > 0;
-    for (std::size_t b = 0, k = static_cast<std::size_t>(n); b < inverse_of_bodies_.size(); ++b, k += 2) {
+    return inverse_of_bodies_.empty() ? product : product + apply_to_bodies(r, z);
+}
+
+double TwoLevel::apply_to_bodies(Span<const Vec3> r, Span<Vec3> z) const {
+    double product = 0;
+    for (std::size_t b = 0, k = inverse_diagonal_.size(); b < inverse_of_bodies_.size(); ++b, k += 2) {
         Eigen::Matrix<double, 6, 1> of_body;
         of_body << r[k].cast<double>(), r[k + 1].cast<double>();
         of_body = inverse_of_bodies_[b] * of_body;
-        for (int a = 0; a < 2; ++a) {
-            const std::size_t e = k + static_cast<std::size_t>(a);
-            z[e] = coarse ? coarse_.correction(static_cast<Index>(e)) : Vec3(of_body.segment<3>(3 * a).cast<Real>());
-            product += dot_entry(r[e], z[e]);
-        }
+        const auto entry = static_cast<Index>(2 * b);
+        const bool coarse = coarse_.groups() > 0;
+        z[k] = coarse ? coarse_.of_body(entry) : Vec3(of_body.head<3>().cast<Real>());
+        z[k + 1] = coarse ? coarse_.of_body(entry + 1) : Vec3(of_body.tail<3>().cast<Real>());
+        product += dot_entry(r[k], z[k]) + dot_entry(r[k + 1], z[k + 1]);
     }
     return product;
 }

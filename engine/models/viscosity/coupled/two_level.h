@@ -35,10 +35,12 @@ public:
     /// @returns r.z
     double operator()(Span<const Vec3> r, Span<Vec3> z) const;
 
-    /// R Ac^-1 R^T r of entry i, with r from the last application.
+    /// R Ac^-1 R^T r of particle i, with r from the last application.
     Vec3 coarse(Index i) const { return coarse_.correction(i); }
 
 private:
+    double apply_to_bodies(Span<const Vec3> r, Span<Vec3> z) const;
+
     CoarseLevel coarse_;
     std::vector<Mat3> inverse_diagonal_;
     std::vector<SymmetricBlocks::Block> inverse_of_bodies_;  ///< used without a coarse level

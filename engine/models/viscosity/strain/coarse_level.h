@@ -31,19 +31,15 @@ public:
     void add(Span<const Vec3> r, Span<Vec3> z) const;
     /// Solves Ac m = R^T r for correction().
     void solve(Span<const Vec3> r) const;
-    /// R m of particle i, or of an entry of a body.
-    Vec3 correction(Index i) const {
-        if (groups_ == 0) return Vec3::Zero();
-        return i < motions_.size() ? motions_.motion_of(load_, i) : of_body(i - motions_.size());
-    }
-
-private:
-    /// @param entry of all bodies: 2 b for the velocity of body b, 2 b + 1 for its angular velocity
+    /// R m of particle i.
+    Vec3 correction(Index i) const { return groups_ > 0 ? motions_.motion_of(load_, i) : Vec3(Vec3::Zero()); }
+    /// R m of an entry of the bodies: 2 b for the velocity of body b, 2 b + 1 for its angular velocity. Only with a coarse level.
     Vec3 of_body(Index entry) const {
         const Real* m = load_.data() + 6 * static_cast<std::size_t>(groups_of_particles()) + 3 * static_cast<std::size_t>(entry);
         return (entry % 2 == 0 ? 1 : 1 / spacing_) * Vec3(m[0], m[1], m[2]);
     }
 
+private:
     int groups_ = 0, steps_ = 0;  ///< steps_: number of steps since the groups were formed
     int bodies_ = 0;              ///< number of groups that are bodies
     Real spacing_ = 1;
