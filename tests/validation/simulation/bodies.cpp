@@ -294,6 +294,20 @@ TEST_CASE("the coupled solve moves a cylinder in honey at Faxen's speed within 1
     CHECK(sinking_speed({0.004, 0.16, 400, usual_step, coupled, 0.2, 0.7}) == Approx(-1.04).margin(0.06));
 }
 
+TEST_CASE("in 3D under a free surface a ball sinks in honey at Stokes' speed within 12 %", "[validation][bodies][long]") {
+    // In a tank ten radii wide: drag 6 pi mu R v/(1 - 1.9033 k), k = diameter over width (Happel and Brenner 1965, section 7-6). Measured
+    // with three spacings per radius: .91 to 1.03.
+    Simulation simulation =
+        simulation_of(text::time(1) + text::domain({-0.07, -0.01, -0.07}, {0.07, 0.2, 0.07}) +
+                      text::fluid(0.004, mu, fmt::format("density = {}", honey)) + text::block({-0.06, 0, -0.06}, {0.06, 0.16, 0.06}) +
+                      text::tank({-0.06, 0, -0.06}, {0.06, 0.18, 0.06}) + text::ball({0, 0.11, 0}, R, "density = 2400"));
+    run_until(simulation, 0.1);
+    const double start = last_body(simulation).centre.y();
+    run_until(simulation, 0.3);
+    const double speed = (start - last_body(simulation).centre.y()) / 0.2, buoyant = 4 * std::numbers::pi / 3 * R * R * R * 1000 * 9.81;
+    CHECK(speed * 6 * std::numbers::pi * mu * R / (1 - 1.9033 * 0.2) / buoyant == Approx(0.97).margin(0.09));
+}
+
 TEST_CASE("a loaded raft, a sluice's plate and a wedged body are at rest after two seconds", "[validation][bodies]") {
     for (const Bed& bed : {raft, sluice, wedge}) lies_still(bed, 0.01, 2, 2.5);
 }
