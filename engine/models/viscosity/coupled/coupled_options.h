@@ -43,6 +43,9 @@ struct CoupledOptions {
     double push_of_shear = 0.1;
     /// Limit of the bulk viscosity in fluid with a yield stress, over bulk rho d^2/dt. With more, rigid fluid needs more iterations.
     double rigid_bulk = 1000;
+    /// Least bulk viscosity in fluid with a yield stress, over bulk rho d^2/dt. With less, fluid that flows thinly compresses by a tenth as
+    /// it collapses, and bursts.
+    double least_bulk = 1;
     /// Limit of the apparent viscosity of a particle with a yield stress, over the smallest among its neighbours. Stress is continuous, so
     /// a rigid particle next to flowing fluid creeps at 1/1000 of the fluid's shear rate. Without the limit the rows of rigid particles
     /// that reach into molten fluid give the solve eigenvalues of all sizes: a block of 800 Pa that melts to 0.5 Pa s needs up to 660

@@ -78,7 +78,7 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real d
                 const Neighbourhood& n = rows.neighbourhood[i];
                 const double of_mu = n.volume * dt / (double(density) * spacing * spacing);
                 const double base = n.spread > 0 ? 2 * rows.dimensions() / n.spread : 0;
-                double K = of_mu * double(viscosity[i]), penalised = K, pressed = K;
+                double K = of_mu * double(viscosity[i]), penalised = K, pressed = K, bulk = o.bulk;
                 if (!soft_.empty()) {
                     Real softest = soft_[i], thinnest = viscosity[i];
                     block.each_pair(i - block.begin, [&](RowBlock::LocalIndex at) {
@@ -88,10 +88,11 @@ void StrainForm::set(const CoupledRows& rows, Span<const Real> viscosity, Real d
                     penalised *= std::min(1.0, static_cast<double>(softest / viscosity[i]));
                     K = std::min(K, o.steepest_jump * of_mu * thinnest);
                     pressed = std::min(K, o.rigid_bulk);
+                    if (K < o.least_bulk) bulk *= o.least_bulk / K;
                 }
                 StrainCoefficients c;
                 c.shear = static_cast<Real>(2 * K);
-                c.bulk = static_cast<Real>(2 * pressed * o.bulk / (2 + n.unresolved * o.bulk));
+                c.bulk = static_cast<Real>(2 * pressed * bulk / (2 + n.unresolved * bulk));
                 c.smooth = static_cast<Real>(base * (penalised * o.smoothing));
                 c.pair = static_cast<Real>(base * (penalised * o.pair_smoothing));
                 by_slice_[block.first_slice + k].set(lane, c);
