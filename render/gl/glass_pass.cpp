@@ -1,6 +1,23 @@
 #include "render/gl/glass_pass.h"
 
+#include <algorithm>
+
 namespace whorl {
+namespace {
+
+/// Whether the bounds of one of the solids are inside those of a glass.
+bool any_inside(const std::vector<FrameSolid>& solids, const std::vector<FrameSolid>& glasses) {
+    return std::any_of(solids.begin(), solids.end(), [&](const FrameSolid& solid) {
+        const Bounds in = bounds_of(solid);
+        return std::any_of(glasses.begin(), glasses.end(), [&](const FrameSolid& glass) {
+            const Bounds out = bounds_of(glass);
+            return (in.low.array() > out.low.array()).all() && (in.high.array() < out.high.array()).all();
+        });
+    });
+}
+
+}  // namespace
+
 GlassPass::GlassPass(int width, int height, GLuint glass)
     : width_(width), height_(height), seen_(gl::texture_2d(GL_RGBA16F, width, height, true)),
       depth_(gl::texture_2d(GL_DEPTH24_STENCIL8, width, height, false)), seen_target_(gl::framebuffer({seen_.id()}, 0)),
@@ -9,11 +26,11 @@ GlassPass::GlassPass(int width, int height, GLuint glass)
 void GlassPass::draw(const SceneGeometry& scene, const std::vector<FrameSolid>& solids, const GlassView& view, const std::string& constants,
                      const std::function<void(gl::Program&)>& prepare) {
     // In the order in which scene draws them.
-    std::vector<FrameSolid> drawn;
+    std::vector<FrameSolid> drawn, opaque;
     for (const FrameSolid& solid : solids)
-        if (solid.mesh && !is_level_ground(solid) && is_glass(solid)) drawn.push_back(solid);
+        if (solid.mesh && !is_level_ground(solid) && !solid.container) (is_glass(solid) ? drawn : opaque).push_back(solid);
     glasses_.fill(drawn);
-    gl::Program& program = program_.with(constants + glasses_.constants());
+    gl::Program& program = program_.with(constants + glasses_.constants() + gl::constant("solids_inside", any_inside(opaque, drawn)));
     prepare(program);
     program.texture("seen", 0, GL_TEXTURE_2D, seen_.id());
     program.texture("fluid_distance", 1, GL_TEXTURE_2D, view.fluid);

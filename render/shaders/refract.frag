@@ -1,7 +1,8 @@
 // A solid of glass: the ray is refracted into it and out again, also through fluid that touches the glass and through further solids of
 // glass, each with its own index and tint. What it meets in the air (fluid, opaque solid, ground) has the colour that the image without glass shows
 // there.
-// constant: bool clear_fluid: light passes through the fluid
+// constants: bool clear_fluid: light passes through the fluid
+//            bool solids_inside: opaque solids may be inside glass
 in vec3 world;
 in vec3 world_normal;
 uniform sampler2D seen;             // image without glass, linear light
@@ -160,6 +161,7 @@ void main() {
         int beyond = air, surface = hit.solid;   // medium on the other side of the surface that the ray meets, of normal n
         sharp = hit.sharp;
         if (medium == in_fluid) {
+            if (!hit.enters) hit.solid = -1;
             if (hit.solid >= 0) way = hit.way, kind = background;
             light += through_body(place_of(x), d, way / voxel, lamp, through);
             x += way * d;
@@ -176,6 +178,14 @@ void main() {
             sharp = 0.0;
         } else {
             way = hit.way;
+            float to_opaque = solids_inside && medium >= 0 && has_solid_field ? way_to_opaque(x, d, way) : -1.0;
+            if (to_opaque >= 0.0) {
+                through *= exp(-glass_look[2 * medium].rgb * to_opaque);
+                x += to_opaque * d;
+                way = 0.0;
+                kind = opaque;
+                break;
+            }
             kind = background;
             x += way * d;
             n = wandering(hit.n, x, hit.solid);
@@ -208,7 +218,7 @@ void main() {
             medium = beyond;
         }
         // Into the medium, or a grazing ray would leave it at once.
-        if (medium == in_fluid) x += (near_distance(place_of(x)) + 0.4) * voxel * n;
+        if (medium == in_fluid) x += max(near_distance(place_of(x)) + 0.4, 0.0) * voxel * n;
         if (glass_channels > 0 && medium >= 0 && !entered && channel_of(surface) >= 0) {
             float off = channel_distance(channel_of(surface), x);
             x += ((medium == surface ? off : -off) + 0.4 * glass_voxel) * n;

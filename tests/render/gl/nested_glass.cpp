@@ -34,7 +34,8 @@ std::vector<Ball> balls() {
 void add(std::vector<Ball>& list, bool exact, const std::optional<Vec3f>& colour, Frame& frame) {
     for (Ball& ball : list) {
         TriangleMesh mesh = make_sphere(ball.centre.cast<double>(), static_cast<double>(ball.radius))->mesh(Real(0.001), 0);
-        if (!exact) mesh.position[mesh.position.size() / 2] = ball.centre + 0.998f * (mesh.position[mesh.position.size() / 2] - ball.centre);
+        if (!exact)
+            mesh.position[mesh.position.size() / 2] = ball.centre + 0.998f * (mesh.position[mesh.position.size() / 2] - ball.centre);
         FrameSolid solid = test::solid_of(std::move(mesh), ball.index < 1.4f ? "ice" : "glass");
         const Vec3f tint = colour.value_or(ball.colour);
         solid.appearance.colour = Colour(tint.x(), tint.y(), tint.z()), solid.appearance.roughness = 0;
@@ -64,7 +65,8 @@ Traced trace(const std::vector<Ball>& list, const Vec3f& eye, const Vec3f& direc
             const Vec3f from = ray.from - ball.centre;
             const float b = from.dot(ray.way), square = b * b - from.squaredNorm() + ball.radius * ball.radius;
             for (const float root : {-1.0f, 1.0f})
-                if (const float t = -b + root * std::sqrt(std::max(square, 0.0f)); square > 0 && t > 1e-5f && t < first) first = t, met = &ball;
+                if (const float t = -b + root * std::sqrt(std::max(square, 0.0f)); square > 0 && t > 1e-5f && t < first)
+                    first = t, met = &ball;
         }
         if (met == nullptr) return ray;
         ray.from += first * ray.way;
