@@ -169,7 +169,7 @@ void main() {
             if (kind != background || max(through.r, max(through.g, through.b)) < 0.003) break;
             int solid;
             vec3 from_glass;
-            float off = nearest_glass(x, solid, from_glass);
+            float off = nearest_glass(x, 3.0 * voxel, solid, from_glass);
             bool at_glass = off < 0.5 * voxel + 0.1 * glass_voxel;
             if (hit.solid < 0) surface = solid;
             if (at_glass) beyond = surface;

@@ -182,7 +182,7 @@ void meet_field(vec3 x, vec3 d, int inside, inout GlassHit first) {
         }
         last_t = t;
         last_f = f;
-        t += max(f, 0.35 * glass_voxel);
+        t += max(f, 0.5 * glass_voxel);
     }
     if (met < 0.0 && own >= 0 && t < limit) met = t;
     if (met < 0.0 || met >= first.way) return;
@@ -205,8 +205,8 @@ GlassHit next_glass(vec3 x, vec3 d, int inside, float least_way, float limit) {
     return first;
 }
 
-// Distance of x, outside the glass, from the nearest one [m], its number and its normal there.
-float nearest_glass(vec3 x, out int solid, out vec3 n) {
+// Distance of x, outside the glass, from the nearest one [m], and if it is less than `reach`, its number and its normal there.
+float nearest_glass(vec3 x, float reach, out int solid, out vec3 n) {
     float nearest = nothing;
     solid = -1;
     n = vec3(0.0, 1.0, 0.0);
@@ -218,7 +218,7 @@ float nearest_glass(vec3 x, out int solid, out vec3 n) {
     if (glass_channels == 0) return nearest;
     vec4 field = channels_at(glass_turn * x + glass_move);
     float f = least(field), sharp;
-    if (f >= nearest) return nearest;
+    if (f >= nearest || f > reach) return min(f, nearest);
     int c = glass_channels == 1 || field.x <= f ? 0 : field.y <= f ? 1 : field.z <= f ? 2 : 3;
     solid = solid_in_channel(c, x);
     n = channel_normal(c, x, sharp);

@@ -173,4 +173,22 @@ TEST_CASE("each glass along a ray takes its own part of the light, within 2 % of
     CHECK(wrong < shown / 200);  // at outlines of the balls inside
 }
 
+TEST_CASE("an opaque ball inside a block of glass is seen at the depth that its flat front gives it, within 2 pixels", "[render][glass]") {
+    // From 0.6 m, what is 0.03 m behind the front seems to be 0.03/1.5 m behind it: the ball of 0.01 m is 0.01/0.59 of the distance.
+    Frame frame = empty_frame();
+    frame.solids.push_back(test::solid_of(test::box_mesh(Vec3f(-0.03f, -0.03f, -0.03f), Vec3f(0.03f, 0.03f, 0.03f)), "glass"));
+    frame.solids.push_back(test::solid_of(make_sphere(Vec3d::Zero(), 0.01)->mesh(Real(0.001), 0), "dark"));
+    const View view{Vec3f(0, 0, 0.6f), Vec3f::Zero(), Vec3f(0, 1, 0), 8};
+    LookOptions look;
+    look.ground = false;
+    const Image image = Renderer(width, height).draw(frame, {}, look, view);
+    int first = width, last = 0;
+    for (int x = width / 2 - 100; x < width / 2 + 100; ++x)
+        if (image.pixel(x, height / 2)[1] < 110) first = std::min(first, x), last = std::max(last, x);
+    const int dark = last - first + 1;
+    const float expected = 0.01f / 0.59f / std::tan(4 * static_cast<float>(M_PI) / 180) * static_cast<float>(height);
+    INFO("pixels across the ball: " << dark << ", expected " << expected);
+    CHECK(std::abs(static_cast<float>(dark) - expected) < 4);  // 2 at either side, as for tiles
+}
+
 }  // namespace nested_glass_test
