@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/grid_index.h"
 #include "engine/core/parallel.h"
@@ -51,6 +52,7 @@ private:
 struct Linear {
     std::array<float, 5> value{};
     std::array<Vec3f, 5> gradient;
+    bool is_steep = false;  // whether a gradient had to be shortened to less than half
 };
 
 /// Shortens the gradients of the shown field of particle i: extrapolated to a neighbour, its value stays in the range of the values of the
@@ -67,7 +69,7 @@ void bound(Linear& of, const PlaneParticles& near, const std::vector<std::array<
             if (std::abs(change) > std::abs(room)) share[k] = std::min(share[k], room / change);
         }
     });
-    for (int k = 2; k < count; ++k) of.gradient[k] *= share[k];
+    for (int k = 2; k < count; ++k) of.gradient[k] *= share[k], of.is_steep |= share[k] < 0.5f;
 }
 
 /// Gradients G by least squares: G minimises the sum over neighbours j of w (f_j - f_i - G r)^2, w = (1 - r^2/h^2)^2.
@@ -102,6 +104,8 @@ std::vector<Linear> linear_fields(const PlaneParticles& near, const std::vector<
 struct Tile {
     int x0, y0, nx, ny;
     std::array<std::array<float, tile * tile>, 5> sum{};
+    // Values of the shown field among the particles that reach the pixel, from keep_ranges() on.
+    std::array<std::array<float, tile * tile>, 3> least{}, most{};
     std::array<float, tile * tile> weight{}, noise{}, grains{};
 
     /// Calls f(first, dx, dy, n) for each row of n pixels within `reach` of (x, y): index of its first pixel in the tile, and the offset of
@@ -117,8 +121,13 @@ struct Tile {
                 f((row - y0) * tile + left - x0, static_cast<float>(left) + 0.5f - x, static_cast<float>(row) + 0.5f - y, right - left);
     }
 
+    void keep_ranges() {
+        for (auto& one : least) one.fill(std::numeric_limits<float>::max());
+        for (auto& one : most) one.fill(std::numeric_limits<float>::lowest());
+    }
+
     /// Adds a particle. @param at its position [pixels] @param h reach [pixels] @param metres edge of a pixel [m]
-    void add(const Vec3f& at, float h, const Linear& of, int count, float metres) {
+    void add(const Vec3f& at, float h, const Linear& of, int count, float metres, bool limited) {
         rows(at.x(), at.y(), h, [&](int first, float dx, float dy, int n) {
             const float over = 1 / (h * h), rest = 1 - (dy * dy + at.z() * at.z()) * over;
             if (rest <= 0) return;
@@ -132,6 +141,12 @@ struct Tile {
                 const Vec3f& g = of.gradient[k];
                 const float base = of.value[k] + metres * (g.x() * dx + g.y() * dy - g.z() * at.z()), slope = metres * g.x();
                 for (int l = 0; l < n; ++l) sum[k][first + l] += w[l] * (base + slope * static_cast<float>(l));
+                if (!limited || k < 2) continue;
+                float *const low = least[k - 2].data() + first, *const high = most[k - 2].data() + first;
+                for (int l = 0; l < n; ++l) {
+                    low[l] = w[l] > 0 ? std::min(low[l], of.value[k]) : low[l];
+                    high[l] = w[l] > 0 ? std::max(high[l], of.value[k]) : high[l];
+                }
             }
         });
     }
@@ -170,7 +185,8 @@ struct Grains {
 };
 
 /// Writes the means of a tile into the field. @param lattice sum of the weights in a full lattice
-void finish(PlaneField& field, const Tile& t, int count, float lattice) {
+/// @param limited between the values of the particles
+void finish(PlaneField& field, const Tile& t, int count, float lattice, bool limited) {
     for (int y = 0; y < t.ny; ++y)
         for (int x = 0; x < t.nx; ++x) {
             const int from = y * tile + x;
@@ -178,7 +194,11 @@ void finish(PlaneField& field, const Tile& t, int count, float lattice) {
             const float w = t.weight[from];
             field.cover[to] = std::min(1.0f, w / lattice);
             if (w <= 0) continue;
-            for (int k = 0; k < count; ++k) (k < 2 ? field.velocity[k] : field.value[k - 2])[to] = t.sum[k][from] / w;
+            for (int k = 0; k < count; ++k) {
+                float& mean = (k < 2 ? field.velocity[k] : field.value[k - 2])[to];
+                mean = t.sum[k][from] / w;
+                if (limited && k >= 2) mean = std::min(std::max(mean, t.least[k - 2][from]), t.most[k - 2][from]);
+            }
             if (!field.noise.empty() && t.grains[from] > 0) field.noise[to] = t.noise[from] / std::sqrt(t.grains[from]);
         }
 }
@@ -215,17 +235,23 @@ PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>
             t.nx = std::min(tile, plane.width - t.x0), t.ny = std::min(tile, plane.height - t.y0);
             const Vec3f low(metres * static_cast<float>(t.x0) - margin, metres * static_cast<float>(t.y0) - margin, -margin),
                 high(metres * static_cast<float>(t.x0 + t.nx) + margin, metres * static_cast<float>(t.y0 + t.ny) + margin, margin);
+            // Beside a gap between particles even a shortened gradient extrapolates beyond the range.
+            bool limited = false;
+            near.rows.runs(low, high, [&](Index first, Index last) {
+                limited |= std::any_of(fields.begin() + first, fields.begin() + last, [](const Linear& of) { return of.is_steep; });
+            });
+            if (limited) t.keep_ranges();
             near.rows.runs(low, high, [&](Index first, Index last) {
                 for (Index i = first; i < last; ++i) {
                     const Vec3f position = near.rows.at(i), at = position / metres;
-                    t.add(at, h / metres, fields[i], count, metres);
+                    t.add(at, h / metres, fields[i], count, metres, limited);
                     const float fade = 1 - position.z() * position.z() / (h * h);
                     if (!field.noise.empty() && fade > 0)
                         grains.of(at, grain->second[near.particle(i)], fade, metres,
                                   [&](float x, float y, float sign) { t.add_grain(x, y, grains.radius, sign); });
                 }
             });
-            finish(field, t, count, lattice);
+            finish(field, t, count, lattice, limited);
         }
     });
     return field;

@@ -31,7 +31,8 @@ struct PlaneField {
 /// spacings, and at least 1.2 pixels. Linear fields are exact, even for irregular particles. Gradients are least-squares fits over the
 /// neighbours; if the neighbours lie on a line, the gradient is along it. Bit-identical for any number of threads.
 /// @param value up to three fields, each with one number per particle
-/// @param bounded shortens gradients, so that no value leaves the range of the particles around it: for inks, which change within a spacing
+/// @param bounded shortens gradients and limits means, so that no value leaves the range of the particles around it: for inks, which change
+/// within a spacing
 PlaneField plane_field(const Frame& frame, const std::vector<std::vector<float>>& value, const PixelPlane& plane, bool bounded = false);
 
 }  // namespace whorl
