@@ -192,12 +192,12 @@ void lies_still(const Bed& bed, double spacing, double from, double until) {
 
 /// 1/h^2 grows by 2 W dt/(mu L^3) under a plate of weight W and length L. The honey next to it, which the theory neglects, carries a
 /// seventh of the weight. If the splitting of pressure and viscosity ignores the plate's load, the plate sinks faster by 1 + 12 nu dt/h^2:
-/// 40 % at 20 Pa s, 3 times at 100.
-void sinks_as_lubrication_says(double mu) {
+/// 40 % at 20 Pa s, 3 times at 100. @param least, most bounds of the rate over the theory's
+void sinks_as_lubrication_says(double mu, const std::string& models, double least, double most) {
     constexpr double L = 0.08, W = 8000 * 0.01 * L * 9.81, start = 0.01;
     const double begin = mu / 200, end = 2 * begin;
     Simulation simulation =
-        simulation_of(text::time(1) + text::domain({-0.12, -0.02}, {0.12, 0.06}) + text::fluid(1.25e-3, mu) +
+        simulation_of(text::time(1) + text::domain({-0.12, -0.02}, {0.12, 0.06}) + text::fluid(1.25e-3, mu) + models +
                       text::block({-0.045, 0}, {0.045, 0.01}) + text::plane({0, 0}, {0, 1}) + body({-0.04, 0.01}, {0.04, 0.02}, 8000));
     const auto gap = [&](double time) {
         run_until(simulation, time);
@@ -205,17 +205,23 @@ void sinks_as_lubrication_says(double mu) {
     };
     const double h = gap(begin), rate = 2 * W / (mu * L * L * L);
     const double sunk = h - gap(end), lubrication = h - 1 / std::sqrt(1 / (h * h) + rate * (end - begin));
-    CHECK(sunk == Approx(lubrication).epsilon(0.2));
+    CHECK(sunk > least * lubrication);
+    CHECK(sunk < most * lubrication);
 }
 
 }  // namespace
 
 TEST_CASE("a heavy plate squeezes honey out at the rate of lubrication theory within 20 %", "[validation][bodies]") {
-    sinks_as_lubrication_says(20);
+    sinks_as_lubrication_says(20, text::models("ppe", "full"), 0.8, 1.2);
+}
+
+TEST_CASE("a heavy plate squeezes coupled honey out at .7 to .9 of the rate of lubrication theory", "[validation][bodies]") {
+    // .75 with 8 layers of particles under the plate, .78 with 16. `ppe` has .89 with either, about a seventh less than 1, as it should.
+    sinks_as_lubrication_says(20, text::models("coupled"), 0.7, 0.9);
 }
 
 TEST_CASE("a heavy plate squeezes honey of 100 Pa s out at the rate of lubrication theory within 20 %", "[validation][bodies][long]") {
-    sinks_as_lubrication_says(100);
+    sinks_as_lubrication_says(100, text::models("ppe", "full"), 0.8, 1.2);
 }
 
 namespace {
