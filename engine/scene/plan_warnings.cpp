@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "engine/models/viscosity/explicit_viscosity.h"
 #include "engine/scene/checks.h"
@@ -109,8 +110,7 @@ private:
             add_warning(
                 "pressure.form = \"projection\" holds a surface that moves gently: it diverges or loses volume if a column collapses, a "
                 "jet lands, a body falls or rises through the surface, a drop lies on a solid, thin fluid turns in a round vessel, or "
-                "fluid "
-                "without weight meets other fluid or turns fast; pressure.form = \"constraint\" holds these");
+                "fluid without weight meets other fluid or turns fast; pressure.form = \"constraint\" holds these");
         if (plan_.traits.pressure.source == PressureSource::velocity && !plan_.free_surface && scene_.domain.gravity(0).norm() > 0)
             for (std::size_t k = 0; k < scene_.solids.size(); ++k)
                 if (const double density = scene_.solids[k].density; density > 0 && density < 0.9 * scene_.fluid.density)
@@ -123,6 +123,11 @@ private:
                 "pressure.form = \"constraint\" holds back bodies in viscous fluid: a cylinder that has sunk by its own diameter sinks at "
                 "a quarter of its speed" +
                 way_to_move_bodies());
+        if (plan_.traits.pressure.form == PressureForm::constraint && !plan_.free_surface && !scene_.any_free_solid())
+            add_warning(
+                std::string("pressure.form = \"constraint\" takes energy from vortices in fluid that fills its space: of 25 particles "
+                            "across, they keep 16 to 38 % where 82 % is right; use \"projection\"") +
+                (scene_.models.viscosity == ViscosityModel::xsph ? " and another viscosity than xsph" : ""));
         if (!plan_.traits.pressure.has_sound) return;
         if (scene_.pressure.background_pressure > 0 && part_left_empty(scene_, shapes_) > next_to_nothing)
             add_warning("pressure.background_pressure pushes particles away from the free surface; use 0");

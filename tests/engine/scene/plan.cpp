@@ -240,6 +240,20 @@ TEST_CASE("the plan warns of monaghan with few neighbours, with its stiffness on
     CHECK_FALSE(warned("4"));
 }
 
+TEST_CASE("the constraint is a warning in fluid that fills its space, unless a body moves in it", "[plan][pressure]") {
+    const auto warned = [](const std::string& more, double top = 0.2) {
+        return warnings_with(make_plan(scene_with({}, test::text::time(1) + test::text::domain({-0.1, -0.1}, {0.3, 0.3}) +
+                                                          test::text::fluid(0.01, 1) + "[models]\nviscosity = \"full\"\n" + more +
+                                                          test::text::block({0, 0}, {0.2, top}) + test::text::tank({0, 0}, {0.2, 0.2}))),
+                             "takes energy from vortices");
+    };
+    const std::string constraint = "[pressure]\nform = \"constraint\"\n";
+    CHECK(warned("") == 0);
+    CHECK(warned(constraint) == 1);
+    CHECK(warned(constraint, 0.1) == 0);
+    CHECK(warned(constraint + test::text::ball({0.1, 0.1}, 0.03, "density = 2000")) == 0);
+}
+
 TEST_CASE("a background pressure is a warning if blocks leave room, not in a full channel", "[plan]") {
     const auto channel = [](double top) {
         return make_plan(
