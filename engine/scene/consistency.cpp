@@ -224,6 +224,7 @@ private:
     }
     /// Checks that the file exists, and makes its path absolute.
     void find_file(const std::string& key, fs::path& file) {
+        if (file.empty()) return;  // reported as missing
         const fs::path found = file.is_absolute() ? file : fs::absolute(fs::path(scene_.directory) / file);
         std::error_code unreachable;
         if (!fs::is_regular_file(found, unreachable))

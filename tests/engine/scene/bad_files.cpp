@@ -161,6 +161,10 @@ TEST_CASE("several mistakes are reported together, by location, with the command
         "--set block[1].radius=1: block[1].shape is missing; kind of shape; allowed: box, sphere, cylinder, capsule, cone, torus or mesh");
 }
 
+TEST_CASE("a mesh without a file is refused", "[scene]") {
+    CHECK_THAT(messages_of(good + "[[solid]]\nshape = \"mesh\"\n"), Catch::Contains("solid[0].file is missing"));
+}
+
 TEST_CASE("an option without a value, or with a value that is not TOML, is refused with its text", "[scene]") {
     const std::string values =
         "; write numbers as in 0.5 or 1e-3, without a unit; put strings and expressions in quotes; booleans are true and false";

@@ -293,11 +293,12 @@ TEST_CASE("under a free surface the coupled solve moves a cylinder in honey at .
 
 TEST_CASE("the coupled solve moves a cylinder in honey at Faxen's speed within 12 % after ways of up to its diameter",
           "[validation][bodies][long]") {
-    // The constraint holds it back: .64 of the speed after a way of one radius, .25 after two.
-    CHECK(sinking_speed({0.004, 0.16, 2400, usual_step, coupled, 0.8, 1}) == Approx(0.92).margin(0.05));
-    CHECK(sinking_speed({0.0024, 0.16, 2400, usual_step, coupled, 0.4, 0.8}) == Approx(1.05).margin(0.06));
-    CHECK(sinking_speed({0.0015, 0.16, 2400, usual_step, coupled, 0.2, 0.5}) == Approx(0.97).margin(0.06));
-    CHECK(sinking_speed({0.004, 0.16, 400, usual_step, coupled, 0.2, 0.7}) == Approx(-1.04).margin(0.06));
+    // The constraint holds it back: .64 of the speed after a way of one radius, .25 after two. With three spacings per radius the speed
+    // depends on how the particles lie around the body: .92 and 1.04 after two radii in two builds with other round-off.
+    CHECK(sinking_speed({0.004, 0.16, 2400, usual_step, coupled, 0.8, 1}) == Approx(1).margin(0.12));
+    CHECK(sinking_speed({0.0024, 0.16, 2400, usual_step, coupled, 0.4, 0.8}) == Approx(1).margin(0.12));
+    CHECK(sinking_speed({0.0015, 0.16, 2400, usual_step, coupled, 0.2, 0.5}) == Approx(1).margin(0.12));
+    CHECK(sinking_speed({0.004, 0.16, 400, usual_step, coupled, 0.2, 0.7}) == Approx(-1).margin(0.12));
 }
 
 TEST_CASE("in 3D under a free surface a ball sinks in honey at Stokes' speed within 12 %", "[validation][bodies][long]") {
