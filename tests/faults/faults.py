@@ -141,7 +141,7 @@ class Faults:
                 child.send_signal(signal.SIGKILL)
                 child.communicate()
                 done = self.resume(out)
-                if done.returncode == 2 and ("not a run folder" in done.stderr or "no such folder" in done.stderr):
+                if done.returncode == 2 and ("not a run folder" in done.stderr or "folder not found" in done.stderr):
                     done = self.run(*self.command(out))  # no output yet: restarted
                 self.said(done, 0)
                 self.same(out)
@@ -157,7 +157,8 @@ class Faults:
             first = subprocess.Popen([str(w) for w in self.command(out)], env=self.environment, stderr=subprocess.DEVNULL)
             while not (out / "run.json").exists() and first.poll() is None:
                 time.sleep(0.01)
-            for words in (self.command(out), self.command(out, "--overwrite"), [self.program, "resume", out]):
+            self.said(self.run(*self.command(out)), 2, "the folder already contains a run")
+            for words in (self.command(out, "--overwrite"), [self.program, "resume", out]):
                 self.said(self.run(*words), 2, "another run is at work in this folder")
             if first.wait() != 0:
                 raise Lost("the first was disturbed")
@@ -240,7 +241,7 @@ class Faults:
                         raise Lost(f"said: {done.stderr[-300:]}")
                     self.run("mount", "-o", "remount,size=64m", disk)
                     done = self.resume(out)
-                    if done.returncode == 2 and ("not a run folder" in done.stderr or "no such folder" in done.stderr):
+                    if done.returncode == 2 and ("not a run folder" in done.stderr or "folder not found" in done.stderr):
                         done = self.run(*self.command(out))
                     self.said(done, 0)
                     self.same(out)
