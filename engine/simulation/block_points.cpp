@@ -51,6 +51,21 @@ void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravit
     }
 }
 
+/// Moves a lattice up until its lowest layer is half a spacing above the lower end of its shape; down and up as in put_down(). Its upper
+/// end is then outside the shape by at most half a spacing.
+void raise(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
+    Vec3 low, high;
+    shape.bounds(low, high);
+    for (int a = 0; a < 3; ++a) {
+        if (gravity[a] == 0 || step.domain.periodic[a] || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
+        const bool down = gravity[a] < 0;
+        Real room = std::numeric_limits<Real>::max();
+        for (const Vec3& x : points) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - step.spacing / 2);
+        if (room >= 0) continue;
+        for (Vec3& x : points) x[a] -= down ? room : -room;
+    }
+}
+
 Real distance_from_solids(const World& world, const Vec3& x) {
     Real distance = 0;
     return world.solids.nearest(x, distance) >= 0 ? distance : std::numeric_limits<Real>::max();
@@ -132,6 +147,11 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
             std::vector<Vec3> within = sample(Layers::within, 0);
             remove_in_solids(within, world);
             if (within.size() >= points.size()) points.swap(within), layers = Layers::within;
+            // On a floor only the lowest layer is removed, and the fluid would hover by a spacing.
+            std::vector<Vec3> raised = all;
+            raise(raised, *shape, scene.domain.gravity(0), world.step);
+            remove_in_solids(raised, world);
+            if (raised.size() > points.size()) points.swap(raised), layers = Layers::nearest;
         }
         if (plan.traits.viscous())
             fill_beside_slanted(points, on_lattice ? sample(layers, world.step.spacing / 2) : all, on_lattice, *shape, world);

@@ -98,6 +98,20 @@ TEST_CASE("no particle of a block begins nearer than 0.45 spacings to a solid, o
     }
 }
 
+TEST_CASE("a block on a floor has its lowest layer half to .75 spacings above it, whatever its height", "[sim]") {
+    // In the middle of a block, a lattice of nine layers that is higher than the block would begin too near to the floor, and lose a layer.
+    for (const double height : {8.2, 8.4, 8.6, 8.8, 9.1}) {
+        CAPTURE(height);
+        const Simulation s = simulation_of(text::time(1) + text::domain({-0.1, -0.02, -0.1}, {0.1, 0.2, 0.1}) + text::fluid(0.01, 10) +
+                                           text::block({-0.04, 0, -0.04}, {0.04, 0.01 * height, 0.04}) + text::plane({0, 0, 0}, {0, 1, 0}));
+        Real lowest = 1;
+        for (const Vec3& x : s.world().fluid.column<field::position>()) lowest = std::min(lowest, x.y());
+        CHECK(lowest > 0.0049);
+        CHECK(lowest < 0.0075);
+        CHECK(s.world().fluid.size() == 64 * std::lround(height));
+    }
+}
+
 TEST_CASE("a viscous block fitted to a round vessel begins no more than 15 % too dense, above the floor too", "[sim]") {
     // 8 spacings across the radius; 13 % found. Fitted particles that overlap those over the floor make rings of cells 39 % too dense, and
     // wcsph throws such a block up by 40 % of its potential energy within .1 s.
