@@ -89,12 +89,16 @@ Texture texture_of(int kind, vec3 own, vec3 n, float width) {
     return Texture(vec3(1.0), 0.0);
 }
 
-// Normal at x, tilted by a relief (Mikkelsen, J. Graphics Tools 15, 2010). All pixels of a primitive must call it, because it uses
-// differences between neighbouring pixels.
-// @param height m
-vec3 in_relief(vec3 n, vec3 x, float height) {
+// Gradient of a value along the surface with the normal n at x [1/m] (Mikkelsen, J. Graphics Tools 15, 2010). All pixels of a primitive
+// must call it, because it uses differences between neighbouring pixels.
+vec3 slope_along(vec3 n, vec3 x, float value) {
     vec3 across = dFdx(x), up = dFdy(x), a = cross(up, n), b = cross(n, across);
     float area = dot(across, a);
-    vec3 slope = (dFdx(height) * a + dFdy(height) * b) * sign(area) / max(abs(area), 1e-12);
+    return (dFdx(value) * a + dFdy(value) * b) * sign(area) / max(abs(area), 1e-12);
+}
+
+// Normal at x, tilted by a relief. All pixels of a primitive must call it. @param height m
+vec3 in_relief(vec3 n, vec3 x, float height) {
+    vec3 slope = slope_along(n, x, height);
     return normalize(n - slope * min(1.0, 1.2 * inversesqrt(dot(slope, slope) + 1e-12)));
 }
