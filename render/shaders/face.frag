@@ -38,7 +38,7 @@ void main() {
     else if (pattern > 0) {
         Texture t = texture_of(pattern, own, own_normal, max(length(dFdx(own)), length(dFdy(own))));
         albedo *= t.colour;
-        n = in_relief(n, world, t.height);
+        n = in_relief(n, slope_along(n, world, t.height));
         vec3 v = way / away;
         if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
         relief = octahedral_encode(n);

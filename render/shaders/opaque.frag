@@ -106,7 +106,7 @@ void main() {
     Crust crust;
     if (has_crust) {
         crust = crust_at(texelFetch(crust_buffer, ivec2(gl_FragCoord.xy), 0), x, n, g.z, pixel_angle * g.a / max(-dot(n, v), 0.1));
-        n = normalize(mix(n, in_relief(n, x, crust.height), smoothstep(0.05, 0.35, -dot(n, v))));
+        n = normalize(mix(n, in_relief(n, slope_along(n, x, crust.height) + crust.folds), smoothstep(0.05, 0.35, -dot(n, v))));
     }
     if (dot(n, v) > -0.02) n = normalize(n - (dot(n, v) + 0.02) * v);
     vec3 r = reflect(v, n);

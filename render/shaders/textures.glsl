@@ -97,8 +97,7 @@ vec3 slope_along(vec3 n, vec3 x, float value) {
     return (dFdx(value) * a + dFdy(value) * b) * sign(area) / max(abs(area), 1e-12);
 }
 
-// Normal at x, tilted by a relief. All pixels of a primitive must call it. @param height m
-vec3 in_relief(vec3 n, vec3 x, float height) {
-    vec3 slope = slope_along(n, x, height);
+// Normal n, tilted by a relief with this gradient.
+vec3 in_relief(vec3 n, vec3 slope) {
     return normalize(n - slope * min(1.0, 1.2 * inversesqrt(dot(slope, slope) + 1e-12)));
 }
