@@ -100,11 +100,11 @@ Crust crust_at(vec4 nearest, vec3 x, vec3 n, float age, float width) {
     c.heat = max(exp(-1.2 * old) * (1.0 - 0.85 * c.cold), c.cold * max(fire * (0.8 + 0.4 * rough), 0.25 * rim));
     c.shade = (0.55 + 0.9 * own.number) * (0.5 + 0.6 * rough + 0.4 * grain);
     // Ropes: folds along lines of equal age, across the flow, where these lines are as far apart as folds are.
-    float rope = smoothstep(0.3, 0.8, fract(5.0 * own.number)) * sin(32.0 * age + 6.0 * own.slow + 2.0 * rough);
+    float rope = smoothstep(0.3, 0.8, fract(5.0 * own.number)) * sin(32.0 * age + 6.0 * own.slow + 4.0 * rough);
     vec3 tilt = fract(vec3(17.0, 29.0, 43.0) * own.number) - 0.5;
     float relief = 0.5 + 0.5 * clamp(dot(own.place, tilt), -2.0, 2.0) + 0.9 * rough + 0.2 * grain, firm = smoothstep(0.3, 0.9, c.cold) * smoothstep(0.0, 0.7, groove);
     c.height = spacing * relief * firm;
-    float strength = 0.2 * smoothstep(0.4, 1.0, 32.0 * steep) * (1.0 - smoothstep(3.0, 5.5, 32.0 * steep));
+    float strength = 0.2 * smoothstep(1.5, 3.0, 32.0 * steep) * (1.0 - smoothstep(8.0, 12.0, 32.0 * steep * max(1.0, 16.0 * width)));
     c.folds = strength * slope_along(n, x, spacing * rope * firm);
     return c;
 }
