@@ -36,13 +36,15 @@ Plate plate_at(float index, vec3 x, float width) {
     vec4 middle = texelFetch(plates, texel, 0), motion = texelFetch(plates, texel + ivec2(1, 0), 0);
     vec3 place = (x - middle.xyz - moment * motion.xyz) / spacing;
     float slow = noise(0.4 * place + 37.0 * motion.w, 0.4 * width), quick = noise(1.7 * place + 53.0 * motion.w, 1.7 * width);
-    return Plate(place, normalize(place + 1e-4), length(place) - middle.w / spacing, 0.7 * slow + 0.6 * quick, slow, motion.w);
+    float far = length(place);
+    return Plate(place, place / max(far, 1e-4), far - middle.w / spacing, 0.7 * slow + 0.6 * quick, slow, motion.w);
 }
 
 // Rate at which the difference of two plates' distances changes along the surface. It is small if one middle is below the other.
 float parting(Plate own, Plate other, vec3 n) {
     vec3 way = own.outward - other.outward;
-    return length(way - dot(way, n) * n);
+    float normal = dot(way, n);
+    return sqrt(max(dot(way, way) - normal * normal, 0.0));
 }
 
 // Distance from the line where two plates met [spacings], negative on the other plate. The line is as ragged as its distance is
