@@ -96,7 +96,7 @@ gallery_scenes = {
     "melting_wax": ("Wax on a hot candlestick runs over the edge and freezes.", 2.9, "draft --set look.samples=16"),
     "marbled_paint": ("A comb is drawn through stripes of paint, and back.", 4.0, "draft --set look.samples=16"),
     "lava": ("Lava flows around boulders: its crust cracks.", 4.5, "standard"),
-    "freezing_lava": ("Toes of lava creep over cold rock and freeze one after the other.", 4.5, "draft --set look.samples=16"),
+    "freezing_lava": ("Toes of lava creep over cold rock and freeze one after the other.", 5.46, "draft --set look.samples=16"),
     "dripping_syrup": ("A falling drop draws out a thread, which snaps. At a quarter of the speed.", 0.84, "standard"),
     "rotating_drop": ("Two drops with a neck between them rotate in weightlessness until the neck breaks. At a third of the speed.", 0.85, "standard"),
     "dam_break": ("A block of water collapses and hits the wall.", 0.96, "standard"),
