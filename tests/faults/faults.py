@@ -157,9 +157,13 @@ class Faults:
             first = subprocess.Popen([str(w) for w in self.command(out)], env=self.environment, stderr=subprocess.DEVNULL)
             while not (out / "run.json").exists() and first.poll() is None:
                 time.sleep(0.01)
-            self.said(self.run(*self.command(out)), 2, "the folder already contains a run")
-            for words in (self.command(out, "--overwrite"), [self.program, "resume", out]):
-                self.said(self.run(*words), 2, "another run is at work in this folder")
+            first.send_signal(signal.SIGSTOP)  # so that it is at work until the others have been refused
+            try:
+                self.said(self.run(*self.command(out)), 2, "the folder already contains a run")
+                for words in (self.command(out, "--overwrite"), [self.program, "resume", out]):
+                    self.said(self.run(*words), 2, "another run is at work in this folder")
+            finally:
+                first.send_signal(signal.SIGCONT)
             if first.wait() != 0:
                 raise Lost("the first was disturbed")
             self.same(out)
