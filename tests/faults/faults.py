@@ -159,8 +159,7 @@ class Faults:
                 time.sleep(0.01)
             first.send_signal(signal.SIGSTOP)  # so that it is at work until the others have been refused
             try:
-                self.said(self.run(*self.command(out)), 2, "the folder already contains a run")
-                for words in (self.command(out, "--overwrite"), [self.program, "resume", out]):
+                for words in (self.command(out), self.command(out, "--overwrite"), [self.program, "resume", out]):
                     self.said(self.run(*words), 2, "another run is at work in this folder")
             finally:
                 first.send_signal(signal.SIGCONT)
