@@ -7,6 +7,7 @@
 #include "engine/core/atomic_file.h"
 #include "engine/core/parallel.h"
 #include "render/export/attributes.h"
+#include "render/look/field_values.h"
 
 namespace whorl {
 namespace {
