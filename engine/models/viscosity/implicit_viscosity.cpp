@@ -110,7 +110,7 @@ ImplicitSolution find_solution(const ImplicitOperator& A, const SolveLimits& lim
 
 void take_solution(const ImplicitOperator& A, const ImplicitStep& s, const ImplicitSolution& solution) {
     const Index n = s.u.size();
-    const auto& [u, change] = solution;
+    const Column<Vec3>&u = solution.u, &change = solution.change;
     const ViscousBodies* bodies = A.bodies();
     std::copy(u.begin(), u.begin() + n, s.u.values.begin());
     const Remainder rest(s.context.solids, Push::viscous);
