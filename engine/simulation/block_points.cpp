@@ -34,36 +34,28 @@ double looseness(const BlockKeys& keys, const PressureTraits& pressure) {
     return keys.sampling == Sampling::lattice ? pressure.loosens_lattice : 0;
 }
 
-/// Moves a lattice down to the lower end of its shape, because it would fall there. Does so only if gravity is along an axis and the
-/// lattice leaves at most half a spacing free at each end.
-void put_down(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
-    const Real spacing = step.spacing;
+/// Where a lattice lies in its shape.
+struct Settling {
+    Vec3 down = Vec3::Zero();  ///< unit vector along gravity; zero if gravity is not along an axis
+    Real room = 0;  ///< from half a spacing above the lower end of the shape to the lowest layer [m]; negative: the layer is lower
+};
+
+Settling settling(const std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
+    Settling at;
     Vec3 low, high;
     shape.bounds(low, high);
     for (int a = 0; a < 3; ++a) {
         if (gravity[a] == 0 || step.domain.periodic[a] || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
         const bool down = gravity[a] < 0;
-        Real room = std::numeric_limits<Real>::max();
+        at = {(down ? -1 : 1) * Vec3::Unit(a), std::numeric_limits<Real>::max()};
         for (const Vec3& x : points)
-            if (shape.distance(x) < 0) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - spacing / 2);
-        if (room <= 0 || room > spacing / 2) continue;
-        for (Vec3& x : points) x[a] += down ? -room : room;
+            if (shape.distance(x) < 0) at.room = std::min(at.room, (down ? x[a] - low[a] : high[a] - x[a]) - step.spacing / 2);
     }
+    return at;
 }
 
-/// Moves a lattice up until its lowest layer is half a spacing above the lower end of its shape; down and up as in put_down(). Its upper
-/// end is then outside the shape by at most half a spacing.
-void raise(std::vector<Vec3>& points, const Shape& shape, const Vec3d& gravity, const StepContext& step) {
-    Vec3 low, high;
-    shape.bounds(low, high);
-    for (int a = 0; a < 3; ++a) {
-        if (gravity[a] == 0 || step.domain.periodic[a] || std::abs(gravity[a]) < 0.99 * gravity.norm()) continue;
-        const bool down = gravity[a] < 0;
-        Real room = std::numeric_limits<Real>::max();
-        for (const Vec3& x : points) room = std::min(room, (down ? x[a] - low[a] : high[a] - x[a]) - step.spacing / 2);
-        if (room >= 0) continue;
-        for (Vec3& x : points) x[a] -= down ? room : -room;
-    }
+void move(std::vector<Vec3>& points, const Vec3& by) {
+    for (Vec3& x : points) x += by;
 }
 
 Real distance_from_solids(const World& world, const Vec3& x) {
@@ -131,12 +123,15 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
         const Sampling even = keys.sampling == Sampling::jittered ? Sampling::lattice : keys.sampling;
         std::vector<Vec3> points = sample_shape(*shape, even, world.step.spacing, world.step.domain, seed, layers, beyond);
         if (layers == Layers::within) {
-            put_down(points, *shape, scene.domain.gravity(0), world.step);
+            // It would fall to the lower end of its shape. At most half a spacing is free at each end.
+            const Settling at = settling(points, *shape, scene.domain.gravity(0), world.step);
+            if (at.room > 0 && at.room <= world.step.spacing / 2) move(points, at.room * at.down);
             std::erase_if(points, [&](const Vec3& x) { return shape->distance(x) >= beyond; });
         }
         return points;
     };
     Layers layers = Layers::nearest;
+    Vec3 lift = Vec3::Zero();
     const std::vector<Vec3> all = sample(layers, 0);
     std::vector<Vec3> points = all;
     if (remove_in_solids(points, world) > 0) {
@@ -147,14 +142,20 @@ std::vector<Vec3> points_of_block(const Scene& scene, const Plan& plan, const Wo
             std::vector<Vec3> within = sample(Layers::within, 0);
             remove_in_solids(within, world);
             if (within.size() >= points.size()) points.swap(within), layers = Layers::within;
-            // On a floor only the lowest layer is removed, and the fluid would hover by a spacing.
-            std::vector<Vec3> raised = all;
-            raise(raised, *shape, scene.domain.gravity(0), world.step);
-            remove_in_solids(raised, world);
-            if (raised.size() > points.size()) points.swap(raised), layers = Layers::nearest;
+            // On a floor only the lowest layer is removed, and the fluid would hover by a spacing. A lattice that is lifted instead is
+            // outside the upper end of its shape by at most half a spacing.
+            if (const Settling at = settling(all, *shape, scene.domain.gravity(0), world.step); at.room < 0) {
+                std::vector<Vec3> lifted = all;
+                move(lifted, at.room * at.down);
+                remove_in_solids(lifted, world);
+                if (lifted.size() > points.size()) points.swap(lifted), layers = Layers::nearest, lift = at.room * at.down;
+            }
         }
-        if (plan.traits.viscous())
-            fill_beside_slanted(points, on_lattice ? sample(layers, world.step.spacing / 2) : all, on_lattice, *shape, world);
+        if (plan.traits.viscous()) {
+            std::vector<Vec3> around = on_lattice ? sample(layers, world.step.spacing / 2) : all;
+            move(around, lift);
+            fill_beside_slanted(points, around, on_lattice, *shape, world);
+        }
     }
     if (const double loose = looseness(keys, plan.traits.pressure); loose > 0)
         loosen(points, loose * static_cast<double>(world.step.spacing), seed, *shape, world);
