@@ -26,7 +26,7 @@ void CoupledStep::set_curvature() {
 /// k^2/rho. Bodies would follow it, so around bodies c is at most half of that. H follows from the largest pressure.
 double CoupledStep::share_of_push() const {
     const double density = static_cast<double>(step.rest_density), weight = density * static_cast<double>(step.gravity.norm());
-    if (!steady || !(weight > 0)) return 1;
+    if (!bodies.any() || !(weight > 0)) return 1;
     const double depth = parallel_max(n, 0.0, [&](Index i) { return static_cast<double>(p[i]); }) / weight + static_cast<double>(d);
     const double thinness = parallel_sum(n, [&](Index i) { return 1 / static_cast<double>(mu[i]); }) / static_cast<double>(n);
     const double k = std::numbers::pi / (2 * depth), stable = (options.bulk + 2) / thinness * k * k / density;

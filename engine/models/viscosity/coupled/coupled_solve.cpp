@@ -105,8 +105,7 @@ SolveReport CoupledStep::solve(double reference, bool again) {
     if (!system.rows.any_slip) return report;
     // Removes the momentum of the residual. Otherwise the motion of sliding fluid as a whole would be too small by the tolerance.
     Column<Vec3> rest(entries, Vec3::Zero());
-    parallel_for(n, [&](Index i) { rest[i] = unknowns.part(i, system.preconditioner.coarse(i)); });
-    parallel_for(n, [&](Index i) { solved[i] += rest[i]; });
+    parallel_for(n, [&](Index i) { solved[i] += rest[i] = unknowns.part(i, system.preconditioner.coarse(i)); });
     if (!writes_ledgers()) return report;
     multiply(rest, work);
     parallel_for(all, [&](Index i) { load[i] -= work[i]; });

@@ -55,8 +55,6 @@ struct CoupledStep {
     Index free_particles = 0;
     /// Whether fluid at rest starts to bear its weight. It has no multiplier, and particles are not pushed apart or together.
     const bool starts = step.time == 0 && fastest == 0 && step.gravity != Vec3::Zero();
-    /// Whether the fluid must not move up and down as a whole, because bodies would follow it.
-    const bool steady = solids.any_free();
     bool nothing_held = false;  ///< no solid and no nozzle acts, so momentum is conserved
     Column<Vec3> known{};       ///< the part of the velocities that is prescribed [m/s]
     Column<Vec3> solved{};      ///< the unknown part: first the initial guess, then the solution [m/s]

@@ -39,7 +39,7 @@ void CoupledStep::keep_volume(SolveReport& report) {
         });
         bool kept_it = starts ? dt * std::sqrt(all.squares / n) < at_start : dt * all.missing < tolerated * n;
         // Around bodies the weight is borne in steps of any length, because fluid that falls and stops again would carry them along.
-        const bool bears = starts && steady;
+        const bool bears = starts && bodies.any();
         if (bears) kept_it = kept_it && round > 0 && all.squares < borne * borne * first.squares;
         if (round == 0) {
             if (kept_it || system.no_way_out ||
