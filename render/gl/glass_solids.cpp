@@ -22,16 +22,6 @@ bool overlap(const Bounds& a, const Bounds& b) {
     return ((a.low - near).array() < b.high.array()).all() && ((b.low - near).array() < a.high.array()).all();
 }
 
-float volume_of(const TriangleMesh& mesh) {
-    const Vec3d from = mesh.position.empty() ? Vec3d::Zero().eval() : Vec3d(mesh.position[0].cast<double>());
-    double sum = 0;
-    for (const auto& t : mesh.triangle) {
-        const auto x = [&](std::size_t k) { return Vec3d(mesh.position[t[k]].cast<double>() - from); };
-        sum += x(0).dot(x(1).cross(x(2))) / 6;
-    }
-    return static_cast<float>(std::abs(sum));
-}
-
 /// The bounds of the mesh as a body.
 ConvexBody box_of(const TriangleMesh& mesh) {
     const Bounds bounds = bounds_of(mesh.position);
@@ -53,7 +43,7 @@ void GlassSolids::fill(const std::vector<FrameSolid>& solids) {
     std::vector<Entry> entries;
     for (const FrameSolid& solid : solids) {
         const auto [place, is_new] = known_.try_emplace(solid.mesh);
-        if (is_new) place->second = {exact_solid(*solid.mesh), volume_of(*solid.mesh)};
+        if (is_new) place->second = {exact_solid(*solid.mesh), static_cast<float>(volume_of(*solid.mesh))};
         entries.push_back({&solid, &place->second, entries.size(), -1});
     }
     std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.known->volume < b.known->volume; });

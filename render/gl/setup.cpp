@@ -16,6 +16,15 @@ Bounds bounds_of(const std::vector<Vec3f>& points) {
     return bounds;
 }
 
+double volume_of(const TriangleMesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangle) {
+        const auto x = [&](std::size_t k) { return Vec3d((mesh.position[t[k]] - mesh.position[0]).cast<double>()); };
+        sum += x(0).dot(x(1).cross(x(2))) / 6;
+    }
+    return std::abs(sum);
+}
+
 Bounds bounds_of(const FrameSolid& solid) {
     Bounds bounds;
     for (const Vec3f& x : solid.mesh->position) bounds.add(solid.rotation * x + solid.translation);

@@ -17,6 +17,8 @@ struct Bounds {
 };
 
 Bounds bounds_of(const std::vector<Vec3f>& points);
+/// Volume inside a closed mesh [m^3].
+double volume_of(const TriangleMesh& mesh);
 /// Bounds of a solid at its pose in the frame.
 Bounds bounds_of(const FrameSolid& solid);
 

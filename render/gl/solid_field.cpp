@@ -55,12 +55,10 @@ Volume own_field(const TriangleMesh& mesh, float voxel) {
 
 /// Twice the volume over the area: the thickness of walls [m].
 float mean_thickness(const TriangleMesh& mesh) {
-    double volume = 0, area = 0;
-    for (const auto& t : mesh.triangle) {
-        const auto x = [&](std::size_t k) { return Vec3d((mesh.position[t[k]] - mesh.position[mesh.triangle[0][0]]).cast<double>()); };
-        volume += x(0).dot(x(1).cross(x(2))) / 6, area += (x(1) - x(0)).cross(x(2) - x(0)).norm() / 2;
-    }
-    return static_cast<float>(2 * std::abs(volume) / std::max(area, 1e-30));
+    double area = 0;
+    for (const auto& [a, b, c] : mesh.triangle)
+        area += (mesh.position[b] - mesh.position[a]).cross(mesh.position[c] - mesh.position[a]).cast<double>().norm() / 2;
+    return static_cast<float>(2 * volume_of(mesh) / std::max(area, 1e-30));
 }
 
 Volume own_solid_field(const TriangleMesh& mesh) {
