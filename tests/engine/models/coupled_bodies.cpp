@@ -1,10 +1,10 @@
 // Free bodies as unknowns of the coupled solve.
 #include <catch2/catch.hpp>
 
-#include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/viscosity/coupled/body_solve.h"
 #include "engine/models/viscosity/coupled/two_level.h"
+#include "tests/support/random_vectors.h"
 #include "tests/support/solids.h"
 
 using namespace whorl;
@@ -16,12 +16,6 @@ namespace {
 
 constexpr Real d = 0.002;
 constexpr Real mass = 1000 * d * d * d;
-
-Vec3 vector_of(RandomNumbers& random) {
-    Vec3 v;
-    for (int a = 0; a < 3; ++a) v[a] = static_cast<Real>(2 * random() - 1);
-    return v;
-}
 
 /// A box of particles with nu dt/d^2 = 10 around a free ball of radius 3 d and half the fluid's density.
 struct BallInFluid {
@@ -44,7 +38,7 @@ struct BallInFluid {
         for (int i = -5; i < 5; ++i)
             for (int j = -5; j < 5; ++j)
                 for (int k = -5; k < 5; ++k) {
-                    const Vec3 at = d * (Vec3(Real(i), Real(j), Real(k)) + Vec3::Constant(Real(0.5)) + Real(0.1) * vector_of(random));
+                    const Vec3 at = d * (Vec3(Real(i), Real(j), Real(k)) + Vec3::Constant(Real(0.5)) + Real(0.1) * random_vector(random));
                     if (solids.all[0].distance(at) > Real(0.4) * d) x.push_back(at);
                 }
         role.assign(x.size(), 0), held.assign(x.size(), 0), slip.assign(x.size(), Vec3::Zero());
@@ -58,7 +52,7 @@ struct BallInFluid {
     /// Random velocities; those of the body are about as fast on its surface.
     std::vector<Vec3> velocities(RandomNumbers& random) const {
         std::vector<Vec3> u;
-        for (std::size_t i = 0; i < entries(); ++i) u.push_back(vector_of(random));
+        for (std::size_t i = 0; i < entries(); ++i) u.push_back(random_vector(random));
         u.back() /= 3 * d;
         return u;
     }

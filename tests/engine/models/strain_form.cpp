@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/core/random.h"
 #include "engine/math/conjugate_gradients.h"
 #include "engine/models/viscosity/coupled/two_level.h"
 #include "tests/support/coarse_difference.h"
 #include "tests/support/coupled_world.h"
+#include "tests/support/random_vectors.h"
 
 using namespace whorl;
 using namespace whorl::test;
@@ -16,13 +16,6 @@ namespace strain_form_test {
 namespace {
 
 constexpr Real d = 0.002;
-
-/// Three numbers in [-1, 1).
-Vec3 random_vector(RandomNumbers& random) {
-    Vec3 v;
-    for (int a = 0; a < 3; ++a) v[a] = static_cast<Real>(2 * random() - 1);
-    return v;
-}
 
 /// Rows and form of a blob, with K = nu dt / d^2.
 struct Form {
